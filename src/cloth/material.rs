@@ -1,0 +1,67 @@
+//! What a cloth is made of.
+
+use crate::solver::{DampingForm, Material};
+use bevy::prelude::*;
+
+/// What a cloth is made of. May be changed at any time.
+///
+/// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the same.
+/// The default is a light cotton.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct ClothMaterial {
+    /// Mass per area [kg/m2]. Higher is heavier.
+    pub area_density: f32,
+    /// Resistance of the woven threads to stretching [N/m]. Higher is stiffer and costs more substeps.
+    pub thread_stiffness: f32,
+    /// Resistance to shearing, a square turning into a rhombus [N/m]. Higher is stiffer.
+    pub shear_stiffness: f32,
+    /// Resistance to bending [N m]. Higher makes wider folds.
+    pub flexural_rigidity: f32,
+    /// Damping between neighbouring particles [N s/m]. Higher stops ripples sooner.
+    pub damping: f32,
+    /// Which relative velocity `damping` acts on.
+    pub damping_form: DampingForm,
+    /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner.
+    pub drag: f32,
+    /// Strain that Provot's correction does not let a spring exceed, as a fraction [1]. Higher stretches more.
+    pub max_strain: f32,
+    /// Coulomb's coefficient of friction [1]. Higher slides less.
+    pub friction: f32,
+    /// Distance that the cloth keeps from colliders [m]. Higher is safer and shows a gap.
+    pub thickness: f32,
+}
+
+impl Default for ClothMaterial {
+    fn default() -> Self {
+        Self {
+            area_density: 0.2,
+            thread_stiffness: 2000.0,
+            shear_stiffness: 100.0,
+            flexural_rigidity: 1e-5,
+            damping: 0.0,
+            damping_form: DampingForm::default(),
+            drag: 0.2,
+            max_strain: 0.1,
+            friction: 0.5,
+            thickness: 0.005,
+        }
+    }
+}
+
+impl From<ClothMaterial> for Material {
+    fn from(material: ClothMaterial) -> Self {
+        Self {
+            area_density: material.area_density,
+            thread_stiffness: material.thread_stiffness,
+            shear_stiffness: material.shear_stiffness,
+            flexural_rigidity: material.flexural_rigidity,
+            damping: material.damping,
+            damping_form: material.damping_form,
+            drag: material.drag,
+            max_strain: material.max_strain,
+            friction: material.friction,
+            thickness: material.thickness,
+        }
+    }
+}

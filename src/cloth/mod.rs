@@ -1,0 +1,90 @@
+//! What users spawn and tune: [`Cloth`] and the components beside it.
+
+pub(crate) mod attachment;
+mod gravity;
+pub(crate) mod grid;
+mod material;
+mod pins;
+pub(crate) mod pose;
+mod settings;
+pub(crate) mod setup;
+mod sheet;
+mod simulation;
+
+pub use grid::GridProblem;
+pub use gravity::{ClothGravity, ClothGravityOverride};
+pub use material::ClothMaterial;
+pub use pins::{ClothPins, Pin, PinProblem, PinSelection};
+pub use settings::{ClothInterpolation, ClothSettings};
+pub use simulation::ClothSimulation;
+
+pub(crate) use sheet::LatticeCache;
+
+use bevy::prelude::*;
+
+/// A piece of cloth.
+///
+/// Spawning it is enough: the components beside it come with their defaults, and the plugin adds a
+/// [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where the
+/// app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
+/// (`double_sided: true, cull_mode: None`).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn((
+///     Cloth::sheet(Vec2::splat(2.0), UVec2::splat(64)),
+///     ClothPins::vertices([0, 63]),
+///     Transform::from_xyz(0.0, 2.0, 0.0),
+/// ));
+/// # }
+/// ```
+///
+/// The cloth is simulated in world space. It starts where the entity's transform puts its rest shape;
+/// afterwards moving the entity moves only the pins that follow it. The entity may be scaled alike along
+/// all axes: the cloth is that much larger when it is set up. Another scale is refused with a
+/// [`ClothError`](crate::ClothError).
+///
+/// Changing the component starts the cloth anew.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq, Clone)]
+#[require(ClothMaterial, ClothSettings, ClothPins, ClothInterpolation, Transform, Visibility)]
+pub struct Cloth {
+    /// Where the rest shape comes from.
+    pub shape: ClothShape,
+}
+
+/// Where the rest shape of a [`Cloth`] comes from.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, PartialEq, Clone)]
+pub enum ClothShape {
+    /// A flat rectangle in the entity's xz plane, centred on its origin.
+    Sheet {
+        /// Width along x and depth along z [m]. Larger is more cloth.
+        size: Vec2,
+        /// Columns (along x) and rows (along z) of particles, at least 2 each. More is finer and slower.
+        particles: UVec2,
+    },
+    /// The entity's own `Mesh3d`.
+    Mesh,
+}
+
+impl Cloth {
+    /// A flat sheet of `size` metres in the entity's xz plane, centred on its origin and facing +y.
+    ///
+    /// `particles` are its columns, along +x, and its rows, along +z. The particle in row `r` and column
+    /// `c` is vertex `r * columns + c`.
+    pub fn sheet(size: Vec2, particles: UVec2) -> Self {
+        Self { shape: ClothShape::Sheet { size, particles } }
+    }
+
+    /// The mesh of the entity's `Mesh3d`, whatever its shape in space.
+    ///
+    /// Its triangles must make an open grid of rows x columns quads, the vertices in any order. The mesh
+    /// may still be loading. The cloth draws into a copy of its own: the asset is never written to, and
+    /// any number of cloths can be made from it.
+    pub fn from_mesh() -> Self {
+        Self { shape: ClothShape::Mesh }
+    }
+}

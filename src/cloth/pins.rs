@@ -1,0 +1,173 @@
+//! Which particles are held, and by what: data, not closures.
+
+use bevy::prelude::*;
+
+/// The particles of a cloth that are held. May be changed at any time.
+///
+/// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the entity's
+/// frame. A pin with an anchor keeps, in the anchor's frame, the place that it had when it was attached.
+/// What no pin holds any more is released and falls from where it is.
+///
+/// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once, as a
+/// [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct ClothPins {
+    /// The pins. Where several hold a particle, the last one does.
+    pub pins: Vec<Pin>,
+}
+
+/// Some particles of a cloth, held by one thing.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, PartialEq, Clone)]
+pub struct Pin {
+    /// The particles.
+    pub selection: PinSelection,
+    /// What holds them; `None` is the cloth's own entity.
+    pub anchor: Option<Entity>,
+}
+
+/// A choice of particles.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, PartialEq, Clone)]
+pub enum PinSelection {
+    /// These vertices of the mesh; of a sheet, `row * columns + column`.
+    Vertices(Vec<u32>),
+    /// All particles whose rest position lies in a box of the cloth's own frame.
+    Within {
+        /// Smallest coordinates [m].
+        min: Vec3,
+        /// Largest coordinates [m].
+        max: Vec3,
+    },
+    /// The four corners.
+    Corners,
+    /// The first row: of a sheet, its edge at -z.
+    FirstRow,
+    /// The last row: of a sheet, its edge at +z.
+    LastRow,
+    /// The first column: of a sheet, its edge at -x.
+    FirstColumn,
+    /// The last column: of a sheet, its edge at +x.
+    LastColumn,
+    /// Every particle.
+    All,
+}
+
+impl From<PinSelection> for Pin {
+    fn from(selection: PinSelection) -> Self {
+        Self { selection, anchor: None }
+    }
+}
+
+impl From<PinSelection> for ClothPins {
+    fn from(selection: PinSelection) -> Self {
+        Self { pins: vec![selection.into()] }
+    }
+}
+
+impl ClothPins {
+    /// Nothing is held.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Holds these vertices of the mesh; of a sheet, `row * columns + column`.
+    pub fn vertices(vertices: impl IntoIterator<Item = u32>) -> Self {
+        PinSelection::Vertices(vertices.into_iter().collect()).into()
+    }
+
+    /// Holds what lies at rest in a box of the cloth's own frame [m].
+    pub fn within(min: Vec3, max: Vec3) -> Self {
+        PinSelection::Within { min, max }.into()
+    }
+
+    /// Lets `anchor` hold all pins so far that have no anchor.
+    pub fn anchored_to(mut self, anchor: Entity) -> Self {
+        for pin in &mut self.pins {
+            pin.anchor.get_or_insert(anchor);
+        }
+        self
+    }
+
+    /// Adds the pins of another list.
+    pub fn and(mut self, other: impl Into<Self>) -> Self {
+        self.pins.extend(other.into().pins);
+        self
+    }
+}
+
+/// The shape of a cloth, as far as choosing particles of it goes.
+pub(crate) struct Choices<'a> {
+    pub rows: usize,
+    pub columns: usize,
+    /// Particle of each vertex; `None` where they are the same.
+    pub particle_of_vertex: Option<&'a [u32]>,
+    /// Rest positions [m], by particle.
+    pub rest: &'a [Vec3],
+    /// Factor from rest positions to the cloth's own frame.
+    pub inverse_scale: f32,
+}
+
+/// Why a [`Pin`] holds nothing.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PinProblem {
+    /// There is no such vertex.
+    #[error("there is no vertex {vertex}, the cloth has {count}; choose from 0 to {}", count.saturating_sub(1))]
+    NoSuchVertex {
+        /// The vertex asked for.
+        vertex: u32,
+        /// Vertices of the cloth.
+        count: usize,
+    },
+    /// No particle is chosen.
+    #[error("no particle is chosen; compare the box with the mesh's positions in its own frame")]
+    Empty,
+    /// The anchor does not exist, or has no `Transform`.
+    #[error("its anchor {0} is not there or has no Transform; its particles are released")]
+    NoAnchor(Entity),
+    /// The anchor is scaled differently along its axes.
+    #[error("its anchor {0} has a scale that is not uniform and positive; use a child of scale 1")]
+    AnchorScale(Entity),
+}
+
+impl PinSelection {
+    /// Calls `hold` with every particle chosen, once or more.
+    pub(crate) fn for_each(
+        &self,
+        cloth: &Choices,
+        mut hold: impl FnMut(u32),
+    ) -> Result<(), PinProblem> {
+        let (rows, columns) = (cloth.rows, cloth.columns);
+        let count = rows * columns;
+        let mut chosen = false;
+        let mut pick = |particle: usize| {
+            chosen = true;
+            hold(particle as u32);
+        };
+        match self {
+            Self::Vertices(vertices) => {
+                if let Some(&vertex) = vertices.iter().find(|v| **v as usize >= count) {
+                    return Err(PinProblem::NoSuchVertex { vertex, count });
+                }
+                let map = cloth.particle_of_vertex;
+                vertices.iter().for_each(|&v| {
+                    pick(map.map_or(v as usize, |map| map[v as usize] as usize));
+                });
+            }
+            Self::Within { min, max } => (0..count)
+                .filter(|&i| {
+                    let place = cloth.rest[i] * cloth.inverse_scale;
+                    place.cmpge(*min).all() && place.cmple(*max).all()
+                })
+                .for_each(pick),
+            Self::Corners => [0, columns - 1, count - columns, count - 1].into_iter().for_each(pick),
+            Self::FirstRow => (0..columns).for_each(pick),
+            Self::LastRow => (count - columns..count).for_each(pick),
+            Self::FirstColumn => (0..rows).for_each(|r| pick(r * columns)),
+            Self::LastColumn => (0..rows).for_each(|r| pick(r * columns + columns - 1)),
+            Self::All => (0..count).for_each(pick),
+        }
+        if chosen { Ok(()) } else { Err(PinProblem::Empty) }
+    }
+}

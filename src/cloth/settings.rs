@@ -1,0 +1,70 @@
+//! How a cloth is solved and drawn.
+
+use crate::solver::{Bending, FormChoice, MassLumping, Settings, Substeps};
+use bevy::prelude::*;
+
+/// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct ClothSettings {
+    /// Substeps in a tick. More are more accurate, carry stiffer springs, and cost in proportion.
+    pub substeps: Substeps,
+    /// Springs, whole threads, or whichever carries the material.
+    pub form: FormChoice,
+    /// Passes of Provot's correction in a substep. More hold the strain limit closer.
+    pub provot_passes: u32,
+    /// Whether masses and springs of the border count half. Changing it keeps the cloth where it is.
+    pub masses: MassLumping,
+    /// Bending model.
+    pub bending: Bending,
+    /// Whether no particle gets further from the pins than the cloth between them allows.
+    pub tethers: bool,
+    /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no higher.
+    pub max_speed: f32,
+}
+
+impl Default for ClothSettings {
+    fn default() -> Self {
+        Settings::default().into()
+    }
+}
+
+impl From<Settings> for ClothSettings {
+    fn from(settings: Settings) -> Self {
+        Self {
+            substeps: settings.substeps,
+            form: settings.form,
+            provot_passes: settings.provot_passes,
+            masses: settings.lumping,
+            bending: settings.bending,
+            tethers: settings.tethers,
+            max_speed: settings.max_speed,
+        }
+    }
+}
+
+impl From<ClothSettings> for Settings {
+    fn from(settings: ClothSettings) -> Self {
+        Self {
+            substeps: settings.substeps,
+            form: settings.form,
+            provot_passes: settings.provot_passes,
+            lumping: settings.masses,
+            bending: settings.bending,
+            tethers: settings.tethers,
+            max_speed: settings.max_speed,
+        }
+    }
+}
+
+/// What is drawn of a cloth between two ticks.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub enum ClothInterpolation {
+    /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended particle may
+    /// dip into a collider between the two.
+    #[default]
+    Blend,
+    /// The last tick as it is: never inside a collider, but it stutters unless frames and ticks go together.
+    LastTick,
+}

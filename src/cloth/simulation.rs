@@ -1,0 +1,140 @@
+//! The running cloth: its solver, its pins' motion, and what others may read of it.
+
+use super::{ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices};
+use crate::{
+    solver::{ClothSolver, Isa, Plan, SolverError, StrainReport, TickReport},
+    step::ClothStep,
+};
+use bevy::prelude::*;
+
+/// A cloth that is being simulated. The plugin adds it to every [`Cloth`](super::Cloth) as soon as that has
+/// all it needs.
+///
+/// Positions are in world space, at the end of the last tick, row by row. Removing the component starts the
+/// cloth anew.
+#[derive(Component)]
+pub struct ClothSimulation {
+    pub(crate) solver: ClothSolver,
+    pub(crate) attachments: Attachments,
+    /// What it was made from.
+    pub(crate) shape: ClothShape,
+    /// What is in force: the components may hold numbers that were refused.
+    pub(crate) material: ClothMaterial,
+    pub(crate) settings: ClothSettings,
+    /// `None` until the pins of a new cloth are resolved.
+    pub(crate) pins: Option<ClothPins>,
+    /// The entity's uniform scale at setup.
+    pub(crate) scale: f32,
+    /// The particle of each vertex; `None` where they are the same.
+    pub(crate) particle_of_vertex: Option<Box<[u32]>>,
+    /// This tick's surroundings.
+    pub(crate) step: ClothStep,
+    /// This tick's result, until it is looked at.
+    pub(crate) outcome: Option<Result<TickReport, SolverError>>,
+    pub(crate) last_tick: Option<TickReport>,
+    pub(crate) tick_count: u64,
+    /// It diverged, and waits for other numbers.
+    pub(crate) frozen: bool,
+    /// Something has moved since the mesh was last written.
+    pub(crate) stale: bool,
+}
+
+impl ClothSimulation {
+    /// What the solver chose, and why: springs or threads, and how many substeps.
+    pub fn plan(&self) -> &Plan {
+        self.solver.plan()
+    }
+
+    /// What the last tick measured; `None` before the first one.
+    pub fn last_tick(&self) -> Option<&TickReport> {
+        self.last_tick.as_ref()
+    }
+
+    /// Ticks simulated so far.
+    pub fn tick_count(&self) -> u64 {
+        self.tick_count
+    }
+
+    /// Whether the cloth is held because it was no longer finite. See its `ClothFailure`.
+    pub fn is_frozen(&self) -> bool {
+        self.frozen
+    }
+
+    /// Rows of particles.
+    pub fn rows(&self) -> usize {
+        self.solver.lattice().rows()
+    }
+
+    /// Columns of particles.
+    pub fn columns(&self) -> usize {
+        self.solver.lattice().columns()
+    }
+
+    /// Number of particles.
+    pub fn particle_count(&self) -> usize {
+        self.solver.lattice().particle_count()
+    }
+
+    /// Number of structural and shear springs.
+    pub fn spring_count(&self) -> usize {
+        self.solver.lattice().spring_count()
+    }
+
+    /// The particle of a vertex of the mesh, `None` where there is no such vertex.
+    pub fn particle_of_vertex(&self, vertex: u32) -> Option<u32> {
+        let inside = (vertex as usize) < self.particle_count();
+        inside.then(|| self.particle_of_vertex.as_ref().map_or(vertex, |map| map[vertex as usize]))
+    }
+
+    /// Position of a particle in the world [m], `None` where there is no such particle.
+    pub fn position(&self, particle: usize) -> Option<Vec3> {
+        (particle < self.particle_count()).then(|| self.solver.position(particle))
+    }
+
+    /// Velocity of a particle [m/s], `None` where there is no such particle.
+    pub fn velocity(&self, particle: usize) -> Option<Vec3> {
+        (particle < self.particle_count()).then(|| self.solver.velocity(particle))
+    }
+
+    /// Positions of all particles in the world [m].
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        (0..self.particle_count()).map(|particle| self.solver.position(particle))
+    }
+
+    /// The particles that are held, in ascending order.
+    pub fn pinned(&self) -> &[u32] {
+        self.solver.pins()
+    }
+
+    /// Gives every free particle a velocity [m/s], a function of its position in the world [m].
+    pub fn set_velocities(&mut self, velocity: impl Fn(Vec3) -> Vec3) {
+        for particle in 0..self.particle_count() {
+            let velocity = velocity(self.solver.position(particle));
+            if self.pinned().binary_search(&(particle as u32)).is_err() {
+                // What is not finite is refused, and the particle keeps its own.
+                let _ = self.solver.set_velocity(particle, velocity);
+            }
+        }
+    }
+
+    /// Strain of the threads. Looks at all of them and sorts: for reports, not for every tick.
+    pub fn strain(&self) -> StrainReport {
+        self.solver.strain()
+    }
+
+    /// Chooses how the kernels are compiled. Every choice gives the same bits.
+    pub fn set_isa(&mut self, isa: Isa) {
+        self.solver.set_isa(isa);
+    }
+
+    /// What choosing particles needs to know.
+    pub(crate) fn choices(&self) -> Choices<'_> {
+        Choices {
+            rows: self.rows(),
+            columns: self.columns(),
+            particle_of_vertex: self.particle_of_vertex.as_deref(),
+            rest: self.solver.lattice().rest_positions(),
+            inverse_scale: 1.0 / self.scale,
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Bakes an entity's mesh to a distance field, off the main thread.
+
+use super::{SdfCollider, SdfShape};
+use crate::{
+    error::{Blame, ClothError, Failures},
+    mesh::MeshSource,
+    sdf::{BakeError, BakeSettings, DistanceField},
+};
+use bevy::{
+    prelude::*,
+    tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future::poll_once},
+};
+
+/// Makes the entity an [`SdfCollider`] of its own mesh, or of another, by baking it to a
+/// [`DistanceField`] in a background task.
+///
+/// The mesh must be closed. It may still be loading. Where the entity has an `SdfCollider` already, its shape
+/// alone is replaced. Changing the component bakes anew; the old field serves until then.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default, Debug, Clone)]
+#[require(Transform)]
+pub struct BakeSdf {
+    /// The mesh; `None` is the entity's own `Mesh3d`.
+    pub mesh: Option<Handle<Mesh>>,
+    /// How fine the field is.
+    pub cells: SdfCells,
+}
+
+/// How fine a baked field is, and how far it reaches.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Default, PartialEq, Clone)]
+pub enum SdfCells {
+    /// So many cells along the longest side of the mesh. More follow it closer; memory grows with the cube.
+    Count(u32),
+    /// A given size.
+    Size {
+        /// Spacing of the grid [m]. Smaller follows the mesh closer; memory grows with the cube.
+        cell_size: f32,
+        /// How far the grid reaches beyond the mesh [m]. Larger is exact further out.
+        margin: f32,
+    },
+}
+
+impl Default for SdfCells {
+    fn default() -> Self {
+        Self::Count(64)
+    }
+}
+
+impl BakeSdf {
+    /// Bakes the entity's own mesh with so many cells along its longest side.
+    pub fn with_cells(count: u32) -> Self {
+        Self { mesh: None, cells: SdfCells::Count(count) }
+    }
+
+    /// Bakes the entity's own mesh with cells of `cell_size` [m], `margin` [m] beyond it.
+    pub fn with_cell_size(cell_size: f32, margin: f32) -> Self {
+        Self { mesh: None, cells: SdfCells::Size { cell_size, margin } }
+    }
+
+    /// Bakes another mesh than the entity's own.
+    pub fn of(self, mesh: Handle<Mesh>) -> Self {
+        Self { mesh: Some(mesh), ..self }
+    }
+}
+
+/// A bake under way.
+#[derive(Component)]
+pub(crate) struct Baking(Task<Result<DistanceField, BakeError>>);
+
+/// A bake that is finished, well or not, for this mesh.
+#[derive(Component)]
+pub(crate) struct Baked;
+
+/// Starts baking what is new or changed, as soon as its mesh is there.
+pub(crate) fn start_bakes(
+    bakes: Query<(Entity, Ref<BakeSdf>, Option<Ref<Mesh3d>>, Has<Baking>, Has<Baked>)>,
+    meshes: MeshSource,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    for (entity, bake, mesh3d, baking, baked) in &bakes {
+        let other_mesh = bake.mesh.is_none() && mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
+        let wanted = bake.is_changed() || other_mesh || !(baking || baked || failures.blames(entity, Blame::Bake));
+        if !wanted {
+            continue;
+        }
+        let handle = bake.mesh.as_ref().or(mesh3d.as_deref().map(|mesh3d| &mesh3d.0));
+        match meshes.triangles(handle) {
+            Ok(Some((positions, indices))) => {
+                let cells = bake.cells;
+                let task = AsyncComputeTaskPool::get()
+                    .spawn(async move { bake_mesh(&positions, &indices, cells) });
+                commands.entity(entity).try_insert(Baking(task)).try_remove::<Baked>();
+            }
+            // Still loading.
+            Ok(None) => {
+                commands.entity(entity).try_remove::<(Baking, Baked)>();
+            }
+            Err(problem) => failures.report(entity, ClothError::ColliderMesh { entity, problem }),
+        }
+    }
+}
+
+fn bake_mesh(
+    positions: &[Vec3],
+    indices: &[u32],
+    cells: SdfCells,
+) -> Result<DistanceField, BakeError> {
+    let settings = match cells {
+        SdfCells::Count(count) => BakeSettings::for_mesh(positions, count),
+        SdfCells::Size { cell_size, margin } => BakeSettings { cell_size, margin },
+    };
+    DistanceField::bake(positions, indices, &settings)
+}
+
+/// Gives finished fields to their colliders.
+pub(crate) fn finish_bakes(
+    mut bakes: Query<(Entity, &mut Baking, Option<&mut SdfCollider>)>,
+    mut fields: ResMut<Assets<DistanceField>>,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    for (entity, mut baking, collider) in &mut bakes {
+        let Some(result) = block_on(poll_once(&mut baking.0)) else {
+            continue;
+        };
+        commands.entity(entity).try_remove::<Baking>().try_insert(Baked);
+        match result {
+            Ok(field) => {
+                failures.clear(entity, Blame::Bake);
+                let shape = SdfShape::Field(fields.add(field));
+                match collider {
+                    Some(mut collider) => collider.shape = shape,
+                    None => {
+                        commands.entity(entity).try_insert(SdfCollider::new(shape));
+                    }
+                }
+            }
+            Err(problem) => failures.report(entity, ClothError::Bake { entity, problem }),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The solids that a collider can be.
+
+use crate::sdf::{DistanceField, SignedDistance};
+use bevy::{
+    math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus},
+    prelude::*,
+};
+use std::sync::Arc;
+
+/// The solid of an [`SdfCollider`](super::SdfCollider), in its entity's frame.
+#[derive(Reflect, Clone, Debug)]
+#[reflect(Debug, Clone)]
+pub enum SdfShape {
+    /// A ball.
+    Sphere(Sphere),
+    /// A box.
+    Cuboid(Cuboid),
+    /// A capsule along y.
+    Capsule3d(Capsule3d),
+    /// The half-space below a plane.
+    InfinitePlane3d(InfinitePlane3d),
+    /// A cylinder along y.
+    Cylinder(Cylinder),
+    /// A ring around y.
+    Torus(Torus),
+    /// A cone along y.
+    Cone(Cone),
+    /// A mesh, baked to a field. Left out until it is loaded.
+    Field(Handle<DistanceField>),
+    /// Anything else.
+    Custom(CustomSdf),
+}
+
+/// A solid of one's own.
+#[derive(Reflect, Clone, Debug, Deref)]
+#[reflect(opaque, Debug, Clone)]
+pub struct CustomSdf(pub Arc<dyn SignedDistance>);
+
+impl SdfShape {
+    /// The solid itself; `None` while its field is not there.
+    pub(crate) fn get<'a>(
+        &'a self,
+        fields: Option<&'a Assets<DistanceField>>,
+    ) -> Option<&'a dyn SignedDistance> {
+        Some(match self {
+            Self::Sphere(shape) => shape,
+            Self::Cuboid(shape) => shape,
+            Self::Capsule3d(shape) => shape,
+            Self::InfinitePlane3d(shape) => shape,
+            Self::Cylinder(shape) => shape,
+            Self::Torus(shape) => shape,
+            Self::Cone(shape) => shape,
+            Self::Field(field) => fields?.get(field)?,
+            Self::Custom(shape) => &*shape.0,
+        })
+    }
+}
+
+macro_rules! from_shapes {
+    ($($variant:ident($shape:ty)),* $(,)?) => {
+        $(impl From<$shape> for SdfShape {
+            fn from(shape: $shape) -> Self {
+                Self::$variant(shape)
+            }
+        })*
+    };
+}
+
+from_shapes!(
+    Sphere(Sphere),
+    Cuboid(Cuboid),
+    Capsule3d(Capsule3d),
+    InfinitePlane3d(InfinitePlane3d),
+    Cylinder(Cylinder),
+    Torus(Torus),
+    Cone(Cone),
+    Field(Handle<DistanceField>),
+    Custom(CustomSdf),
+);
+
+impl From<Arc<dyn SignedDistance>> for SdfShape {
+    fn from(shape: Arc<dyn SignedDistance>) -> Self {
+        Self::Custom(CustomSdf(shape))
+    }
+}

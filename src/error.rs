@@ -1,0 +1,189 @@
+//! What can go wrong, told to the entity that it concerns.
+
+use crate::{
+    cloth::PinProblem,
+    mesh::MeshProblem,
+    sdf::BakeError,
+    solver::{LatticeError, ParameterError, SolverError},
+};
+use bevy::{ecs::system::SystemParam, prelude::*};
+
+/// Why a cloth, a pin or a collider does not work, and what to do about it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClothError {
+    /// The mesh cannot become a cloth.
+    #[error("cloth {entity}: {problem}")]
+    Mesh {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its mesh.
+        problem: MeshProblem,
+    },
+    /// The cloth's own mesh cannot be written. It is simulated all the same.
+    #[error("cloth {entity} cannot be drawn: {problem}")]
+    Draw {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its mesh.
+        problem: MeshProblem,
+    },
+    /// The rest shape makes no lattice.
+    #[error("cloth {entity}: {problem}; change `Cloth` or its mesh")]
+    Shape {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its rest shape.
+        problem: LatticeError,
+    },
+    /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running cloth keeps
+    /// the last good ones, a collider is left out.
+    #[error("{entity}: {problem}; change `{component}`")]
+    Parameter {
+        /// The cloth or collider.
+        entity: Entity,
+        /// The component that holds the number.
+        component: &'static str,
+        /// The number and its range.
+        problem: ParameterError,
+    },
+    /// A pin holds nothing, or is held by nothing.
+    #[error("cloth {entity}, pin {pin}: {problem}")]
+    Pin {
+        /// The cloth.
+        entity: Entity,
+        /// Index in `ClothPins::pins`.
+        pin: usize,
+        /// What is wrong with it.
+        problem: PinProblem,
+    },
+    /// The entity's transform is missing, not finite, or scales its axes differently.
+    #[error(
+        "{entity}: its transform (with its parents') must be finite and its scale uniform and positive, but the \
+         scale is {scale}; put the uneven scale into the mesh or the size"
+    )]
+    Scale {
+        /// The cloth or collider.
+        entity: Entity,
+        /// Its scale in the world.
+        scale: Vec3,
+    },
+    /// The entity or one of its ancestors has no `Transform`.
+    #[error("{entity}: it or one of its parents has no `Transform`; insert one")]
+    NoTransform {
+        /// The cloth or collider.
+        entity: Entity,
+    },
+    /// The solver refuses to go on. The cloth stays where it was last finite.
+    #[error("cloth {entity}: {problem}; it is held until its material or settings change")]
+    Solver {
+        /// The cloth.
+        entity: Entity,
+        /// What the solver says.
+        problem: SolverError,
+    },
+    /// The plugin's schedule does not run at a fixed step.
+    #[error(
+        "cloth {entity} is not simulated: the schedule given to `ClothPlugin` does not run in the fixed main \
+         loop; use `FixedPostUpdate` (the default) or another fixed schedule"
+    )]
+    VariableStep {
+        /// The cloth.
+        entity: Entity,
+    },
+    /// The mesh cannot become a distance field.
+    #[error("collider {entity}: {problem}")]
+    Bake {
+        /// The collider.
+        entity: Entity,
+        /// What is wrong with its mesh, or with the settings.
+        problem: BakeError,
+    },
+    /// The collider's mesh cannot be read.
+    #[error("collider {entity}: {problem}")]
+    ColliderMesh {
+        /// The collider.
+        entity: Entity,
+        /// What is wrong with its mesh.
+        problem: MeshProblem,
+    },
+}
+
+/// Is on an entity as long as something is wrong with its cloth or collider.
+///
+/// Each error is logged once. It is removed when the component at fault is changed and found good.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct ClothFailure {
+    /// What is wrong.
+    pub error: ClothError,
+}
+
+/// What has to change before an error is gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Blame {
+    Shape,
+    Material,
+    Settings,
+    Pins,
+    Pose,
+    Motion,
+    Drawing,
+    Collider,
+    Schedule,
+    Bake,
+}
+
+impl ClothError {
+    pub(crate) fn blame(&self) -> Blame {
+        match self {
+            Self::Mesh { .. } | Self::Shape { .. } => Blame::Shape,
+            Self::Draw { .. } => Blame::Drawing,
+            Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
+            Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
+            Self::Parameter { .. } => Blame::Settings,
+            Self::Pin { problem: PinProblem::AnchorScale(_), .. }
+            | Self::Scale { .. }
+            | Self::NoTransform { .. } => Blame::Pose,
+            Self::Pin { .. } => Blame::Pins,
+            Self::Solver { .. } => Blame::Motion,
+            Self::VariableStep { .. } => Blame::Schedule,
+            Self::Bake { .. } | Self::ColliderMesh { .. } => Blame::Bake,
+        }
+    }
+}
+
+/// Puts errors on entities, and takes them off.
+#[derive(SystemParam)]
+pub(crate) struct Failures<'w, 's> {
+    commands: Commands<'w, 's>,
+    known: Query<'w, 's, &'static ClothFailure>,
+}
+
+impl Failures<'_, '_> {
+    /// Logs an error and keeps it on the entity, once.
+    pub fn report(&mut self, entity: Entity, error: ClothError) {
+        // By the message, as an error may hold a NaN, which is not equal to itself.
+        let message = error.to_string();
+        if self.known.get(entity).is_ok_and(|known| known.error.to_string() == message) {
+            return;
+        }
+        error!("{message}");
+        self.commands.entity(entity).try_insert(ClothFailure { error });
+    }
+
+    /// Forgets the entity's error if it is this component's.
+    pub fn clear(&mut self, entity: Entity, blame: Blame) {
+        if self.blames(entity, blame) {
+            self.commands.entity(entity).try_remove::<ClothFailure>();
+        }
+    }
+
+    /// Whether the entity's error is this component's.
+    pub fn blames(&self, entity: Entity, blame: Blame) -> bool {
+        self.known.get(entity).is_ok_and(|known| known.error.blame() == blame)
+    }
+
+    /// Whether the entity has an error.
+    pub fn has(&self, entity: Entity) -> bool {
+        self.known.contains(entity)
+    }
+}

@@ -1,0 +1,92 @@
+//! Real-time cloth for Bevy: a mass-spring sheet that hangs, drapes and slides over solids.
+//!
+//! Add [`ClothPlugin`], spawn a [`Cloth`] and something to fall on:
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_drape::prelude::*;
+//!
+//! let mut app = App::new();
+//! // A game has `DefaultPlugins`. Bare `MinimalPlugins` simulate as well, and draw nothing.
+//! app.add_plugins((MinimalPlugins, ClothPlugin::default()));
+//! # app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
+//! app.world_mut().spawn((SdfCollider::from(Sphere::new(0.5)), Transform::default()));
+//! let cloth = app
+//!     .world_mut()
+//!     .spawn((
+//!         Cloth::sheet(Vec2::splat(1.6), UVec2::splat(24)),
+//!         ClothMaterial { area_density: 0.15, ..default() },
+//!         Transform::from_xyz(0.0, 0.6, 0.0),
+//!     ))
+//!     .id();
+//! # app.finish();
+//! # app.cleanup();
+//! # for _ in 0..40 {
+//! app.update();
+//! # }
+//! let running = app.world().get::<ClothSimulation>(cloth);
+//! # let running = running.expect("the cloth is set up in its first frame");
+//! # for position in running.positions() {
+//! #     assert!(position.is_finite() && position.length() > 0.499);
+//! # }
+//! # assert!(running.last_tick().is_some());
+//! ```
+//!
+//! # How a tick goes
+//!
+//! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
+//!   [`ClothSimulation`]; changed components change it.
+//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity.
+//! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
+//!   whether by explicit springs or by whole threads, follows from the material; see [`ClothSimulation::plan`].
+//! - **Draw**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
+//!
+//! # Units
+//!
+//! SI throughout: metres, kilograms, seconds, newtons. A finer sheet of the same material weighs the same
+//! and stretches alike.
+//!
+//! # What goes wrong
+//!
+//! Nothing a game passes makes a cloth panic: what cannot be used is a [`ClothError`] that names the entity
+//! and says what to do, logged once and kept on the entity as [`ClothFailure`]. Other cloths go on.
+//!
+//! # Limits
+//!
+//! - A cloth is a rectangular sheet, or a mesh that is an open grid of quads.
+//! - Cloths do not meet each other, nor themselves, and do not push colliders.
+//! - Colliders are rigid, and scaled alike along all axes.
+//! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
+
+#![forbid(unsafe_code)]
+
+mod cloth;
+mod collider;
+mod error;
+mod mesh;
+mod plugin;
+pub mod sdf;
+pub mod solver;
+mod step;
+
+pub use cloth::{
+    Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
+    ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
+};
+pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
+pub use error::{ClothError, ClothFailure};
+pub use mesh::MeshProblem;
+pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
+pub use step::ClothExecution;
+
+/// What a game needs: `use bevy_drape::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity, ClothGravityOverride,
+        ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape,
+        ClothSimulation, ClothSubstep, ClothSubstepSystems, ClothSystems, Pin, PinSelection, SdfCells,
+        SdfCollider, SdfShape,
+        sdf::{DistanceField, SignedDistance},
+        solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
+    };
+}

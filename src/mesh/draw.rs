@@ -1,0 +1,203 @@
+//! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
+
+use super::{MeshProblem, normals::CellRows};
+use crate::{
+    cloth::{
+        ClothInterpolation, ClothSimulation,
+        attachment::Attachments,
+        pose::{pose_now, to_world},
+    },
+    error::{Blame, ClothError, Failures},
+};
+use bevy::{
+    camera::primitives::Aabb,
+    math::{Affine3A, Mat3A},
+    mesh::VertexAttributeValues,
+    prelude::*,
+    time::Fixed,
+};
+
+/// The mesh that a cloth draws into, and what was last drawn.
+#[derive(Component)]
+pub(crate) struct ClothMesh {
+    pub handle: Handle<Mesh>,
+    /// The mesh that it is a copy of.
+    pub source: Option<Handle<Mesh>>,
+    /// The vertex of each particle; `None` where they are the same.
+    vertex_of_particle: Option<Box<[u32]>>,
+    /// Positions in the entity's frame, by particle.
+    points: Vec<Vec3>,
+    cells: CellRows,
+    drawn: Option<Drawn>,
+}
+
+/// The state of things when the mesh was written.
+#[derive(Clone, Copy, PartialEq)]
+struct Drawn {
+    tick: u64,
+    blend: f32,
+    transform: Affine3A,
+    /// Nothing moved in the tick, so that it looks the same at any blend.
+    settled: bool,
+}
+
+impl ClothMesh {
+    pub fn new(
+        handle: Handle<Mesh>,
+        source: Option<Handle<Mesh>>,
+        vertex_of_particle: Option<Box<[u32]>>,
+        rows: usize,
+        columns: usize,
+    ) -> Self {
+        Self {
+            handle,
+            source,
+            vertex_of_particle,
+            points: vec![Vec3::ZERO; rows * columns],
+            cells: CellRows::new(columns),
+            drawn: None,
+        }
+    }
+}
+
+/// Draws all cloths that have moved.
+pub(crate) fn draw_cloths(
+    mut cloths: Query<(
+        Entity,
+        &mut ClothSimulation,
+        &mut ClothMesh,
+        &ClothInterpolation,
+        Option<&mut Aabb>,
+    )>,
+    transforms: TransformHelper,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+    time: Option<Res<Time<Fixed>>>,
+    mut failures: Failures,
+) {
+    let Some(mut meshes) = meshes else {
+        return;
+    };
+    let overstep = time.map_or(1.0, |time| time.overstep_fraction().min(1.0));
+    for (entity, mut cloth, mut own, interpolation, aabb) in &mut cloths {
+        let (cloth, own) = (&mut *cloth, &mut *own);
+        let Ok(global) = transforms.compute_global_transform(entity) else {
+            continue;
+        };
+        let blend = match interpolation {
+            ClothInterpolation::Blend => overstep,
+            ClothInterpolation::LastTick => 1.0,
+        };
+        let now = Drawn {
+            tick: cloth.tick_count,
+            blend,
+            transform: global.affine(),
+            settled: !cloth.solver.has_moved(),
+        };
+        let anchors_moved = note_anchors(&mut cloth.attachments, &transforms, entity);
+        if !anchors_moved && !cloth.stale && !looks_different(own.drawn, now) {
+            continue;
+        }
+        let Some(bounds) = place(cloth, own, now) else {
+            continue;
+        };
+        match write(own, cloth.columns(), &mut meshes) {
+            Ok(()) => {
+                own.drawn = Some(now);
+                cloth.stale = false;
+                if let Some(mut aabb) = aabb {
+                    *aabb = bounds;
+                }
+                failures.clear(entity, Blame::Drawing);
+            }
+            Err(problem) => failures.report(entity, ClothError::Draw { entity, problem }),
+        }
+    }
+}
+
+fn looks_different(drawn: Option<Drawn>, now: Drawn) -> bool {
+    drawn.is_none_or(|drawn| {
+        let same_instant = drawn.tick == now.tick && drawn.blend == now.blend;
+        let still = drawn.settled && now.settled;
+        drawn.transform != now.transform || !(same_instant || still)
+    })
+}
+
+/// Looks where the anchors are now; true if one has moved since the mesh was written.
+fn note_anchors(
+    attachments: &mut Attachments,
+    transforms: &TransformHelper,
+    own_entity: Entity,
+) -> bool {
+    let mut moved = false;
+    for anchor in attachments.anchors.iter_mut().filter(|anchor| anchor.entity != own_entity) {
+        let now = pose_now(transforms, anchor.entity).ok();
+        moved |= now != anchor.drawn;
+        anchor.drawn = now;
+    }
+    moved
+}
+
+/// Puts all particles in the entity's frame, and tells their bounds; nothing where that frame is flat.
+fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aabb> {
+    let inverse = now.transform.matrix3.inverse();
+    if !inverse.is_finite() {
+        return None;
+    }
+    let solver = &cloth.solver;
+    // The cloth's origin is near: far from the world's, the difference is exact where the sum is not.
+    let offset = solver.origin() - Vec3::from(now.transform.translation);
+    for (particle, point) in own.points.iter_mut().enumerate() {
+        let end = solver.local_position(particle);
+        let blended = if now.blend < 1.0 {
+            let start = solver.local_start_position(particle);
+            start + (end - start) * now.blend
+        } else {
+            end
+        };
+        *point = inverse * (blended + offset);
+    }
+    place_pinned(&cloth.attachments, own, now, &inverse);
+    Aabb::enclosing(&own.points)
+}
+
+/// Pinned vertices go where their anchors are drawn.
+fn place_pinned(attachments: &Attachments, own: &mut ClothMesh, now: Drawn, inverse: &Mat3A) {
+    for pin in &attachments.attached {
+        let anchor = &attachments.anchors[pin.anchor as usize];
+        let point = &mut own.points[pin.particle as usize];
+        match anchor.drawn {
+            Some(pose) => {
+                let far = to_world(&pose, pin.local) - Vec3::from(now.transform.translation);
+                *point = *inverse * far;
+            }
+            None if attachments.own_entity == Some(anchor.entity) => *point = pin.local,
+            // The anchor is gone, and the next tick will let go.
+            None => {}
+        }
+    }
+}
+
+fn write(own: &mut ClothMesh, columns: usize, meshes: &mut Assets<Mesh>) -> Result<(), MeshProblem> {
+    let mut mesh = meshes.get_mut(&own.handle).ok_or(MeshProblem::Changed)?;
+    let count = own.points.len();
+    // Looked at first: the asset counts as modified as soon as it is borrowed mutably.
+    for attribute in [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL] {
+        let values = mesh.try_attribute_option(attribute)?.ok_or(MeshProblem::Changed)?;
+        if values.len() != count || !matches!(values, VertexAttributeValues::Float32x3(_)) {
+            return Err(MeshProblem::Changed);
+        }
+    }
+    let mesh = &mut *mesh;
+    let vertices = own.vertex_of_particle.as_deref();
+    let vertex = |particle: usize| vertices.map_or(particle, |map| map[particle] as usize);
+    if let VertexAttributeValues::Float32x3(out) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)? {
+        for (particle, point) in own.points.iter().enumerate() {
+            out[vertex(particle)] = point.to_array();
+        }
+    }
+    if let VertexAttributeValues::Float32x3(out) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_NORMAL)? {
+        let write = |particle, normal: Vec3| out[vertex(particle)] = normal.to_array();
+        own.cells.write_normals(&own.points, columns, write);
+    }
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! The whole data flow on one page.
+
+use crate::{
+    cloth::{
+        Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
+        ClothSettings, ClothSimulation, LatticeCache,
+        attachment::{apply_pins, gather_pins},
+        setup::{apply_changes, set_up_cloths},
+    },
+    collider::{
+        BakeSdf, ColliderSnapshot, SdfCollider, finish_bakes, gather_colliders, start_bakes,
+    },
+    mesh::{ClothMesh, draw_cloths},
+    sdf::DistanceField,
+    step::{
+        ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
+        finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged, note_poses,
+        refuse_variable_step, run_substeps, solve_fused,
+    },
+};
+use bevy::{
+    app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems},
+    asset::AssetEventSystems,
+    ecs::{
+        intern::Interned,
+        schedule::{ScheduleLabel, SingleThreadedExecutor},
+    },
+    prelude::*,
+};
+
+/// Cloth for an app: registers the components, the systems and their sets.
+///
+/// Cloths are stepped in `FixedPostUpdate`, or in another schedule of the fixed main loop given to
+/// [`ClothPlugin::new`]. One that runs at a variable step is refused.
+///
+/// Works under bare `MinimalPlugins`: what has no meshes is not drawn, what has no assets bakes no fields.
+#[derive(Clone, Copy, Debug)]
+pub struct ClothPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl ClothPlugin {
+    /// Steps cloths in another schedule of the fixed main loop.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Default for ClothPlugin {
+    fn default() -> Self {
+        Self::new(FixedPostUpdate)
+    }
+}
+
+/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a tick.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSystems {
+    /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what moves
+    /// once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
+    NotePoses,
+    /// Components become running cloths, and changed components change them. Also in `PostUpdate`, so that a
+    /// cloth is seen in the frame that spawned it.
+    Setup,
+    /// Poses of colliders and pins through the tick, and gravity.
+    Gather,
+    /// The substeps.
+    Solve,
+    /// Errors are told, statistics kept.
+    Finish,
+    /// In `PostUpdate`, after transforms are propagated: meshes are baked to fields.
+    Bake,
+    /// In `PostUpdate`, after `Setup`: meshes are written, if anything has moved.
+    Draw,
+}
+
+/// The schedule of one substep, run serially as often as the tick has substeps.
+///
+/// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them; as soon
+/// as there are any, this schedule is run in place of the fused form. See [`ClothExecution`].
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ClothSubstep;
+
+/// The stages of a substep, in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSubstepSystems {
+    /// Springs, bending, damping, gravity.
+    Forces,
+    /// Verlet; pins move to where they are to be.
+    Integrate,
+    /// Threads or Provot's correction, tethers.
+    Correct,
+    /// Particles leave the colliders; friction.
+    Collide,
+}
+
+impl Plugin for ClothPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Cloth>()
+            .register_type::<ClothMaterial>()
+            .register_type::<ClothSettings>()
+            .register_type::<ClothPins>()
+            .register_type::<ClothInterpolation>()
+            .register_type::<ClothGravity>()
+            .register_type::<ClothGravityOverride>()
+            .register_type::<ClothExecution>()
+            .register_type::<SdfCollider>()
+            .register_type::<BakeSdf>()
+            .init_resource::<ClothGravity>()
+            .init_resource::<ClothExecution>()
+            .init_resource::<LatticeCache>()
+            .init_resource::<ColliderSnapshot>()
+            .init_resource::<Runner>()
+            .add_observer(tear_down);
+        register_fields(app);
+
+        // Once a frame, before its ticks: note where things are.
+        app.add_systems(
+            RunFixedMainLoop,
+            note_poses
+                .in_set(ClothSystems::NotePoses)
+                .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
+                .before(RunFixedMainLoopSystems::FixedMainLoop),
+        );
+
+        // Each tick: set up -> gather -> solve -> finish.
+        use ClothSystems::{Bake, Draw, Finish, Gather, Setup, Solve};
+        app.configure_sets(self.schedule, (Setup, Gather, Solve, Finish).chain())
+            .configure_sets(self.schedule, (Gather, Solve, Finish).run_if(in_fixed_step))
+            .add_systems(
+                self.schedule,
+                (
+                    (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
+                    refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
+                    (gather_colliders, gather_pins, gather_step).chain().in_set(Gather),
+                    (
+                        choose_execution,
+                        solve_fused.run_if(not(is_staged)),
+                        (begin_staged, run_substeps).chain().run_if(is_staged),
+                    )
+                        .chain()
+                        .in_set(Solve),
+                    finish_tick.in_set(Finish),
+                ),
+            );
+
+        // Each substep, unless fused: forces -> integrate -> correct -> collide.
+        use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
+        app.init_schedule(ClothSubstep)
+            .edit_schedule(ClothSubstep, |schedule| {
+                schedule.set_executor(SingleThreadedExecutor::new());
+            })
+            .configure_sets(ClothSubstep, (Forces, Integrate, Correct, Collide).chain())
+            .add_systems(
+                ClothSubstep,
+                (
+                    accumulate_forces.in_set(Forces),
+                    integrate.in_set(Integrate),
+                    correct.in_set(Correct),
+                    collide.in_set(Collide),
+                ),
+            );
+
+        // Once a frame: show it.
+        app.configure_sets(
+            PostUpdate,
+            (Bake, Setup, Draw)
+                .chain()
+                .after(TransformSystems::Propagate)
+                .before(AssetEventSystems),
+        )
+        .add_systems(
+            PostUpdate,
+            (
+                (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
+                    .chain()
+                    .in_set(Bake),
+                (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
+                draw_cloths.in_set(Draw),
+            ),
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        // Assets may have been added after this plugin.
+        register_fields(app);
+    }
+}
+
+/// Makes distance fields assets, in an app that has assets.
+fn register_fields(app: &mut App) {
+    let world = app.world();
+    if world.contains_resource::<AssetServer>() && !world.contains_resource::<Assets<DistanceField>>() {
+        app.init_asset::<DistanceField>();
+    }
+}
+
+/// A cloth that is one no longer stops; its mesh stays as it is.
+fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
+}

@@ -1,0 +1,183 @@
+//! Bending by second differences: linear in the positions, no square root where the rest shape is
+//! flat, and convergent to the elastica (quadratic bending on a lattice; Bergou et al. 2006).
+//!
+//! A hinge is a particle and its two neighbours along a thread. Its turn is
+//! `D = (x2 - x1) / L2 - (x1 - x0) / L1` and its energy `K |D|^2 / 2`, with K the flexural rigidity
+//! times the width of cloth over the mean length of the two springs: on a uniform chain
+//! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
+//! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::{Family, Lattice};
+
+/// Turns below this count as flat at rest: some 0.06 degrees.
+const FLAT: f32 = 1e-3;
+/// Least turn that has a direction.
+const LEAST_TURN: f32 = 1e-9;
+
+/// The hinges along one family of threads, an entry a hinge at the slot of its middle particle.
+#[derive(Clone, Debug)]
+pub(super) struct Hinges {
+    /// From a particle to the next of its thread in memory.
+    step: usize,
+    /// 1 / rest length [1/m] of the spring to the next particle; 0 where there is none.
+    inverse_rest: Vec<f32>,
+    /// Width of cloth over mean spring length; 0 where there is no hinge.
+    pub shape: Vec<f32>,
+    /// Turn at rest; empty where all are flat.
+    turn: Vec<f32>,
+}
+
+impl Hinges {
+    /// The hinges of both families, weft and warp. A hinge whose centre and one end are held while
+    /// the other end is free is a clamp, and counts double (it stands for half a cell more).
+    pub fn build(lattice: &Lattice, held: &[bool]) -> [Self; 2] {
+        [
+            Self::along(lattice, &lattice.weft, 1, held),
+            Self::along(lattice, &lattice.warp, lattice.layout.stride, held),
+        ]
+    }
+
+    fn along(lattice: &Lattice, springs: &Family, step: usize, held: &[bool]) -> Self {
+        let len = lattice.layout.len();
+        let mut hinges = Self {
+            step,
+            inverse_rest: springs.rest.iter().map(|&l| if l > 0.0 { 1.0 / l } else { 0.0 }).collect(),
+            shape: vec![0.0; len],
+            turn: vec![0.0; len],
+        };
+        for slot in lattice.layout.slots() {
+            let (l1, l2) = (springs.rest[slot - step], springs.rest[slot]);
+            if l1 == 0.0 || l2 == 0.0 {
+                continue;
+            }
+            let width = 0.5 * (springs.shape[slot - step] * l1 + springs.shape[slot] * l2);
+            let clamp = held[slot] && (held[slot - step] != held[slot + step]);
+            let factor = if clamp { 2.0 } else { 1.0 };
+            hinges.shape[slot] = factor * width / (0.5 * (l1 + l2));
+            hinges.turn[slot] = rest_turn(lattice, slot, step, l1, l2);
+        }
+        if hinges.turn.iter().all(|&turn| turn == 0.0) {
+            hinges.turn = Vec::new();
+        }
+        hinges
+    }
+
+    /// Largest row sum of the stiffness matrix at a slot, for a flexural rigidity of one [N/m].
+    pub fn row_sum(&self, slot: usize) -> f32 {
+        let (l, r) = (slot - self.step, slot + self.step);
+        let at = |hinge: usize, weight: f32| {
+            let a = self.inverse_rest[hinge - self.step] + self.inverse_rest[hinge];
+            self.shape[hinge] * weight * 2.0 * a
+        };
+        let before = self.inverse_rest[l];
+        let after = self.inverse_rest[slot];
+        at(l, before) + at(slot, before + after) + at(r, after)
+    }
+}
+
+fn rest_turn(lattice: &Lattice, slot: usize, step: usize, l1: f32, l2: f32) -> f32 {
+    let layout = lattice.layout;
+    let from_first = slot - layout.slot(0, 0);
+    let (row, column) = (from_first / layout.stride, from_first % layout.stride);
+    let at = row * layout.columns + column;
+    let hop = if step == 1 { 1 } else { layout.columns };
+    let p = &lattice.rest_positions;
+    let turn = ((p[at + hop] - p[at]) / l2 - (p[at] - p[at - hop]) / l1).length();
+    if turn > FLAT { turn } else { 0.0 }
+}
+
+/// Works out the moments `K D` of one family of hinges.
+pub(super) struct BendHinges<'a> {
+    pub lattice: &'a Lattice,
+    pub hinges: &'a Hinges,
+    /// Flexural rigidity [N m].
+    pub rigidity: f32,
+    pub x: &'a Soa,
+    pub moments: &'a mut Soa,
+}
+
+impl Kernel for BendHinges<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let layout = self.lattice.layout;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                let step = self.hinges.step;
+                let x = Block3::load(self.x, slot);
+                let before = Block3::load(self.x, slot - step);
+                let after = Block3::load(self.x, slot + step);
+                let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
+                let in_after = Block::load(&self.hinges.inverse_rest, slot);
+                let shape = Block::load(&self.hinges.shape, slot);
+                let mut moment = Block3::ZERO;
+                for i in 0..LANES {
+                    let turn = (after.at(i) - x.at(i)) * in_after.0[i]
+                        - (x.at(i) - before.at(i)) * in_before.0[i];
+                    moment.set(i, turn * (shape.0[i] * self.rigidity));
+                }
+                if !self.hinges.turn.is_empty() {
+                    self.take_off_rest_turn(slot, &mut moment);
+                }
+                moment.store(self.moments, slot);
+            }
+        }
+    }
+}
+
+impl BendHinges<'_> {
+    /// `K D` becomes `K (D - D0 D / |D|)`.
+    #[inline(always)]
+    fn take_off_rest_turn(&self, slot: usize, moment: &mut Block3) {
+        let turn = Block::load(&self.hinges.turn, slot);
+        let shape = Block::load(&self.hinges.shape, slot);
+        for i in 0..LANES {
+            let m = moment.at(i);
+            let at_rest = shape.0[i] * self.rigidity * turn.0[i];
+            let length = larger(m.dot(m).sqrt(), LEAST_TURN * shape.0[i] * self.rigidity);
+            let part = if length > 0.0 { at_rest / length } else { 0.0 };
+            moment.set(i, m * (1.0 - part));
+        }
+    }
+}
+
+/// Adds the forces of the moments to the accelerations.
+pub(super) struct AddBending<'a> {
+    pub lattice: &'a Lattice,
+    pub hinges: &'a Hinges,
+    pub inverse_mass: &'a [f32],
+    pub moments: &'a Soa,
+    pub a: &'a mut Soa,
+}
+
+impl Kernel for AddBending<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let layout = self.lattice.layout;
+        let step = self.hinges.step;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                let before = Block::load(&self.hinges.inverse_rest, slot - step);
+                let after = Block::load(&self.hinges.inverse_rest, slot);
+                let here = Block3::load(self.moments, slot);
+                let left = Block3::load(self.moments, slot - step);
+                let right = Block3::load(self.moments, slot + step);
+                let w = Block::load(self.inverse_mass, slot);
+                let mut a = Block3::load(self.a, slot);
+                for i in 0..LANES {
+                    let force = (here.at(i) - left.at(i)) * before.0[i]
+                        + (here.at(i) - right.at(i)) * after.0[i];
+                    a.set(i, a.at(i) + force * w.0[i]);
+                }
+                a.store(self.a, slot);
+            }
+        }
+    }
+}

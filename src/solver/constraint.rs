@@ -1,0 +1,190 @@
+//! Springs corrected one batch at a time: shear in the thread form, and Provot's strain limit.
+//!
+//! Springs of a batch share no particle, so that the order within it does not matter. Corrections in
+//! this coloured order are stable where the order of the particles explodes.
+
+use bevy::math::Vec3;
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::Lattice;
+
+/// Least length of a spring [m]: a collapsed one has no direction and is left alone.
+const LEAST_LENGTH: f32 = 1e-12;
+/// Least divisor [1/kg]: between two held particles nothing can move.
+const LEAST_DIVISOR: f32 = 1e-12;
+
+/// Moves the ends of springs towards their target lengths.
+pub(super) struct CorrectSprings<'a> {
+    pub lattice: &'a Lattice,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub v: &'a mut Soa,
+    /// 1 / substep [1/s].
+    pub rate: f32,
+    pub rule: Rule,
+}
+
+/// How far a spring is corrected.
+#[derive(Clone, Copy)]
+pub(super) enum Rule {
+    /// Shear springs, to their rest length, with the compliance `1 / (k h^2)` [1/kg].
+    Shear {
+        /// Of a spring of shape factor one.
+        compliance: f32,
+    },
+    /// Structural springs, then shear springs if they have a stiffness: those longer than `limit`
+    /// rest lengths are brought back to it, others are left alone (Provot 1995, section 4).
+    Limit {
+        /// 1 + max strain.
+        limit: f32,
+        /// Whether shear springs are limited.
+        shear: bool,
+    },
+}
+
+impl Kernel for CorrectSprings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        match self.rule {
+            Rule::Shear { compliance } => self.diagonals(|length, rest, factor| {
+                (length - rest, factor * compliance)
+            }),
+            Rule::Limit { limit, shear } => {
+                self.weft(limit);
+                self.warp(limit);
+                if shear {
+                    self.diagonals(|length, rest, factor| {
+                        // The infinite factor beside the sheet still switches its springs off.
+                        let hard = if factor < f32::INFINITY { 0.0 } else { factor };
+                        (larger(length - rest * limit, 0.0), hard)
+                    });
+                }
+            }
+        }
+    }
+}
+
+impl CorrectSprings<'_> {
+    /// Shear springs: every second row, both diagonals, then the rows between.
+    #[inline(always)]
+    fn diagonals(&mut self, law: impl Fn(f32, f32, f32) -> (f32, f32) + Copy) {
+        let lattice = self.lattice;
+        let layout = lattice.layout;
+        for parity in 0..2 {
+            for row in (parity..layout.rows - 1).step_by(2) {
+                for column in (0..layout.columns - 1).step_by(LANES) {
+                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                    let factor = Block::load(&lattice.diagonal.compliance, a);
+                    let rest = Block::load(&lattice.diagonal.rest, a);
+                    self.pair(a, b + 1, rest, factor, law);
+                }
+                for column in (0..layout.columns - 1).step_by(LANES) {
+                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                    let factor = Block::load(&lattice.diagonal.compliance, a);
+                    let rest = Block::load(&lattice.antidiagonal_rest, a);
+                    self.pair(a + 1, b, rest, factor, law);
+                }
+            }
+        }
+    }
+
+    /// Warp springs: from every second row, then from the rows between.
+    #[inline(always)]
+    fn warp(&mut self, limit: f32) {
+        let layout = self.lattice.layout;
+        for parity in 0..2 {
+            for row in (parity..layout.rows - 1).step_by(2) {
+                for column in (0..layout.columns).step_by(LANES) {
+                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                    let rest = Block::load(&self.lattice.warp.rest, a);
+                    self.pair(a, b, rest, Block::ZERO, |length, rest, _| {
+                        (larger(length - rest * limit, 0.0), 0.0)
+                    });
+                }
+            }
+        }
+    }
+
+    /// One block of springs between particles from `p` and from `q`; `law` gives from length, rest
+    /// length and compliance factor how much too long a spring is, and its compliance.
+    #[inline(always)]
+    fn pair(
+        &mut self,
+        p: usize,
+        q: usize,
+        rest: Block,
+        factor: Block,
+        law: impl Fn(f32, f32, f32) -> (f32, f32),
+    ) {
+        let (mut xp, mut xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
+        let (mut vp, mut vq) = (Block3::load(self.v, p), Block3::load(self.v, q));
+        let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
+        for i in 0..LANES {
+            let d = xq.at(i) - xp.at(i);
+            let length = larger(d.dot(d).sqrt(), LEAST_LENGTH);
+            let (excess, compliance) = law(length, rest.0[i], factor.0[i]);
+            let divisor = larger(wp.0[i] + wq.0[i] + compliance, LEAST_DIVISOR) * length;
+            let pull = d * (excess / divisor);
+            let (dp, dq) = (pull * wp.0[i], pull * wq.0[i]);
+            xp.set(i, xp.at(i) + dp);
+            xq.set(i, xq.at(i) - dq);
+            vp.set(i, vp.at(i) + dp * self.rate);
+            vq.set(i, vq.at(i) - dq * self.rate);
+        }
+        xp.store(self.x, p);
+        vp.store(self.v, p);
+        xq.store(self.x, q);
+        vq.store(self.v, q);
+    }
+
+    /// Weft springs: of even columns, then of odd ones. Neighbours lie in one block, so that each
+    /// particle works out its own half of the correction from its partner's place.
+    #[inline(always)]
+    fn weft(&mut self, limit: f32) {
+        for parity in 0..2 {
+            for row in 0..self.lattice.layout.rows {
+                self.weft_row(row, parity, limit);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn weft_row(&mut self, row: usize, parity: usize, limit: f32) {
+        let rests = &self.lattice.weft.rest;
+        // The block before has been corrected by now: its last particle is needed as it was.
+        let mut before = Vec3::ZERO;
+        for column in (0..self.lattice.layout.columns).step_by(LANES) {
+            let slot = self.lattice.layout.slot(row, column);
+            let (mut x, mut v) = (Block3::load(self.x, slot), Block3::load(self.v, slot));
+            let mut left = Block3::load(self.x, slot - 1);
+            left.set(0, before);
+            before = x.at(LANES - 1);
+            let right = Block3::load(self.x, slot + 1);
+            let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
+            let w = Block::load(self.inverse_mass, slot);
+            let other = (
+                Block::load(self.inverse_mass, slot - 1),
+                Block::load(self.inverse_mass, slot + 1),
+            );
+            for i in 0..LANES {
+                let is_first = i % 2 == parity;
+                let partner = if is_first { right.at(i) } else { left.at(i) };
+                let rest = if is_first { rest.1.0[i] } else { rest.0.0[i] };
+                let other = if is_first { other.1.0[i] } else { other.0.0[i] };
+                let d = partner - x.at(i);
+                let length = larger(d.dot(d).sqrt(), LEAST_LENGTH);
+                // No spring has the rest length zero: beside the sheet there is nothing to correct.
+                let excess = if rest > 0.0 { larger(length - rest * limit, 0.0) } else { 0.0 };
+                let divisor = larger(w.0[i] + other, LEAST_DIVISOR) * length;
+                let correction = d * (excess * w.0[i] / divisor);
+                x.set(i, x.at(i) + correction);
+                v.set(i, v.at(i) + correction * self.rate);
+            }
+            x.store(self.x, slot);
+            v.store(self.v, slot);
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Contact with signed distance fields: particles are held `epsilon` outside, with friction.
+//!
+//! A particle nearer than epsilon is moved out along the gradient. Its stored velocity loses the
+//! approach that this undoes, and no more: being moved out of a collider gives no speed. Coulomb's
+//! friction acts on the stored velocity, relative to the collider's surface, with that same impulse.
+
+use bevy::math::{Mat3, Quat, Vec3};
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::Layout;
+use crate::sdf::{PointBlock, SampleBlock, SignedDistance};
+
+/// Least sliding speed that has a direction [m/s].
+const LEAST_SLIDING: f32 = 1e-20;
+
+/// Where a collider is: uniform scale, then rotation, then translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Place of the shape's origin [m].
+    pub translation: Vec3,
+    /// Rotation, of length one.
+    pub rotation: Quat,
+    /// Uniform scale, above zero.
+    pub scale: f32,
+}
+
+impl Pose {
+    /// No translation, no rotation, scale one.
+    pub const IDENTITY: Self = Self {
+        translation: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        scale: 1.0,
+    };
+
+    /// A pose without rotation or scale.
+    pub fn from_translation(translation: Vec3) -> Self {
+        Self { translation, ..Self::IDENTITY }
+    }
+
+    /// Whether every number can be used.
+    pub fn is_valid(&self) -> bool {
+        self.translation.is_finite()
+            && self.rotation.is_finite()
+            && (self.rotation.length_squared() - 1.0).abs() < 1e-3
+            && self.scale.is_finite()
+            && self.scale > 0.0
+    }
+
+    /// The pose at part `t` of the way to `end`; rotations the shorter way, without transcendental
+    /// functions, so that it gives the same bits everywhere.
+    pub fn interpolate(&self, end: &Self, t: f32) -> Self {
+        if self == end || t <= 0.0 {
+            return *self;
+        }
+        if t >= 1.0 {
+            return *end;
+        }
+        let side = if self.rotation.dot(end.rotation) < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            translation: self.translation + (end.translation - self.translation) * t,
+            rotation: (self.rotation * (1.0 - t) + end.rotation * (side * t)).normalize(),
+            scale: self.scale + (end.scale - self.scale) * t,
+        }
+    }
+
+    fn apply(&self, point: Vec3) -> Vec3 {
+        self.rotation * (point * self.scale) + self.translation
+    }
+}
+
+/// A rigid shape that a cloth collides with, and its motion through a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Collider<'a> {
+    /// The shape, in its own frame.
+    pub shape: &'a dyn SignedDistance,
+    /// Pose where the tick begins, in world space.
+    pub start: Pose,
+    /// Pose where it ends.
+    pub end: Pose,
+    /// Coulomb's coefficient; the pair's is the geometric mean with the cloth's.
+    pub friction: f32,
+}
+
+/// A pose as the kernel needs it: columns of the rotation, and translation in the cloth's frame.
+#[derive(Clone, Copy)]
+struct Frame {
+    rotation: Mat3,
+    translation: Vec3,
+    scale: f32,
+}
+
+impl Frame {
+    fn new(pose: &Pose, origin: Vec3) -> Self {
+        Self {
+            rotation: Mat3::from_quat(pose.rotation),
+            translation: pose.translation - origin,
+            scale: pose.scale,
+        }
+    }
+
+    #[inline(always)]
+    fn to_local(self, x: Vec3) -> Vec3 {
+        let d = x - self.translation;
+        let r = &self.rotation;
+        Vec3::new(d.dot(r.x_axis), d.dot(r.y_axis), d.dot(r.z_axis)) * (1.0 / self.scale)
+    }
+
+    #[inline(always)]
+    fn rotate(self, p: Vec3) -> Vec3 {
+        let r = &self.rotation;
+        r.x_axis * p.x + r.y_axis * p.y + r.z_axis * p.z
+    }
+
+    #[inline(always)]
+    fn to_world(self, p: Vec3) -> Vec3 {
+        self.rotate(p) * self.scale + self.translation
+    }
+}
+
+/// A collider's motion through one substep.
+struct Motion<'a> {
+    shape: &'a dyn SignedDistance,
+    before: Frame,
+    after: Frame,
+    moves: bool,
+    /// How far any point of the surface moves at most [m].
+    reach: f32,
+    friction: f32,
+}
+
+impl<'a> Motion<'a> {
+    fn new(collider: &Collider<'a>, origin: Vec3, friction: f32, from: f32, to: f32) -> Self {
+        let before = collider.start.interpolate(&collider.end, from);
+        let after = collider.start.interpolate(&collider.end, to);
+        let moves = before != after;
+        let reach = match collider.shape.bounds() {
+            _ if !moves => 0.0,
+            Some(bounds) => corners(bounds.min.into(), bounds.max.into())
+                .map(|p| before.apply(p).distance(after.apply(p)))
+                .fold(0.0, f32::max),
+            // Turning an unbounded shape moves its far parts without bound.
+            None if before.rotation != after.rotation || before.scale != after.scale => f32::INFINITY,
+            None => before.translation.distance(after.translation),
+        };
+        Self {
+            shape: collider.shape,
+            before: Frame::new(&before, origin),
+            after: Frame::new(&after, origin),
+            moves,
+            reach,
+            friction: (collider.friction * friction).sqrt(),
+        }
+    }
+}
+
+fn corners(min: Vec3, max: Vec3) -> impl Iterator<Item = Vec3> {
+    (0..8).map(move |i| {
+        let pick = |bit: usize, low: f32, high: f32| if i & bit == 0 { low } else { high };
+        Vec3::new(
+            pick(1, min.x, max.x),
+            pick(2, min.y, max.y),
+            pick(4, min.z, max.z),
+        )
+    })
+}
+
+/// The part of a tick that a substep covers, from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub from: f32,
+    pub to: f32,
+}
+
+/// Moves particles out of all colliders, in their order, and returns how many touched one.
+pub(super) struct ResolveContacts<'a> {
+    pub layout: Layout,
+    pub colliders: &'a [Collider<'a>],
+    pub origin: Vec3,
+    pub span: Span,
+    /// Substep [s].
+    pub step: f32,
+    /// Distance at which particles are held [m].
+    pub epsilon: f32,
+    /// The cloth's coefficient of friction.
+    pub friction: f32,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub v: &'a mut Soa,
+    /// How far the particles of each block may yet move before any can touch [m].
+    pub clearance: &'a mut [f32],
+    /// Room for the least gap of each block that is looked at [m].
+    pub gaps: &'a mut [f32],
+}
+
+impl Kernel for ResolveContacts<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(mut self) -> u32 {
+        self.spend_clearance();
+        let mut touching = 0;
+        for collider in self.colliders {
+            let motion = self.motion(collider);
+            for row in 0..self.layout.rows {
+                for column in (0..self.layout.columns).step_by(LANES) {
+                    let slot = self.layout.slot(row, column);
+                    let block = slot / LANES;
+                    if self.clearance[block] > 0.0 {
+                        continue;
+                    }
+                    let (gap, count) = self.resolve(slot, &motion);
+                    touching += count;
+                    let safe = if count > 0 { 0.0 } else { gap };
+                    self.gaps[block] = self.gaps[block].min(safe);
+                }
+            }
+        }
+        self.renew_clearance();
+        touching
+    }
+}
+
+impl<'a> ResolveContacts<'a> {
+    fn motion(&self, collider: &Collider<'a>) -> Motion<'a> {
+        Motion::new(collider, self.origin, self.friction, self.span.from, self.span.to)
+    }
+
+    /// Takes from each block's clearance what its particles and the surfaces have moved. A block
+    /// that has none left is looked at anew.
+    #[inline(always)]
+    fn spend_clearance(&mut self) {
+        let furthest = self.colliders.iter().map(|c| self.motion(c).reach).fold(0.0, f32::max);
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let v = Block3::load(self.v, slot);
+                let mut square = Block::ZERO;
+                for i in 0..LANES {
+                    square.0[i] = v.at(i).dot(v.at(i));
+                }
+                let moved = square.largest().sqrt() * self.step + furthest;
+                let block = slot / LANES;
+                self.clearance[block] = (self.clearance[block] - moved).max(0.0);
+                self.gaps[block] = f32::INFINITY;
+            }
+        }
+    }
+
+    /// Gives the blocks that were looked at their new clearance.
+    #[inline(always)]
+    fn renew_clearance(&mut self) {
+        for (clearance, &gap) in self.clearance.iter_mut().zip(&*self.gaps) {
+            if *clearance <= 0.0 {
+                *clearance = gap;
+            }
+        }
+    }
+
+    /// Holds one block out of one collider; returns the least gap above epsilon and the contacts.
+    #[inline(always)]
+    fn resolve(&mut self, slot: usize, motion: &Motion<'_>) -> (f32, u32) {
+        let w = Block::load(self.inverse_mass, slot);
+        let x = Block3::load(self.x, slot);
+        let mut points = PointBlock::default();
+        for i in 0..LANES {
+            let local = motion.after.to_local(x.at(i));
+            (points.x[i], points.y[i], points.z[i]) = (local.x, local.y, local.z);
+        }
+        let mut samples = SampleBlock::default();
+        motion.shape.sample_block(&points, &mut samples);
+        let mut depth = Block::ZERO;
+        let mut gap = Block::ZERO;
+        for i in 0..LANES {
+            let above = samples.distance[i] * motion.after.scale - self.epsilon;
+            gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
+            depth.0[i] = larger(-gap.0[i], 0.0);
+        }
+        let margin = motion.shape.overestimate() * motion.after.scale;
+        let least = gap.smallest();
+        let nearest = least - margin;
+        if least >= 0.0 {
+            return (nearest, 0);
+        }
+        let surface = self.surface_velocities(&points, &x, motion);
+        self.push_out(slot, &x, &depth, &samples, &surface, motion);
+        (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
+    }
+
+    /// Velocities of the collider at the particles [m/s].
+    #[inline(always)]
+    fn surface_velocities(&self, local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
+        let mut surface = Block3::ZERO;
+        if motion.moves {
+            for i in 0..LANES {
+                let before = motion.before.to_world(local.point(i));
+                surface.set(i, (x.at(i) - before) * (1.0 / self.step));
+            }
+        }
+        surface
+    }
+
+    /// Moves particles out by their depth and takes approach and friction from their velocities.
+    #[inline(always)]
+    fn push_out(
+        &mut self,
+        slot: usize,
+        x: &Block3,
+        depth: &Block,
+        samples: &SampleBlock,
+        surface: &Block3,
+        motion: &Motion<'_>,
+    ) {
+        let rate = 1.0 / self.step;
+        let v = Block3::load(self.v, slot);
+        let (mut new_x, mut new_v) = (*x, v);
+        for i in 0..LANES {
+            let normal = motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
+            let relative = v.at(i) - surface.at(i);
+            let approach = relative.dot(normal);
+            // What the push undoes of the approach, never more: no speed from being pushed out.
+            let push = depth.0[i] * rate;
+            let impulse = larger(if push < -approach { push } else { -approach }, 0.0);
+            let tangential = relative - normal * approach;
+            let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
+            let part = motion.friction * impulse / sliding;
+            let braked = tangential * if part < 1.0 { part } else { 1.0 };
+            let touching = depth.0[i] > 0.0;
+            let dv = if touching { normal * impulse - braked } else { Vec3::ZERO };
+            let dx = if touching { normal * depth.0[i] - braked * self.step } else { Vec3::ZERO };
+            new_v.set(i, v.at(i) + dv);
+            new_x.set(i, x.at(i) + dx);
+        }
+        new_v.store(self.v, slot);
+        new_x.store(self.x, slot);
+    }
+}

@@ -1,0 +1,73 @@
+//! What a solver refuses.
+
+use super::lattice::{LatticeError, MassLumping};
+use super::parameters::ParameterError;
+
+/// Why a solver cannot be made, changed or stepped. Nothing has changed when one is returned, but for
+/// [`SolverError::Diverged`].
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolverError {
+    /// The rest shape is no lattice.
+    #[error(transparent)]
+    Lattice(#[from] LatticeError),
+    /// A number of the material or of the settings is out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The start positions are not one a particle.
+    #[error("{expected} particles need as many start positions, got {got}")]
+    WrongPositionCount {
+        /// Particles of the lattice.
+        expected: usize,
+        /// Positions given.
+        got: usize,
+    },
+    /// A position or velocity is NaN, infinite or beyond 1e7.
+    #[error("the {what} of particle {particle} is not finite, or beyond 1e7")]
+    NonFinite {
+        /// Which of its vectors.
+        what: &'static str,
+        /// The particle, row by row.
+        particle: usize,
+    },
+    /// The lattice was made for the other kind of masses.
+    #[error("the lattice was made for {lattice:?} masses, but the settings ask for {asked:?}: make it anew")]
+    OtherLumping {
+        /// Masses of the lattice.
+        lattice: MassLumping,
+        /// Masses of the settings.
+        asked: MassLumping,
+    },
+    /// A particle that is to be held or set does not exist.
+    #[error("there is no particle {particle}: the cloth has {count}")]
+    NoSuchParticle {
+        /// The particle asked for.
+        particle: usize,
+        /// Particles of the cloth.
+        count: usize,
+    },
+    /// The step input does not have one motion for each pin.
+    #[error("the cloth has {pins} pins, but {motions} pin motions were given")]
+    WrongPinCount {
+        /// Pins of the cloth.
+        pins: usize,
+        /// Motions given.
+        motions: usize,
+    },
+    /// The tick's length is not positive and finite, or beyond a second.
+    #[error("a tick of {0} s cannot be taken: it must be above 0 and at most 1 s")]
+    Tick(f32),
+    /// Gravity is not finite, or beyond 1e6 m/s2.
+    #[error("gravity is not finite, or beyond 1e6 m/s2")]
+    Gravity,
+    /// The pose of a pin is not finite, or beyond 1e7 m.
+    #[error("the target of pin {0} is not finite, or beyond 1e7 m")]
+    PinTarget(usize),
+    /// The pose or friction of a collider cannot be used.
+    #[error("collider {0} has a pose that is not finite, a rotation that is not of length one, a scale that is not positive, or a negative friction")]
+    Collider(usize),
+    /// The tick came to positions that are not finite. The cloth is back where the tick began, at
+    /// rest.
+    #[error("the cloth diverged; it was put back to where the tick began, at rest")]
+    Diverged,
+}

@@ -1,0 +1,168 @@
+//! Fixed-width blocks of particles: what the kernels compute with.
+//!
+//! A kernel loads blocks from the rows, runs one loop over their lanes with the arithmetic of a single
+//! particle in its body, and stores blocks. The compiler turns that loop into vector instructions; it
+//! does not do so for loops over slices that are fields of a struct, nor where the body calls anything
+//! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not).
+
+use bevy::math::Vec3;
+
+/// Particles in a block. Rows are padded to a whole number of blocks.
+pub const LANES: usize = 16;
+
+/// One coordinate of [`LANES`] neighbouring particles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block(pub [f32; LANES]);
+
+/// A vector for each of [`LANES`] neighbouring particles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block3 {
+    pub x: Block,
+    pub y: Block,
+    pub z: Block,
+}
+
+impl Block {
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    #[inline(always)]
+    pub fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    pub fn load(slice: &[f32], at: usize) -> Self {
+        let mut out = [0.0; LANES];
+        out.copy_from_slice(&slice[at..at + LANES]);
+        Self(out)
+    }
+
+    #[inline(always)]
+    pub fn store(self, slice: &mut [f32], at: usize) {
+        slice[at..at + LANES].copy_from_slice(&self.0);
+    }
+
+    /// Each lane with its sign changed.
+    #[inline(always)]
+    pub fn negated(mut self) -> Self {
+        for lane in &mut self.0 {
+            *lane = -*lane;
+        }
+        self
+    }
+
+    /// The largest lane. The order of comparing does not change its value.
+    #[inline(always)]
+    pub fn largest(&self) -> f32 {
+        let mut lanes = self.0;
+        let mut width = LANES;
+        while width > 1 {
+            width /= 2;
+            for i in 0..width {
+                lanes[i] = larger(lanes[i], lanes[i + width]);
+            }
+        }
+        lanes[0]
+    }
+
+    /// The smallest lane.
+    #[inline(always)]
+    pub fn smallest(&self) -> f32 {
+        -self.negated().largest()
+    }
+}
+
+impl Block3 {
+    pub const ZERO: Self = Self {
+        x: Block::ZERO,
+        y: Block::ZERO,
+        z: Block::ZERO,
+    };
+
+    #[inline(always)]
+    pub fn splat(value: Vec3) -> Self {
+        Self {
+            x: Block::splat(value.x),
+            y: Block::splat(value.y),
+            z: Block::splat(value.z),
+        }
+    }
+
+    #[inline(always)]
+    pub fn load(from: &Soa, at: usize) -> Self {
+        Self {
+            x: Block::load(&from.x, at),
+            y: Block::load(&from.y, at),
+            z: Block::load(&from.z, at),
+        }
+    }
+
+    #[inline(always)]
+    pub fn store(self, to: &mut Soa, at: usize) {
+        self.x.store(&mut to.x, at);
+        self.y.store(&mut to.y, at);
+        self.z.store(&mut to.z, at);
+    }
+
+    /// The vector of one lane.
+    #[inline(always)]
+    pub fn at(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+    }
+
+    /// Sets the vector of one lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: Vec3) {
+        self.x.0[lane] = value.x;
+        self.y.0[lane] = value.y;
+        self.z.0[lane] = value.z;
+    }
+}
+
+/// A vector a particle, as structure of arrays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Soa {
+    pub x: Vec<f32>,
+    pub y: Vec<f32>,
+    pub z: Vec<f32>,
+}
+
+impl Soa {
+    pub fn zeros(len: usize) -> Self {
+        Self {
+            x: vec![0.0; len],
+            y: vec![0.0; len],
+            z: vec![0.0; len],
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    #[inline(always)]
+    pub fn get(&self, at: usize) -> Vec3 {
+        Vec3::new(self.x[at], self.y[at], self.z[at])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, at: usize, value: Vec3) {
+        self.x[at] = value.x;
+        self.y[at] = value.y;
+        self.z[at] = value.z;
+    }
+
+    /// Takes over the values of `other`, which has the same length.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
+}
+
+/// The larger of two numbers; the second where either is NaN. One instruction, where `f32::max` is
+/// several.
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}

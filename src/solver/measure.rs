@@ -1,0 +1,165 @@
+//! What a tick came to: whether all is finite, how far anything moved, how far threads stretched.
+
+use bevy::math::Vec3;
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::Lattice;
+
+/// Lengths of structural springs against their rest lengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StrainReport {
+    /// Largest strain.
+    pub max: f32,
+    /// Strain that 99 % of the springs stay below.
+    pub p99: f32,
+    /// Mean strain.
+    pub mean: f32,
+}
+
+impl StrainReport {
+    /// The strains of all structural springs of positions `x`. Sorts them: for reports, not for
+    /// every frame.
+    pub(super) fn new(lattice: &Lattice, x: &Soa) -> Self {
+        let layout = lattice.layout;
+        let mut strains = Vec::with_capacity(2 * lattice.particle_count());
+        for slot in layout.slots() {
+            for (rest, next) in [
+                (lattice.weft.rest[slot], slot + 1),
+                (lattice.warp.rest[slot], slot + layout.stride),
+            ] {
+                if rest > 0.0 {
+                    strains.push(x.get(next).distance(x.get(slot)) / rest - 1.0);
+                }
+            }
+        }
+        strains.sort_by(f32::total_cmp);
+        let count = strains.len();
+        let Some(&max) = strains.last() else { return Self::default() };
+        let mean = strains.iter().map(|&s| f64::from(s)).sum::<f64>() / count as f64;
+        Self { max, p99: strains[count * 99 / 100], mean: mean as f32 }
+    }
+}
+
+/// One look at the positions at a tick's end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Survey {
+    /// Whether all positions and velocities are finite.
+    pub finite: bool,
+    /// Largest change of a coordinate in the tick [m].
+    pub moved: f32,
+    /// Largest strain of a structural spring.
+    pub max_strain: f32,
+    /// Bounds of the positions, relative to the origin [m].
+    pub min: Vec3,
+    /// See `min`.
+    pub max: Vec3,
+}
+
+/// Takes a [`Survey`].
+pub(super) struct TakeSurvey<'a> {
+    pub lattice: &'a Lattice,
+    pub x: &'a Soa,
+    pub v: &'a Soa,
+    pub start: &'a Soa,
+}
+
+impl Kernel for TakeSurvey<'_> {
+    type Output = Survey;
+
+    #[inline(always)]
+    fn run(self) -> Survey {
+        let layout = self.lattice.layout;
+        let mut totals = Totals::at(self.x.get(layout.slot(0, 0)));
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                self.look_at_particles(slot, layout.columns - column, &mut totals);
+                let x = Block3::load(self.x, slot);
+                self.look_at_springs(x, slot + 1, &self.lattice.weft.rest, slot, &mut totals);
+                let below = slot + layout.stride;
+                self.look_at_springs(x, below, &self.lattice.warp.rest, slot, &mut totals);
+            }
+        }
+        totals.survey()
+    }
+}
+
+/// What has been seen so far, a lane each.
+struct Totals {
+    moved: Block,
+    strain: Block,
+    spoiled: Block,
+    low: Block3,
+    high: Block3,
+}
+
+impl Totals {
+    fn at(first: Vec3) -> Self {
+        Self {
+            moved: Block::ZERO,
+            strain: Block::splat(-1.0),
+            spoiled: Block::ZERO,
+            low: Block3::splat(first),
+            high: Block3::splat(first),
+        }
+    }
+
+    fn survey(&self) -> Survey {
+        let (least, most) = (Block::smallest, Block::largest);
+        Survey {
+            finite: self.spoiled.0.iter().all(|&lane| lane == 0.0),
+            moved: self.moved.largest(),
+            max_strain: self.strain.largest(),
+            min: Vec3::new(least(&self.low.x), least(&self.low.y), least(&self.low.z)),
+            max: Vec3::new(most(&self.high.x), most(&self.high.y), most(&self.high.z)),
+        }
+    }
+}
+
+impl TakeSurvey<'_> {
+    #[inline(always)]
+    fn look_at_particles(&self, slot: usize, inside: usize, totals: &mut Totals) {
+        let x = Block3::load(self.x, slot);
+        let v = Block3::load(self.v, slot);
+        let start = Block3::load(self.start, slot);
+        for i in 0..LANES {
+            let (p, u) = (x.at(i), v.at(i));
+            // Anything times zero is zero, unless it is not finite.
+            totals.spoiled.0[i] += (p.x + p.y + p.z + u.x + u.y + u.z) * 0.0;
+            let d = p - start.at(i);
+            let most = larger(larger(d.x.abs(), d.y.abs()), d.z.abs());
+            totals.moved.0[i] = larger(most, totals.moved.0[i]);
+            let p = if i < inside { p } else { totals.low.at(i) };
+            let (low, high) = (totals.low.at(i), totals.high.at(i));
+            let smaller = |a: f32, b: f32| -larger(-a, -b);
+            totals.low.set(
+                i,
+                Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z)),
+            );
+            totals.high.set(
+                i,
+                Vec3::new(larger(p.x, high.x), larger(p.y, high.y), larger(p.z, high.z)),
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn look_at_springs(
+        &self,
+        x: Block3,
+        neighbour: usize,
+        rests: &[f32],
+        slot: usize,
+        totals: &mut Totals,
+    ) {
+        let there = Block3::load(self.x, neighbour);
+        let rest = Block::load(rests, slot);
+        for i in 0..LANES {
+            let d = there.at(i) - x.at(i);
+            let strain = d.dot(d).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
+            let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
+            totals.strain.0[i] = larger(strain, totals.strain.0[i]);
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! The stability bound, and what follows from it: substeps, springs or threads, clamped constants.
+//!
+//! An explicit step h is stable while `h < 2 / omega_max`. The flat sheet's `omega_max` is not safe:
+//! a folded sheet blows up below it. The bound used here holds in every configuration, as the Hessian
+//! of a spring never exceeds its constant: the largest eigenvalue of the weighted graph Laplacian.
+
+use core::fmt;
+
+use super::bending::Hinges;
+use super::forces::SpringConstants;
+use super::lattice::{Lattice, MassLumping};
+use super::parameters::{Bending, FormChoice, Material, Settings, Substeps};
+
+/// Part of the stable range of `h^2 omega^2 / 4` that is used.
+const SAFETY: f32 = 0.9;
+/// Part of that range which bending may take, and shear springs may take, before they are clamped.
+const SHARE: f32 = 0.25;
+/// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
+const FEWEST: f32 = 4.0;
+/// Curvature at which flexion springs resist as much as the flexural rigidity says [1/m].
+const FLEXION_CURVATURE: f32 = 20.0;
+
+/// How threads are held together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// Explicit springs, then Provot's correction.
+    Springs,
+    /// Each thread solved whole.
+    Threads,
+}
+
+/// Why a form was taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanReason {
+    /// The settings ask for it.
+    Asked,
+    /// Explicit springs carry the stiffness within the budget.
+    SpringsSuffice,
+    /// Explicit springs would need this many substeps.
+    SpringsNeed(u32),
+}
+
+/// Which constants are lower than asked for, as the substeps carry no more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Clamped {
+    /// Structural springs.
+    pub thread: bool,
+    /// Shear springs.
+    pub shear: bool,
+    /// Bending.
+    pub bending: bool,
+    /// Spring damping.
+    pub damping: bool,
+}
+
+/// What the solver makes of a material, settings and a tick's length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Springs or threads.
+    pub form: Form,
+    /// Why.
+    pub reason: PlanReason,
+    /// Substeps in a tick.
+    pub substeps: u32,
+    /// Substep [s].
+    pub step: f32,
+    /// `h^2 omega_max^2 / 4` of the explicit forces: stable below 1, kept at or below 0.9.
+    pub margin: f32,
+    /// Which constants are lower than asked for.
+    pub clamped: Clamped,
+    /// Constant of the threads in use [N/m].
+    pub thread_stiffness: f32,
+    /// Constant of the shear springs in use [N/m].
+    pub shear_stiffness: f32,
+    /// Flexural rigidity in use [N m].
+    pub flexural_rigidity: f32,
+    /// Spring damping in use [N s/m].
+    pub damping: f32,
+    /// The tick it was made for [s].
+    pub(super) tick: f32,
+    /// Constants of the explicit springs.
+    pub(super) explicit: SpringConstants,
+    /// Rigidity of the second-difference hinges [N m]; 0 where flexion springs stand in.
+    pub(super) hinge_rigidity: f32,
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let form = match self.form {
+            Form::Springs => "springs",
+            Form::Threads => "threads",
+        };
+        write!(f, "{form}, {} substeps of {:.3} ms", self.substeps, self.step * 1e3)?;
+        match self.reason {
+            PlanReason::Asked => write!(f, " (as set)")?,
+            PlanReason::SpringsSuffice => write!(f, " (explicit springs carry the stiffness)")?,
+            PlanReason::SpringsNeed(n) => write!(f, " (explicit springs would need {n})")?,
+        }
+        write!(f, ", stability {:.2} of 1", self.margin)?;
+        let Clamped { thread, shear, bending, damping } = self.clamped;
+        for (clamped, name) in
+            [(thread, "threads"), (shear, "shear"), (bending, "bending"), (damping, "damping")]
+        {
+            if clamped {
+                write!(f, ", {name} clamped")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Plan {
+    /// Plans ticks of `tick` seconds.
+    pub(super) fn new(
+        bound: &Bound,
+        material: &Material,
+        settings: &Settings,
+        tick: f32,
+    ) -> Self {
+        let (bend, flexion) = match settings.bending {
+            Bending::SecondDifference => (material.flexural_rigidity, 0.0),
+            Bending::Flexion => (0.0, flexion_constant(material.flexural_rigidity)),
+        };
+        let asked = Constants {
+            thread: material.thread_stiffness,
+            shear: material.shear_stiffness,
+            bend,
+            flexion,
+        };
+        let budget = match settings.substeps {
+            Substeps::Automatic { budget } => in_proportion(budget as f32, tick),
+            Substeps::Fixed(count) => count,
+        };
+        let needed = substeps_for(bound.rate(&asked), tick);
+        let (form, reason) = match settings.form {
+            FormChoice::Springs => (Form::Springs, PlanReason::Asked),
+            FormChoice::Threads => (Form::Threads, PlanReason::Asked),
+            FormChoice::Automatic if needed <= budget => (Form::Springs, PlanReason::SpringsSuffice),
+            FormChoice::Automatic => (Form::Threads, PlanReason::SpringsNeed(needed)),
+        };
+        let substeps = match (settings.substeps, form) {
+            (Substeps::Automatic { .. }, Form::Springs) => {
+                needed.max(in_proportion(FEWEST, tick)).min(budget)
+            }
+            _ => budget,
+        };
+        Self::with(bound, material, asked, form, reason, substeps, tick)
+    }
+
+    fn with(
+        bound: &Bound,
+        material: &Material,
+        asked: Constants,
+        form: Form,
+        reason: PlanReason,
+        substeps: u32,
+        tick: f32,
+    ) -> Self {
+        let step = tick / substeps as f32;
+        let stable = 4.0 * SAFETY / (step * step);
+        let explicit = match form {
+            Form::Springs => asked,
+            // Threads and their shear are corrected, not pulled.
+            Form::Threads => Constants { thread: 0.0, shear: 0.0, ..asked },
+        };
+        let used = bound.clamp(explicit, stable);
+        let rate = bound.rate(&Constants {
+            thread: material.damping,
+            shear: if asked.shear > 0.0 { material.damping } else { 0.0 },
+            ..Constants::default()
+        });
+        let damping = material.damping * (1.0 / (rate * step)).min(1.0);
+        let kept = |explicit: f32, used: f32, asked: f32| match form {
+            Form::Springs => used,
+            Form::Threads if explicit == 0.0 => asked,
+            Form::Threads => used,
+        };
+        Self {
+            form,
+            reason,
+            substeps,
+            step,
+            margin: bound.rate(&used) * step * step / 4.0,
+            clamped: Clamped {
+                thread: used.thread < explicit.thread,
+                shear: used.shear < explicit.shear,
+                bending: used.bend < explicit.bend || used.flexion < explicit.flexion,
+                damping: damping < material.damping,
+            },
+            thread_stiffness: kept(explicit.thread, used.thread, asked.thread),
+            shear_stiffness: kept(explicit.shear, used.shear, asked.shear),
+            flexural_rigidity: if used.bend + used.flexion > 0.0 {
+                material.flexural_rigidity * (used.bend + used.flexion)
+                    / (explicit.bend + explicit.flexion)
+            } else {
+                0.0
+            },
+            damping,
+            tick,
+            explicit: SpringConstants {
+                thread: used.thread,
+                shear: used.shear,
+                flexion: used.flexion,
+            },
+            hinge_rigidity: used.bend,
+        }
+    }
+}
+
+/// Substeps of a tick, from a number in 1/60 s.
+fn in_proportion(in_a_frame: f32, tick: f32) -> u32 {
+    (in_a_frame * tick * 60.0 - 1e-3).ceil().clamp(1.0, Settings::MAX_SUBSTEPS as f32) as u32
+}
+
+fn substeps_for(rate: f32, tick: f32) -> u32 {
+    let steps = (tick * (rate / (4.0 * SAFETY)).sqrt()).ceil();
+    // A float too large for u32 becomes the largest.
+    (steps as u32).max(1)
+}
+
+/// The flexion springs of a chain of cells of side a store `k a^2 phi^4 / 32` in a hinge of angle phi,
+/// a moment `k a^5 kappa^3 / 8` (ACCURACY: quartic elastica). They give the moment `B kappa` of the
+/// rigidity at one curvature: `k a^5 = 8 B / kappa^2` for each unit of width.
+fn flexion_constant(rigidity: f32) -> f32 {
+    8.0 * rigidity / (FLEXION_CURVATURE * FLEXION_CURVATURE)
+}
+
+/// Constants of explicit forces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Constants {
+    thread: f32,
+    shear: f32,
+    bend: f32,
+    flexion: f32,
+}
+
+/// Squared frequencies that a lattice's explicit forces reach at most, for constants of one.
+#[derive(Clone, Debug)]
+pub(super) enum Bound {
+    /// A sheet of equal rectangles: the corners of the Brillouin zone, where the symbol of the graph
+    /// Laplacian and of second-difference bending are largest.
+    Uniform {
+        /// 1 / mass of an inner particle [1/kg].
+        inverse_mass: f32,
+        /// Shape factors of weft and warp springs, of shear springs, and of hinges.
+        weft: f32,
+        warp: f32,
+        shear: f32,
+        bend: [f32; 2],
+        flexion: [f32; 2],
+    },
+    /// Any other lattice: Gershgorin's circles, an entry a particle.
+    Circles(Vec<Circle>),
+}
+
+/// Row sums of one particle, over its mass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Circle {
+    thread: f32,
+    shear: f32,
+    bend: f32,
+    flexion: f32,
+}
+
+impl Bound {
+    pub fn new(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+        if lattice.uniform {
+            Self::uniform(lattice, hinges, inverse_mass)
+        } else {
+            Self::circles(lattice, hinges, inverse_mass)
+        }
+    }
+
+    fn uniform(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+        let largest = |values: &[f32]| values.iter().copied().fold(0.0, f32::max);
+        let (a, b) = (largest(&lattice.weft.rest), largest(&lattice.warp.rest));
+        let free = lattice.layout.slots().find(|&slot| inverse_mass[slot] > 0.0);
+        let inverse_mass = free.map_or(0.0, |slot| match lattice.lumping {
+            // Half masses go with half springs, so that the inner particle is the measure.
+            MassLumping::Lumped => inverse_mass[slot] * lattice.area[slot] / (a * b),
+            MassLumping::Equal => inverse_mass[slot],
+        });
+        let bend = [(0, a), (1, b)].map(|(i, l)| {
+            // Clamped hinges count double, but only towards their one free end.
+            let shape = if i == 0 { b / a } else { a / b };
+            if largest(&hinges[i].shape) > 0.0 { shape / (l * l) } else { 0.0 }
+        });
+        Self::Uniform {
+            inverse_mass,
+            weft: largest(&lattice.weft.shape),
+            warp: largest(&lattice.warp.shape),
+            shear: largest(&lattice.diagonal.shape),
+            bend,
+            flexion: [b / (a * a * a * a * a), a / (b * b * b * b * b)],
+        }
+    }
+
+    fn circles(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+        let s = lattice.layout.stride;
+        let circle = |slot: usize| {
+            let w = inverse_mass[slot];
+            let (weft, warp, shear) =
+                (&lattice.weft.shape, &lattice.warp.shape, &lattice.diagonal.shape);
+            let thread = weft[slot] + weft[slot - 1] + warp[slot] + warp[slot - s];
+            let flex = |family: &super::lattice::Family, step: usize| {
+                let spring = |first: usize| {
+                    let cell = family.rest[first] * family.rest[first + step];
+                    if cell > 0.0 { family.shape[first] / (cell * cell) } else { 0.0 }
+                };
+                spring(slot) + spring(slot - 2 * step)
+            };
+            Circle {
+                thread: 2.0 * w * thread,
+                shear: 2.0 * w * (shear[slot] + shear[slot - s - 1] + shear[slot - 1] + shear[slot - s]),
+                bend: w * (hinges[0].row_sum(slot) + hinges[1].row_sum(slot)),
+                flexion: 2.0 * w * (flex(&lattice.weft, 1) + flex(&lattice.warp, s)),
+            }
+        };
+        Self::Circles(lattice.layout.slots().map(circle).collect())
+    }
+
+    /// The bound on `omega^2` [1/s2].
+    pub fn rate(&self, k: &Constants) -> f32 {
+        match self {
+            Self::Uniform { inverse_mass, weft, warp, shear, bend, flexion } => {
+                let along_weft = 4.0 * k.thread * weft + 16.0 * k.bend * bend[0];
+                let along_warp = 4.0 * k.thread * warp + 16.0 * k.bend * bend[1];
+                let diagonal = 8.0 * k.shear * shear;
+                let highest = (along_weft + along_warp)
+                    .max(along_weft + diagonal)
+                    .max(along_warp + diagonal);
+                (highest + 4.0 * k.flexion * (flexion[0] + flexion[1])) * inverse_mass
+            }
+            Self::Circles(circles) => circles
+                .iter()
+                .map(|c| {
+                    k.thread * c.thread + k.shear * c.shear + k.bend * c.bend + k.flexion * c.flexion
+                })
+                .fold(0.0, f32::max),
+        }
+    }
+
+    /// Lowers the constants until the bound is at most `stable`: bending and shear to their share,
+    /// each by itself, and the threads to what is left.
+    fn clamp(&self, asked: Constants, stable: f32) -> Constants {
+        if self.rate(&asked) <= stable {
+            return asked;
+        }
+        let none = Constants::default();
+        let share = |only: Constants| (SHARE * stable / self.rate(&only)).min(1.0);
+        let bending = share(Constants { bend: asked.bend, flexion: asked.flexion, ..none });
+        let shear = share(Constants { shear: asked.shear, ..none });
+        let mut used = Constants {
+            thread: 0.0,
+            shear: asked.shear * shear,
+            bend: asked.bend * bending,
+            flexion: asked.flexion * bending,
+        };
+        let left = stable - self.rate(&used);
+        let thread = (left / self.rate(&Constants { thread: asked.thread, ..none })).min(1.0);
+        used.thread = asked.thread * thread;
+        used
+    }
+}

@@ -1,0 +1,108 @@
+//! What moves: positions and velocities of one cloth, and the room its stages work in.
+
+use bevy::math::Vec3;
+
+use super::lanes::{LANES, Soa};
+use super::lattice::Layout;
+
+/// Positions and velocities. Padding stays at zero.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct State {
+    /// Where the cloth's own coordinates begin, in world space [m]: whole multiples of
+    /// [`State::GRID`], so that moving it changes no bit of what the positions mean.
+    pub origin: Vec3,
+    /// Positions relative to the origin [m].
+    pub x: Soa,
+    /// Velocities at the middle of the last substep [m/s].
+    pub v: Soa,
+    /// Positions where the tick began [m], for blending between ticks.
+    pub start: Soa,
+    /// Length of the last substep [s]; 0 before the first. A velocity is half a substep behind its
+    /// position, so that the next kick lasts half of both.
+    pub last_step: f32,
+}
+
+impl State {
+    /// Origins are multiples of this [m].
+    const GRID: f32 = 16.0;
+    /// The origin follows a cloth that has gone this far from it [m].
+    const REACH: f32 = 64.0;
+
+    pub fn new(layout: Layout, positions: &[Vec3]) -> Self {
+        let centre = positions.iter().copied().sum::<Vec3>() / positions.len() as f32;
+        let origin = on_grid(centre);
+        let mut x = Soa::zeros(layout.len());
+        for (slot, &p) in layout.slots().zip(positions) {
+            x.set(slot, p - origin);
+        }
+        Self {
+            origin,
+            v: Soa::zeros(x.len()),
+            start: x.clone(),
+            x,
+            last_step: 0.0,
+        }
+    }
+
+    /// Moves the origin to a cloth that has left it. The shift is exact in f32.
+    pub fn follow(&mut self, layout: Layout, centre: Vec3) {
+        if centre.abs().max_element() <= Self::REACH {
+            return;
+        }
+        let shift = on_grid(centre);
+        self.origin += shift;
+        for slot in layout.slots() {
+            self.x.set(slot, self.x.get(slot) - shift);
+            self.start.set(slot, self.start.get(slot) - shift);
+        }
+    }
+}
+
+fn on_grid(p: Vec3) -> Vec3 {
+    (p / State::GRID).round() * State::GRID
+}
+
+/// Room that the stages work in; nothing in it outlives a substep but `clearance`, which outlives
+/// none of the ticks.
+#[derive(Clone, Debug)]
+pub(crate) struct Scratch {
+    /// Accelerations [m/s2], where they differ between particles.
+    pub a: Soa,
+    /// Bending moments of the hinges, or predicted velocities.
+    pub b: Soa,
+    /// Positions, then corrections, in the transposed layout.
+    pub transposed: Soa,
+    /// The unknowns of a block of threads.
+    pub line: Line,
+    /// How far the particles of a block may yet move before they can touch a collider [m].
+    pub clearance: Vec<f32>,
+    /// The least gap of each block that is looked at [m].
+    pub gaps: Vec<f32>,
+}
+
+/// Directions, inverse pivots and right-hand sides of [`LANES`] threads solved side by side.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    pub direction: Soa,
+    pub inverse_pivot: Vec<f32>,
+    pub residual: Vec<f32>,
+}
+
+impl Scratch {
+    pub fn new(layout: Layout) -> Self {
+        let len = layout.len();
+        let longest = layout.rows.max(layout.columns) * LANES;
+        Self {
+            a: Soa::zeros(len),
+            b: Soa::zeros(len),
+            transposed: Soa::zeros(layout.transposed().len()),
+            line: Line {
+                direction: Soa::zeros(longest),
+                inverse_pivot: vec![0.0; longest],
+                residual: vec![0.0; longest],
+            },
+            clearance: vec![0.0; len / LANES],
+            gaps: vec![0.0; len / LANES],
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! Tethers: no particle is further from a pin than the cloth between them reaches.
+//!
+//! Long-range attachments (Kim, Chentanez and Mueller 2012): what a chain of corrections takes many
+//! passes to carry from a pin to the hem is carried at once. The bound is a consequence of the
+//! cloth's own constraints, so that a cloth which obeys those is not touched.
+
+use bevy::math::{Vec3, ops};
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::{Lattice, Layout};
+use super::parameters::Material;
+
+/// Tethers of a particle at most.
+const MOST: usize = 4;
+/// Load on the cloth above its own weight that the bound leaves room for.
+const LOAD_FACTOR: f32 = 4.0;
+/// Least distance from a pin that has a direction [m].
+const LEAST_DISTANCE: f32 = 1e-12;
+
+/// The tethers of one group of neighbouring pins, or to the n-th nearest group where there are many.
+#[derive(Clone, Debug)]
+pub(super) struct TetherSet {
+    /// The slot of the pin that each particle is tied to; one entry where all share a pin.
+    pins: Vec<u32>,
+    /// Distance to the pin along the cloth, however it shears less [m]; 0 for held particles.
+    straight: Vec<f32>,
+    /// Distance to the pin along the threads alone [m].
+    along_threads: Vec<f32>,
+    /// The bound in force [m].
+    limit: Vec<f32>,
+}
+
+impl TetherSet {
+    /// The tethers that a lattice needs for its pins (slots).
+    pub fn build(lattice: &Lattice, pins: &[usize]) -> Vec<Self> {
+        let groups = neighbour_groups(lattice.layout, pins);
+        if groups.len() == lattice.particle_count() {
+            return Vec::new();
+        }
+        let mut sets: Vec<Self> = Vec::new();
+        for group in &groups {
+            let reach = Reach::from_pins(lattice, group);
+            sets.push(reach.into_set(lattice.layout, group, pins));
+        }
+        keep_nearest(lattice.layout, sets)
+    }
+
+    /// Sets the bounds for a material under gravity [m/s2].
+    ///
+    /// The cloth may stretch by what its threads give under [`LOAD_FACTOR`] times its weight, spread
+    /// over a width that grows with the distance from the pin (a logarithm), and it may be longer by
+    /// what it shears, up to the way along the threads.
+    pub fn set_limits(&mut self, lattice: &Lattice, material: &Material, gravity: Vec3) {
+        let weight = lattice.total_area() * material.area_density * gravity.length();
+        let load = LOAD_FACTOR * weight;
+        let cell = (lattice.total_area() / lattice.particle_count() as f32).sqrt();
+        for slot in lattice.layout.slots() {
+            let (straight, threads) = (self.straight[slot], self.along_threads[slot]);
+            let spread = 1.0 + ops::ln((straight / cell).max(1.0));
+            let give = |stiffness: f32| {
+                if load == 0.0 { 0.0 } else { (load / stiffness) * spread }
+            };
+            let stretch = give(material.thread_stiffness).min(material.max_strain * straight);
+            let shear = give(material.shear_stiffness).min(threads - straight);
+            self.limit[slot] = straight + stretch + shear;
+        }
+    }
+}
+
+/// Distances along the cloth from a group of pins.
+struct Reach {
+    nearest: Vec<u32>,
+    straight: Vec<f32>,
+    along_threads: Vec<f32>,
+}
+
+impl Reach {
+    fn from_pins(lattice: &Lattice, group: &[usize]) -> Self {
+        if lattice.flat {
+            Self::through_space(lattice, group)
+        } else {
+            Self::along_edges(lattice, group)
+        }
+    }
+
+    /// In a flat, convex sheet the way along the cloth is the straight one.
+    fn through_space(lattice: &Lattice, group: &[usize]) -> Self {
+        let layout = lattice.layout;
+        let rest = |slot: usize| rest_position(lattice, slot);
+        let (across, along) = (
+            (rest(layout.slot(0, 1)) - rest(layout.slot(0, 0))).normalize_or_zero(),
+            (rest(layout.slot(1, 0)) - rest(layout.slot(0, 0))).normalize_or_zero(),
+        );
+        let mut reach = Self::unreached(layout.len());
+        for slot in layout.slots() {
+            let mut best = f32::INFINITY;
+            for &pin in group {
+                let d = rest(slot) - rest(pin);
+                if d.length() < best {
+                    best = d.length();
+                    reach.nearest[slot] = pin as u32;
+                    reach.straight[slot] = best;
+                    reach.along_threads[slot] = d.dot(across).abs() + d.dot(along).abs();
+                }
+            }
+        }
+        reach
+    }
+
+    /// Elsewhere it is the shortest way over threads and diagonals, which is never too short.
+    fn along_edges(lattice: &Lattice, group: &[usize]) -> Self {
+        let (straight, nearest) = shortest_ways(lattice, group, true);
+        let (along_threads, _) = shortest_ways(lattice, group, false);
+        Self { nearest, straight, along_threads }
+    }
+
+    fn unreached(len: usize) -> Self {
+        Self {
+            nearest: vec![0; len],
+            straight: vec![0.0; len],
+            along_threads: vec![0.0; len],
+        }
+    }
+
+    fn into_set(mut self, layout: Layout, group: &[usize], pins: &[usize]) -> TetherSet {
+        for &pin in pins {
+            self.straight[pin] = 0.0;
+            self.along_threads[pin] = 0.0;
+        }
+        let pins = if let [only] = group { vec![*only as u32] } else { self.nearest };
+        TetherSet {
+            pins,
+            straight: self.straight,
+            along_threads: self.along_threads,
+            limit: vec![0.0; layout.len()],
+        }
+    }
+}
+
+fn rest_position(lattice: &Lattice, slot: usize) -> Vec3 {
+    let (row, column) = row_and_column(lattice.layout, slot);
+    lattice.rest_positions[row * lattice.layout.columns + column]
+}
+
+fn row_and_column(layout: Layout, slot: usize) -> (usize, usize) {
+    let from_first = slot - layout.slot(0, 0);
+    (from_first / layout.stride, from_first % layout.stride)
+}
+
+/// Pins that are neighbours, diagonals included, make one group; groups in the order of their first.
+fn neighbour_groups(layout: Layout, pins: &[usize]) -> Vec<Vec<usize>> {
+    let mut waiting: std::collections::BTreeSet<usize> = pins.iter().copied().collect();
+    let mut groups = Vec::new();
+    while let Some(seed) = waiting.pop_first() {
+        let mut group = vec![seed];
+        let mut at = 0;
+        while at < group.len() {
+            let s = group[at];
+            let stride = layout.stride;
+            for near in [s - stride, s, s + stride] {
+                for slot in [near - 1, near, near + 1] {
+                    if waiting.remove(&slot) {
+                        group.push(slot);
+                    }
+                }
+            }
+            at += 1;
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
+
+/// Where there are more groups than tethers, each particle keeps its nearest.
+fn keep_nearest(layout: Layout, sets: Vec<TetherSet>) -> Vec<TetherSet> {
+    if sets.len() <= MOST {
+        return sets;
+    }
+    let empty = || TetherSet {
+        pins: vec![0; layout.len()],
+        straight: vec![0.0; layout.len()],
+        along_threads: vec![0.0; layout.len()],
+        limit: vec![0.0; layout.len()],
+    };
+    let mut kept: Vec<TetherSet> = (0..MOST).map(|_| empty()).collect();
+    for slot in layout.slots() {
+        let mut order: Vec<usize> = (0..sets.len()).collect();
+        order.sort_by(|&a, &b| sets[a].straight[slot].total_cmp(&sets[b].straight[slot]));
+        for (to, &from) in kept.iter_mut().zip(&order) {
+            to.pins[slot] = if let [only] = sets[from].pins[..] { only } else { sets[from].pins[slot] };
+            to.straight[slot] = sets[from].straight[slot];
+            to.along_threads[slot] = sets[from].along_threads[slot];
+        }
+    }
+    kept
+}
+
+/// Dijkstra's algorithm over the threads, and over the diagonals where asked.
+fn shortest_ways(lattice: &Lattice, group: &[usize], diagonals: bool) -> (Vec<f32>, Vec<u32>) {
+    use std::{cmp::Reverse, collections::BinaryHeap};
+    let layout = lattice.layout;
+    let mut way = vec![f32::INFINITY; layout.len()];
+    let mut nearest = vec![0_u32; layout.len()];
+    // Lengths are positive, so that their bits are ordered as they are.
+    let mut queue = BinaryHeap::new();
+    for &pin in group {
+        way[pin] = 0.0;
+        nearest[pin] = pin as u32;
+        queue.push(Reverse((0_u32, pin)));
+    }
+    while let Some(Reverse((bits, slot))) = queue.pop() {
+        let so_far = f32::from_bits(bits);
+        if so_far > way[slot] {
+            continue;
+        }
+        let mut visit = |to: usize, length: f32| {
+            if length > 0.0 && so_far + length < way[to] {
+                way[to] = so_far + length;
+                nearest[to] = nearest[slot];
+                queue.push(Reverse((way[to].to_bits(), to)));
+            }
+        };
+        let s = layout.stride;
+        visit(slot + 1, lattice.weft.rest[slot]);
+        visit(slot - 1, lattice.weft.rest[slot - 1]);
+        visit(slot + s, lattice.warp.rest[slot]);
+        visit(slot - s, lattice.warp.rest[slot - s]);
+        if diagonals {
+            visit(slot + s + 1, lattice.diagonal.rest[slot]);
+            visit(slot - s - 1, lattice.diagonal.rest[slot - s - 1]);
+            visit(slot + s - 1, lattice.antidiagonal_rest[slot - 1]);
+            visit(slot - s + 1, lattice.antidiagonal_rest[slot - s]);
+        }
+    }
+    for slot in layout.slots() {
+        if way[slot] == f32::INFINITY {
+            way[slot] = 0.0;
+        }
+    }
+    (way, nearest)
+}
+
+/// Brings back what is further from its pin than its tether allows.
+pub(super) struct PullTethers<'a> {
+    pub layout: Layout,
+    pub set: &'a TetherSet,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub v: &'a mut Soa,
+    /// 1 / substep [1/s].
+    pub rate: f32,
+}
+
+impl Kernel for PullTethers<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let shared = match self.set.pins[..] {
+            [only] => Some(Block3::splat(self.x.get(only as usize))),
+            _ => None,
+        };
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let pin = match shared {
+                    Some(pin) => pin,
+                    None => gather(self.x, &self.set.pins[slot..slot + LANES]),
+                };
+                let (mut x, mut v) = (Block3::load(self.x, slot), Block3::load(self.v, slot));
+                let limit = Block::load(&self.set.limit, slot);
+                let w = Block::load(self.inverse_mass, slot);
+                for i in 0..LANES {
+                    let d = x.at(i) - pin.at(i);
+                    let distance = d.dot(d).sqrt();
+                    let excess = if w.0[i] > 0.0 { larger(distance - limit.0[i], 0.0) } else { 0.0 };
+                    let correction = d * (excess / larger(distance, LEAST_DISTANCE));
+                    x.set(i, x.at(i) - correction);
+                    v.set(i, v.at(i) - correction * self.rate);
+                }
+                x.store(self.x, slot);
+                v.store(self.v, slot);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn gather(x: &Soa, slots: &[u32]) -> Block3 {
+    let mut out = Block3::ZERO;
+    for (lane, &slot) in slots.iter().enumerate() {
+        out.set(lane, x.get(slot as usize));
+    }
+    out
+}

@@ -1,0 +1,300 @@
+//! One tick: gather -> solve -> finish. The solver does the work; here it meets the world.
+
+use crate::{
+    cloth::{
+        ClothGravity, ClothGravityOverride, ClothSimulation,
+        attachment::{Attachments, note_pins},
+        setup::solver_error,
+    },
+    collider::{ColliderPose, ColliderRoom, ColliderSnapshot, note_collider},
+    error::{Blame, ClothError, Failures},
+    plugin::ClothSubstep,
+    sdf::DistanceField,
+    solver::{ClothSolver, Collider, SolverError, StepInput},
+};
+use bevy::{
+    ecs::system::SystemParam,
+    prelude::*,
+    time::{Fixed, Virtual},
+};
+
+/// Which form of the substeps runs. Both give the same bits.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, PartialEq, Clone)]
+pub enum ClothExecution {
+    /// Staged if the game has added systems to [`ClothSubstep`], else fused.
+    ///
+    /// Systems are counted: a game that only replaces a stage, or puts run conditions on its set, asks for
+    /// [`ClothExecution::Staged`].
+    #[default]
+    Automatic,
+    /// Each cloth takes all its substeps in one go, cloths in parallel. [`ClothSubstep`] is not run.
+    Fused,
+    /// [`ClothSubstep`] runs once a substep, cloths one after the other.
+    Staged,
+}
+
+/// How this tick runs.
+#[derive(Resource, Default)]
+pub(crate) struct Runner {
+    staged: bool,
+    /// Substeps of the cloth with most.
+    rounds: u32,
+}
+
+/// Whether this tick runs stage by stage.
+pub(crate) fn is_staged(runner: Res<Runner>) -> bool {
+    runner.staged
+}
+
+/// What the schedule's clock says of this run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Fixed,
+    /// Time stands still, or there is no clock.
+    None,
+    Variable,
+}
+
+fn step(time: Option<Res<Time>>, fixed: Option<Res<Time<Fixed>>>) -> Step {
+    match (time, fixed) {
+        (Some(time), _) if time.delta().is_zero() => Step::None,
+        // In the fixed main loop, and nowhere else, the generic clock is the fixed one.
+        (Some(time), Some(fixed))
+            if time.delta() == fixed.delta() && time.elapsed() == fixed.elapsed() =>
+        {
+            Step::Fixed
+        }
+        (Some(_), _) => Step::Variable,
+        (None, _) => Step::None,
+    }
+}
+
+/// Whether the schedule runs at the fixed step.
+pub(crate) fn in_fixed_step(time: Option<Res<Time>>, fixed: Option<Res<Time<Fixed>>>) -> bool {
+    step(time, fixed) == Step::Fixed
+}
+
+/// Whether the schedule runs at some other step.
+pub(crate) fn in_variable_step(time: Option<Res<Time>>, fixed: Option<Res<Time<Fixed>>>) -> bool {
+    step(time, fixed) == Step::Variable
+}
+
+/// Verlet integration and a changing step do not go together.
+pub(crate) fn refuse_variable_step(
+    cloths: Query<Entity, With<ClothSimulation>>,
+    mut failures: Failures,
+) {
+    for entity in &cloths {
+        failures.report(entity, ClothError::VariableStep { entity });
+    }
+}
+
+/// Notes, before a frame's ticks, where everything is that may move once a frame.
+pub(crate) fn note_poses(
+    mut colliders: Query<(Entity, &mut ColliderPose)>,
+    mut cloths: Query<&mut ClothSimulation>,
+    transforms: TransformHelper,
+    fixed: Option<Res<Time<Fixed>>>,
+    time: Option<Res<Time<Virtual>>>,
+) {
+    let (Some(fixed), Some(time)) = (fixed, time) else {
+        return;
+    };
+    let ticks = (fixed.overstep() + time.delta()).as_nanos() / fixed.timestep().as_nanos();
+    let ticks = u32::try_from(ticks).unwrap_or(u32::MAX);
+    if ticks == 0 {
+        return;
+    }
+    for (entity, mut pose) in &mut colliders {
+        note_collider(entity, &mut pose, &transforms, ticks);
+    }
+    for mut cloth in &mut cloths {
+        note_pins(&mut cloth, &transforms, ticks);
+    }
+}
+
+/// Decides between the two forms.
+pub(crate) fn choose_execution(world: &mut World) {
+    let staged = match world.resource::<ClothExecution>() {
+        ClothExecution::Fused => false,
+        ClothExecution::Staged => true,
+        ClothExecution::Automatic => others_take_part(world),
+    };
+    world.resource_mut::<Runner>().staged = staged;
+}
+
+/// Whether [`ClothSubstep`] holds more than the four stages.
+fn others_take_part(world: &mut World) -> bool {
+    const STAGES: usize = 4;
+    let count = world.try_schedule_scope(ClothSubstep, |world, schedule| {
+        // The number means nothing before the schedule is built. A schedule that cannot be built is run,
+        // so that Bevy says why.
+        let built = schedule.initialize(world).is_ok();
+        if built { schedule.systems_len() } else { usize::MAX }
+    });
+    count.is_ok_and(|count| count != STAGES)
+}
+
+/// What all cloths share in a tick.
+#[derive(SystemParam)]
+pub(crate) struct Surroundings<'w, 's> {
+    snapshot: Res<'w, ColliderSnapshot>,
+    fields: Option<Res<'w, Assets<DistanceField>>>,
+    room: Local<'s, ColliderRoom>,
+}
+
+impl Surroundings<'_, '_> {
+    /// Calls `act` with the tick's colliders, without allocating once there is room for them.
+    fn with_colliders(&mut self, act: impl FnOnce(&[Collider])) {
+        let room = core::mem::take(&mut *self.room);
+        let colliders = self.snapshot.colliders(self.fields.as_deref(), room);
+        act(&colliders);
+        *self.room = ColliderRoom::keep(colliders);
+    }
+}
+
+/// What a cloth takes of the world, fixed for a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ClothStep {
+    dt: f32,
+    gravity: Vec3,
+    /// Substeps still to go, in the staged form.
+    rounds: u32,
+}
+
+/// The solver's input. A function of fields, so that the solver beside them can be borrowed.
+fn input<'a>(
+    step: ClothStep,
+    attachments: &'a Attachments,
+    colliders: &'a [Collider<'a>],
+) -> StepInput<'a> {
+    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders }
+}
+
+/// Takes the tick's length, and the gravity of each cloth.
+pub(crate) fn gather_step(
+    mut cloths: Query<(&mut ClothSimulation, Option<&ClothGravityOverride>)>,
+    gravity: Res<ClothGravity>,
+    time: Res<Time>,
+) {
+    for (mut cloth, own) in &mut cloths {
+        let gravity = own.map_or(gravity.0, |own| own.0);
+        cloth.step = ClothStep { dt: time.delta_secs(), gravity, rounds: 0 };
+    }
+}
+
+/// The fused form: all cloths in parallel, each all its substeps.
+pub(crate) fn solve_fused(
+    mut cloths: Query<&mut ClothSimulation>,
+    mut surroundings: Surroundings,
+) {
+    surroundings.with_colliders(|colliders| {
+        cloths.par_iter_mut().for_each(|mut cloth| {
+            let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
+            if !*frozen {
+                *outcome = Some(solver.tick(&input(*step, attachments, colliders)));
+            }
+        });
+    });
+}
+
+/// The staged form: begins the tick of every cloth.
+pub(crate) fn begin_staged(
+    mut cloths: Query<&mut ClothSimulation>,
+    mut surroundings: Surroundings,
+    mut runner: ResMut<Runner>,
+) {
+    runner.rounds = 0;
+    surroundings.with_colliders(|colliders| {
+        for mut cloth in &mut cloths {
+            let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
+            if *frozen {
+                continue;
+            }
+            match solver.begin_tick(&input(*step, attachments, colliders)) {
+                Ok(substeps) => step.rounds = substeps,
+                Err(error) => *outcome = Some(Err(error)),
+            }
+            runner.rounds = runner.rounds.max(step.rounds);
+        }
+    });
+}
+
+/// Runs as many substeps as the cloth with most needs; a cloth with fewer sits the rest out.
+pub(crate) fn run_substeps(world: &mut World) {
+    let rounds = world.resource::<Runner>().rounds;
+    // The plugin has added the schedule; without it there is nothing to run.
+    let _ = world.try_schedule_scope(ClothSubstep, |world, schedule| {
+        for _ in 0..rounds {
+            schedule.run(world);
+        }
+    });
+}
+
+/// Stage 1: springs, bending, damping, gravity.
+pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
+    for_each_stepping(&mut cloths, |solver, input| solver.accumulate_forces(input));
+}
+
+/// Stage 2: Verlet; pins go their way.
+pub(crate) fn integrate(mut cloths: Query<&mut ClothSimulation>) {
+    for_each_stepping(&mut cloths, |solver, input| solver.integrate(input));
+}
+
+/// Stage 3: threads or Provot's correction, tethers.
+pub(crate) fn correct(mut cloths: Query<&mut ClothSimulation>) {
+    for_each_stepping(&mut cloths, |solver, _| solver.correct());
+}
+
+fn for_each_stepping(
+    cloths: &mut Query<&mut ClothSimulation>,
+    act: impl Fn(&mut ClothSolver, &StepInput),
+) {
+    for mut cloth in cloths {
+        let ClothSimulation { solver, attachments, step, .. } = &mut *cloth;
+        if step.rounds > 0 {
+            act(solver, &input(*step, attachments, &[]));
+        }
+    }
+}
+
+/// Stage 4: out of the colliders, friction. Ends the substep.
+pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
+    surroundings.with_colliders(|colliders| {
+        for mut cloth in &mut cloths {
+            let ClothSimulation { solver, attachments, step, outcome, .. } = &mut *cloth;
+            if step.rounds > 0 {
+                solver.collide(&input(*step, attachments, colliders));
+                step.rounds -= 1;
+                if step.rounds == 0 {
+                    *outcome = Some(solver.end_tick());
+                }
+            }
+        }
+    });
+}
+
+/// Looks at how the tick went.
+pub(crate) fn finish_tick(
+    mut cloths: Query<(Entity, &mut ClothSimulation)>,
+    mut failures: Failures,
+) {
+    for (entity, mut cloth) in &mut cloths {
+        match cloth.outcome.take() {
+            Some(Ok(report)) => {
+                cloth.last_tick = Some(report);
+                cloth.tick_count += 1;
+                cloth.stale |= cloth.solver.has_moved();
+                failures.clear(entity, Blame::Motion);
+                failures.clear(entity, Blame::Schedule);
+            }
+            Some(Err(problem)) => {
+                // Bad input leaves the cloth where it is, until the input is good again.
+                cloth.frozen = problem == SolverError::Diverged;
+                failures.report(entity, solver_error(entity, problem));
+            }
+            None => {}
+        }
+    }
+}
