@@ -40,7 +40,8 @@ use std::sync::Arc;
 pub struct SdfCollider {
     /// The solid, in the entity's frame.
     pub shape: SdfShape,
-    /// Coulomb's coefficient of friction [1]. Higher holds better; a pair's is the geometric mean.
+    /// Coulomb's coefficient of friction \[1\]. Higher holds better; a pair's is the geometric
+    /// mean.
     pub friction: f32,
     /// Whether cloths see it.
     pub enabled: bool,
@@ -62,7 +63,7 @@ impl SdfCollider {
         Self::new(SdfShape::Custom(CustomSdf(Arc::new(shape))))
     }
 
-    /// With another coefficient of friction [1]. Higher holds better.
+    /// With another coefficient of friction \[1\]. Higher holds better.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
     }
@@ -91,7 +92,8 @@ struct Gathered {
 }
 
 impl ColliderSnapshot {
-    /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is left out.
+    /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
+    /// left out.
     pub fn colliders<'a>(
         &'a self,
         fields: Option<&'a Assets<DistanceField>>,
@@ -128,7 +130,7 @@ impl ColliderRoom {
 /// The same memory for another lifetime: collecting into equal elements is done in place.
 fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> {
     used.clear();
-    used.into_iter().filter_map(|_| None).collect()
+    used.into_iter().map_while(|_| None).collect()
 }
 
 /// Notes where all colliders are before a frame's ticks.
@@ -188,4 +190,43 @@ fn gather(
     let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
     let shape = collider.shape.clone();
     Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::ecs::system::RunSystemOnce;
+
+    #[derive(Component)]
+    struct Other;
+
+    #[test]
+    fn colliders_are_in_the_order_of_their_entities() {
+        let mut world = World::new();
+        world.init_resource::<ColliderSnapshot>();
+        let entities: Vec<_> =
+            (0..6).map(|_| world.spawn(SdfCollider::from(Sphere::default())).id()).collect();
+        // Another archetype, which Bevy visits later.
+        for entity in &entities[2..4] {
+            world.entity_mut(*entity).insert(Other);
+        }
+        world.run_system_once(gather_colliders).unwrap();
+        let gathered: Vec<_> =
+            world.resource::<ColliderSnapshot>().0.iter().map(|collider| collider.entity).collect();
+        let mut sorted = gathered.clone();
+        sorted.sort_unstable();
+        assert_eq!((gathered.len(), &gathered), (6, &sorted));
+    }
+
+    #[test]
+    fn the_room_for_colliders_is_kept() {
+        let sphere = Sphere::new(1.0);
+        let pose = Pose::IDENTITY;
+        let collider = solver::Collider { shape: &sphere, start: pose, end: pose, friction: 0.5 };
+        let used = vec![collider; 10];
+        let at = used.as_ptr().addr();
+        let again = ColliderRoom::keep(used).reuse();
+        assert_eq!((again.len(), again.as_ptr().addr()), (0, at));
+        assert!(again.capacity() >= 10);
+    }
 }

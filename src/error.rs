@@ -35,8 +35,8 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: LatticeError,
     },
-    /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running cloth keeps
-    /// the last good ones, a collider is left out.
+    /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running
+    /// cloth keeps the last good ones, a collider is left out.
     #[error("{entity}: {problem}; change `{component}`")]
     Parameter {
         /// The cloth or collider.

@@ -38,18 +38,20 @@
 //!   [`ClothSimulation`]; changed components change it.
 //! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
-//!   whether by explicit springs or by whole threads, follows from the material; see [`ClothSimulation::plan`].
+//!   whether by explicit springs or by whole threads, follows from the material; see
+//!   [`ClothSimulation::plan`].
 //! - **Draw**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
 //!
 //! # Units
 //!
-//! SI throughout: metres, kilograms, seconds, newtons. A finer sheet of the same material weighs the same
-//! and stretches alike.
+//! SI throughout: metres, kilograms, seconds, newtons. A finer sheet of the same material weighs
+//! the same and stretches alike.
 //!
 //! # What goes wrong
 //!
-//! Nothing a game passes makes a cloth panic: what cannot be used is a [`ClothError`] that names the entity
-//! and says what to do, logged once and kept on the entity as [`ClothFailure`]. Other cloths go on.
+//! Nothing a game passes makes a cloth panic: what cannot be used is a [`ClothError`] that names
+//! the entity and says what to do, logged once and kept on the entity as [`ClothFailure`]. Other
+//! cloths go on.
 //!
 //! # Limits
 //!
@@ -57,8 +59,6 @@
 //! - Cloths do not meet each other, nor themselves, and do not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
-
-#![forbid(unsafe_code)]
 
 mod cloth;
 mod collider;
@@ -82,10 +82,10 @@ pub use step::ClothExecution;
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity, ClothGravityOverride,
-        ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape,
-        ClothSimulation, ClothSubstep, ClothSubstepSystems, ClothSystems, Pin, PinSelection, SdfCells,
-        SdfCollider, SdfShape,
+        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
+        ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
+        ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
+        ClothSystems, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
         sdf::{DistanceField, SignedDistance},
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };

@@ -13,9 +13,9 @@ use crate::{
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
     step::{
-        ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
-        finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged, note_poses,
-        refuse_variable_step, run_substeps, solve_fused,
+        ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide,
+        correct, finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged,
+        note_poses, refuse_variable_step, run_substeps, solve_fused,
     },
 };
 use bevy::{
@@ -33,7 +33,8 @@ use bevy::{
 /// Cloths are stepped in `FixedPostUpdate`, or in another schedule of the fixed main loop given to
 /// [`ClothPlugin::new`]. One that runs at a variable step is refused.
 ///
-/// Works under bare `MinimalPlugins`: what has no meshes is not drawn, what has no assets bakes no fields.
+/// Works under bare `MinimalPlugins`: what has no meshes is not drawn, what has no assets bakes no
+/// fields.
 #[derive(Clone, Copy, Debug)]
 pub struct ClothPlugin {
     schedule: Interned<dyn ScheduleLabel>,
@@ -52,14 +53,15 @@ impl Default for ClothPlugin {
     }
 }
 
-/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a tick.
+/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a
+/// tick.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClothSystems {
-    /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what moves
-    /// once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
+    /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what
+    /// moves once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
     NotePoses,
-    /// Components become running cloths, and changed components change them. Also in `PostUpdate`, so that a
-    /// cloth is seen in the frame that spawned it.
+    /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
+    /// so that a cloth is seen in the frame that spawned it.
     Setup,
     /// Poses of colliders and pins through the tick, and gravity.
     Gather,
@@ -75,8 +77,9 @@ pub enum ClothSystems {
 
 /// The schedule of one substep, run serially as often as the tick has substeps.
 ///
-/// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them; as soon
-/// as there are any, this schedule is run in place of the fused form. See [`ClothExecution`].
+/// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them;
+/// as soon as there are any, this schedule is run in place of the fused form. See
+/// [`ClothExecution`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClothSubstep;
 
@@ -132,10 +135,12 @@ impl Plugin for ClothPlugin {
                     (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (gather_colliders, gather_pins, gather_step).chain().in_set(Gather),
+                    // The exclusive systems touch no more than their neighbours here, which are not
+                    // exempt.
                     (
-                        choose_execution,
+                        choose_execution.ambiguous_with_all(),
                         solve_fused.run_if(not(is_staged)),
-                        (begin_staged, run_substeps).chain().run_if(is_staged),
+                        (begin_staged, run_substeps.ambiguous_with_all()).chain().run_if(is_staged),
                     )
                         .chain()
                         .in_set(Solve),
@@ -189,7 +194,9 @@ impl Plugin for ClothPlugin {
 /// Makes distance fields assets, in an app that has assets.
 fn register_fields(app: &mut App) {
     let world = app.world();
-    if world.contains_resource::<AssetServer>() && !world.contains_resource::<Assets<DistanceField>>() {
+    if world.contains_resource::<AssetServer>()
+        && !world.contains_resource::<Assets<DistanceField>>()
+    {
         app.init_asset::<DistanceField>();
     }
 }

@@ -24,11 +24,12 @@ use bevy::{
 pub enum ClothExecution {
     /// Staged if the game has added systems to [`ClothSubstep`], else fused.
     ///
-    /// Systems are counted: a game that only replaces a stage, or puts run conditions on its set, asks for
-    /// [`ClothExecution::Staged`].
+    /// Systems are counted: a game that only replaces a stage, or puts run conditions on its set,
+    /// asks for [`ClothExecution::Staged`].
     #[default]
     Automatic,
-    /// Each cloth takes all its substeps in one go, cloths in parallel. [`ClothSubstep`] is not run.
+    /// Each cloth takes all its substeps in one go, cloths in parallel. [`ClothSubstep`] is not
+    /// run.
     Fused,
     /// [`ClothSubstep`] runs once a substep, cloths one after the other.
     Staged,
@@ -128,8 +129,8 @@ pub(crate) fn choose_execution(world: &mut World) {
 fn others_take_part(world: &mut World) -> bool {
     const STAGES: usize = 4;
     let count = world.try_schedule_scope(ClothSubstep, |world, schedule| {
-        // The number means nothing before the schedule is built. A schedule that cannot be built is run,
-        // so that Bevy says why.
+        // The number means nothing before the schedule is built. A schedule that cannot be built is
+        // run, so that Bevy says why.
         let built = schedule.initialize(world).is_ok();
         if built { schedule.systems_len() } else { usize::MAX }
     });
@@ -185,10 +186,7 @@ pub(crate) fn gather_step(
 }
 
 /// The fused form: all cloths in parallel, each all its substeps.
-pub(crate) fn solve_fused(
-    mut cloths: Query<&mut ClothSimulation>,
-    mut surroundings: Surroundings,
-) {
+pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
             let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
@@ -234,12 +232,12 @@ pub(crate) fn run_substeps(world: &mut World) {
 
 /// Stage 1: springs, bending, damping, gravity.
 pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
-    for_each_stepping(&mut cloths, |solver, input| solver.accumulate_forces(input));
+    for_each_stepping(&mut cloths, ClothSolver::accumulate_forces);
 }
 
 /// Stage 2: Verlet; pins go their way.
 pub(crate) fn integrate(mut cloths: Query<&mut ClothSimulation>) {
-    for_each_stepping(&mut cloths, |solver, input| solver.integrate(input));
+    for_each_stepping(&mut cloths, ClothSolver::integrate);
 }
 
 /// Stage 3: threads or Provot's correction, tethers.

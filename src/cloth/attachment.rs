@@ -1,4 +1,5 @@
-//! Pins at work: which particle hangs on which anchor, where in its frame, and how it moves in a tick.
+//! Pins at work: which particle hangs on which anchor, where in its frame, and how it moves in a
+//! tick.
 
 use super::{
     ClothPins, ClothSimulation, PinProblem,
@@ -74,19 +75,24 @@ pub(crate) fn apply_pins(
     mut failures: Failures,
 ) {
     for (entity, pins, mut cloth) in &mut cloths {
-        let fresh = cloth.pins.is_none();
+        // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
+        let fresh = cloth.tick_count == 0;
         if !fresh && !pins.is_changed() {
             continue;
         }
-        if cloth.pins.as_ref() == Some(&*pins) && !failures.blames(entity, Blame::Pins) {
+        if fresh {
+            cloth.attachments = Attachments::default();
+        } else if cloth.pins == *pins && !failures.blames(entity, Blame::Pins) {
             continue;
         }
-        cloth.pins = Some(ClothPins::clone(&pins));
-        failures.clear(entity, Blame::Pins);
+        cloth.pins.clone_from(&pins);
         let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         hold(&mut cloth, attachments);
-        if let Some((pin, problem)) = problem {
-            failures.report(entity, ClothError::Pin { entity, pin, problem });
+        match problem {
+            None => failures.clear(entity, Blame::Pins),
+            Some((pin, problem)) => {
+                failures.report(entity, ClothError::Pin { entity, pin, problem });
+            }
         }
     }
 }
@@ -123,7 +129,8 @@ fn attach(
     let mut out = Attachments { own_entity: Some(entity), ..default() };
     for (particle, anchor) in anchor_of.iter().enumerate() {
         if let Some(anchor) = *anchor
-            && let Some(attached) = attach_one(cloth, entity, particle, anchor, transforms, &mut out)
+            && let Some(attached) =
+                attach_one(cloth, entity, particle, anchor, transforms, &mut out)
         {
             out.attached.push(attached);
         }
@@ -150,17 +157,16 @@ fn attach_one(
     let before = cloth.attachments.find(particle as u32, anchor);
     let local = match before {
         Some(before) => before.local,
-        None if anchor == entity => cloth.solver.lattice().rest_positions()[particle] / cloth.scale,
+        None if anchor == entity => {
+            cloth.solver.lattice().rest_positions()[particle] / cloth.placed.scale
+        }
         None => to_local(&known.pose.end(), cloth.solver.position(particle)),
     };
     let fresh = before.is_none_or(|before| before.fresh);
     Some(Attached { particle: particle as u32, anchor: out.slot(known), local, fresh })
 }
 
-fn anchor_now(
-    anchor: Entity,
-    transforms: &TransformHelper,
-) -> Result<Pose, PinProblem> {
+fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinProblem> {
     pose_now(transforms, anchor).map_err(|error| match error {
         PoseError::Missing => PinProblem::NoAnchor(anchor),
         PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
@@ -205,7 +211,8 @@ pub(crate) fn gather_pins(
     }
 }
 
-/// Moves every anchor on by a tick. One that has no usable pose stays; it is told, a missing one first.
+/// Moves every anchor on by a tick. One that has no usable pose stays; it is told, a missing one
+/// first.
 fn advance_anchors(
     attachments: &mut Attachments,
     transforms: &TransformHelper,
@@ -225,8 +232,7 @@ fn advance_anchors(
 
 /// The first pin with this anchor.
 fn pin_held_by(cloth: &ClothSimulation, anchor: Entity) -> usize {
-    let pins = cloth.pins.as_ref().map_or(&[][..], |pins| &pins.pins);
-    pins.iter().position(|pin| pin.anchor == Some(anchor)).unwrap_or(0)
+    cloth.pins.pins.iter().position(|pin| pin.anchor == Some(anchor)).unwrap_or(0)
 }
 
 /// Lets go of everything that this anchor holds.

@@ -1,8 +1,9 @@
-//! Recognises an open grid of quads in a triangle list, whatever its vertex order and triangulation.
+//! Recognises an open grid of quads in a triangle list, whatever its vertex order and
+//! triangulation.
 //!
-//! The counts of vertices and quads give rows and columns, the border's corners give a place to start, and
-//! from there every cell is forced: three known corners and one shared edge leave one fourth. So a wrong
-//! guess fails within a row, and the right one visits every triangle once.
+//! The counts of vertices and quads give rows and columns, the border's corners give a place to
+//! start, and from there every cell is forced: three known corners and one shared edge leave one
+//! fourth. So a wrong guess fails within a row, and the right one visits every triangle once.
 
 use bevy::platform::collections::HashMap;
 
@@ -11,8 +12,8 @@ use bevy::platform::collections::HashMap;
 pub(crate) struct GridTopology {
     pub rows: usize,
     pub columns: usize,
-    /// The vertex of every particle, row by row. Rows, columns and the triangles' front make the same
-    /// right-handed frame as +z, +x and +y.
+    /// The vertex of every particle, row by row. Rows, columns and the triangles' front make the
+    /// same right-handed frame as +z, +x and +y.
     pub vertex_of_particle: Vec<u32>,
 }
 
@@ -25,11 +26,14 @@ pub enum GridProblem {
     /// An edge has more than two triangles, or two that face opposite sides.
     #[error("an edge has more than two triangles, or triangles that face opposite sides")]
     NotASurface,
-    /// The border is not one closed line: the mesh is wrapped (a cylinder, a sphere), in pieces or has holes.
+    /// The border is not one closed line: the mesh is wrapped (a cylinder, a sphere), in pieces or
+    /// has holes.
     #[error("its border is not one closed line (it is wrapped, in pieces, or has holes)")]
     Border,
     /// The counts or the connections fit no grid.
-    #[error("{vertices} vertices and {triangles} triangles, connected as they are, make no rows and columns")]
+    #[error(
+        "{vertices} vertices and {triangles} triangles, connected as they are, make no rows and columns"
+    )]
     NotRectangular {
         /// Vertices of the mesh.
         vertices: usize,
@@ -79,14 +83,11 @@ impl HalfEdges {
         if border.len() == next.len() { Ok(border) } else { Err(GridProblem::Border) }
     }
 
-    /// The fourth vertex of the cell of `a`, its right neighbour `b` and the one below, `c`: either diagonal.
+    /// The fourth vertex of the cell of `a`, its right neighbour `b` and the one below, `c`: either
+    /// diagonal.
     fn fourth(&self, a: u32, b: u32, c: u32) -> Option<u32> {
         let third = self.third(a, c)?;
-        if third == b {
-            self.third(b, c)
-        } else {
-            (self.third(a, third)? == b).then_some(third)
-        }
+        if third == b { self.third(b, c) } else { (self.third(a, third)? == b).then_some(third) }
     }
 }
 
@@ -101,8 +102,7 @@ pub(crate) fn recognize(
     if triangles.iter().flatten().any(|&v| v as usize >= vertex_count) {
         return Err(GridProblem::BadIndex);
     }
-    let misfit =
-        GridProblem::NotRectangular { vertices: vertex_count, triangles: triangles.len() };
+    let misfit = GridProblem::NotRectangular { vertices: vertex_count, triangles: triangles.len() };
     let edges = HalfEdges::new(triangles)?;
     let border = edges.border()?;
     let (short, long) = sides(vertex_count, triangles.len(), border.len()).ok_or(misfit)?;
@@ -130,8 +130,8 @@ fn sides(vertices: usize, triangles: usize, border: usize) -> Option<(usize, usi
     fits.then_some((short, long))
 }
 
-/// Fills the grid from a guess of its first corner. The border runs counterclockwise: down the first
-/// column, and back along the first row.
+/// Fills the grid from a guess of its first corner. The border runs counterclockwise: down the
+/// first column, and back along the first row.
 fn fill(
     edges: &HalfEdges,
     border: &[u32],
@@ -141,8 +141,8 @@ fn fill(
 ) -> Option<GridTopology> {
     let around = |step: usize| border[(start + step) % border.len()];
     let mut grid = vec![0; rows * columns];
-    for column in 0..columns {
-        grid[column] = around((border.len() - column) % border.len());
+    for (column, vertex) in grid[..columns].iter_mut().enumerate() {
+        *vertex = around((border.len() - column) % border.len());
     }
     for row in 1..rows {
         grid[row * columns] = around(row);
@@ -163,7 +163,12 @@ mod tests {
     use super::*;
 
     /// Rows and columns facing up, each cell split one way or the other, vertices renamed.
-    fn grid(rows: u32, columns: u32, flip: impl Fn(u32) -> bool, name: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
+    fn grid(
+        rows: u32,
+        columns: u32,
+        flip: impl Fn(u32) -> bool,
+        name: impl Fn(u32) -> u32,
+    ) -> Vec<[u32; 3]> {
         let mut triangles = Vec::new();
         for cell in 0..(rows - 1) * (columns - 1) {
             let (r, c) = (cell / (columns - 1), cell % (columns - 1));
@@ -179,7 +184,9 @@ mod tests {
     fn grids_in_order_are_themselves() {
         for (rows, columns) in [(2, 2), (2, 5), (5, 2), (4, 4), (3, 7), (7, 3)] {
             for pattern in [0_u32, 1, 2, 3] {
-                let flip = |cell: u32| [false, true, cell.is_multiple_of(2), cell % 3 == 1][pattern as usize];
+                let flip = |cell: u32| {
+                    [false, true, cell.is_multiple_of(2), cell % 3 == 1][pattern as usize]
+                };
                 let found = recognize(&grid(rows, columns, flip, |v| v), (rows * columns) as usize);
                 let found = found.unwrap();
                 assert_eq!((found.rows, found.columns), (rows as usize, columns as usize));

@@ -5,14 +5,15 @@ use bevy::prelude::*;
 
 /// What a cloth is made of. May be changed at any time.
 ///
-/// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the same.
-/// The default is a light cotton.
+/// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the
+/// same. The default is a light cotton.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothMaterial {
     /// Mass per area [kg/m2]. Higher is heavier.
     pub area_density: f32,
-    /// Resistance of the woven threads to stretching [N/m]. Higher is stiffer and costs more substeps.
+    /// Resistance of the woven threads to stretching [N/m]. Higher is stiffer and costs more
+    /// substeps.
     pub thread_stiffness: f32,
     /// Resistance to shearing, a square turning into a rhombus [N/m]. Higher is stiffer.
     pub shear_stiffness: f32,
@@ -24,11 +25,12 @@ pub struct ClothMaterial {
     pub damping_form: DampingForm,
     /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner.
     pub drag: f32,
-    /// Strain that Provot's correction does not let a spring exceed, as a fraction [1]. Higher stretches more.
+    /// Strain, as a part of the rest length, that Provot's correction does not let a spring exceed
+    /// \[1\]. Higher stretches more.
     pub max_strain: f32,
-    /// Coulomb's coefficient of friction [1]. Higher slides less.
+    /// Coulomb's coefficient of friction \[1\]. Higher slides less.
     pub friction: f32,
-    /// Distance that the cloth keeps from colliders [m]. Higher is safer and shows a gap.
+    /// Distance that the cloth keeps from colliders \[m\]. Higher is safer and shows a gap.
     pub thickness: f32,
 }
 

@@ -11,8 +11,8 @@ pub(crate) mod setup;
 mod sheet;
 mod simulation;
 
-pub use grid::GridProblem;
 pub use gravity::{ClothGravity, ClothGravityOverride};
+pub use grid::GridProblem;
 pub use material::ClothMaterial;
 pub use pins::{ClothPins, Pin, PinProblem, PinSelection};
 pub use settings::{ClothInterpolation, ClothSettings};
@@ -25,8 +25,8 @@ use bevy::prelude::*;
 /// A piece of cloth.
 ///
 /// Spawning it is enough: the components beside it come with their defaults, and the plugin adds a
-/// [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where the
-/// app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
+/// [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
+/// the app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
 /// (`double_sided: true, cull_mode: None`).
 ///
 /// ```
@@ -41,10 +41,10 @@ use bevy::prelude::*;
 /// # }
 /// ```
 ///
-/// The cloth is simulated in world space. It starts where the entity's transform puts its rest shape;
-/// afterwards moving the entity moves only the pins that follow it. The entity may be scaled alike along
-/// all axes: the cloth is that much larger when it is set up. Another scale is refused with a
-/// [`ClothError`](crate::ClothError).
+/// The cloth is simulated in world space. It starts where the entity's transform puts its rest
+/// shape; afterwards moving the entity moves only the pins that follow it. The entity may be scaled
+/// alike along all axes: the cloth is that much larger when it is set up. Another scale is refused
+/// with a [`ClothError`](crate::ClothError).
 ///
 /// Changing the component starts the cloth anew.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -61,9 +61,10 @@ pub struct Cloth {
 pub enum ClothShape {
     /// A flat rectangle in the entity's xz plane, centred on its origin.
     Sheet {
-        /// Width along x and depth along z [m]. Larger is more cloth.
+        /// Width along x and depth along z \[m\]. Larger is more cloth.
         size: Vec2,
-        /// Columns (along x) and rows (along z) of particles, at least 2 each. More is finer and slower.
+        /// Columns (along x) and rows (along z) of particles, at least 2 each. More is finer and
+        /// slower.
         particles: UVec2,
     },
     /// The entity's own `Mesh3d`.
@@ -73,17 +74,17 @@ pub enum ClothShape {
 impl Cloth {
     /// A flat sheet of `size` metres in the entity's xz plane, centred on its origin and facing +y.
     ///
-    /// `particles` are its columns, along +x, and its rows, along +z. The particle in row `r` and column
-    /// `c` is vertex `r * columns + c`.
+    /// `particles` are its columns, along +x, and its rows, along +z. The particle in row `r` and
+    /// column `c` is vertex `r * columns + c`.
     pub fn sheet(size: Vec2, particles: UVec2) -> Self {
         Self { shape: ClothShape::Sheet { size, particles } }
     }
 
     /// The mesh of the entity's `Mesh3d`, whatever its shape in space.
     ///
-    /// Its triangles must make an open grid of rows x columns quads, the vertices in any order. The mesh
-    /// may still be loading. The cloth draws into a copy of its own: the asset is never written to, and
-    /// any number of cloths can be made from it.
+    /// Its triangles must make an open grid of rows x columns quads, the vertices in any order. The
+    /// mesh may still be loading. The cloth draws into a copy of its own: the asset is never
+    /// written to, and any number of cloths can be made from it.
     pub fn from_mesh() -> Self {
         Self { shape: ClothShape::Mesh }
     }

@@ -4,12 +4,12 @@ use bevy::prelude::*;
 
 /// The particles of a cloth that are held. May be changed at any time.
 ///
-/// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the entity's
-/// frame. A pin with an anchor keeps, in the anchor's frame, the place that it had when it was attached.
-/// What no pin holds any more is released and falls from where it is.
+/// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the
+/// entity's frame. A pin with an anchor keeps, in the anchor's frame, the place that it had when it
+/// was attached. What no pin holds any more is released and falls from where it is.
 ///
-/// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once, as a
-/// [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.
+/// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once,
+/// as a [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothPins {
@@ -35,9 +35,9 @@ pub enum PinSelection {
     Vertices(Vec<u32>),
     /// All particles whose rest position lies in a box of the cloth's own frame.
     Within {
-        /// Smallest coordinates [m].
+        /// Smallest coordinates \[m\].
         min: Vec3,
-        /// Largest coordinates [m].
+        /// Largest coordinates \[m\].
         max: Vec3,
     },
     /// The four corners.
@@ -77,7 +77,7 @@ impl ClothPins {
         PinSelection::Vertices(vertices.into_iter().collect()).into()
     }
 
-    /// Holds what lies at rest in a box of the cloth's own frame [m].
+    /// Holds what lies at rest in a box of the cloth's own frame \[m\].
     pub fn within(min: Vec3, max: Vec3) -> Self {
         PinSelection::Within { min, max }.into()
     }
@@ -103,7 +103,7 @@ pub(crate) struct Choices<'a> {
     pub columns: usize,
     /// Particle of each vertex; `None` where they are the same.
     pub particle_of_vertex: Option<&'a [u32]>,
-    /// Rest positions [m], by particle.
+    /// Rest positions \[m\], by particle.
     pub rest: &'a [Vec3],
     /// Factor from rest positions to the cloth's own frame.
     pub inverse_scale: f32,
@@ -113,7 +113,7 @@ pub(crate) struct Choices<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PinProblem {
     /// There is no such vertex.
-    #[error("there is no vertex {vertex}, the cloth has {count}; choose from 0 to {}", count.saturating_sub(1))]
+    #[error("there is no vertex {vertex}; choose from 0 to {}", count.saturating_sub(1))]
     NoSuchVertex {
         /// The vertex asked for.
         vertex: u32,
@@ -161,7 +161,9 @@ impl PinSelection {
                     place.cmpge(*min).all() && place.cmple(*max).all()
                 })
                 .for_each(pick),
-            Self::Corners => [0, columns - 1, count - columns, count - 1].into_iter().for_each(pick),
+            Self::Corners => {
+                [0, columns - 1, count - columns, count - 1].into_iter().for_each(pick);
+            }
             Self::FirstRow => (0..columns).for_each(pick),
             Self::LastRow => (count - columns..count).for_each(pick),
             Self::FirstColumn => (0..rows).for_each(|r| pick(r * columns)),

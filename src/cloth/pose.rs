@@ -1,8 +1,8 @@
 //! Where pins and colliders are at a tick's start and at its end.
 //!
-//! What is moved in the fixed schedule is taken as it is. What is moved once a frame (after the fixed
-//! loop, as animation is) would stand still through a frame's first tick and jump in the next: its way
-//! since the last frame is spread over the ticks of this one.
+//! What is moved in the fixed schedule is taken as it is. What is moved once a frame (after the
+//! fixed loop, as animation is) would stand still through a frame's first tick and jump in the
+//! next: its way since the last frame is spread over the ticks of this one.
 
 use crate::solver::Pose;
 use bevy::prelude::*;
@@ -28,7 +28,8 @@ impl MovingPose {
         Self { last: now, noted: now, from: now, ticks: 0, done: 0 }
     }
 
-    /// Notes the pose before the `ticks` ticks of a frame. A frame without ticks leaves the way to the next.
+    /// Notes the pose before the `ticks` ticks of a frame. A frame without ticks leaves the way to
+    /// the next.
     pub fn begin_frame(&mut self, now: Pose, ticks: u32) {
         if ticks > 0 {
             *self = Self { last: self.last, noted: now, from: self.last, ticks, done: 0 };
@@ -73,8 +74,8 @@ pub(crate) fn pose_of(global: &GlobalTransform) -> Result<Pose, PoseError> {
     let (scale, rotation, translation) = global.to_scale_rotation_translation();
     let largest = scale.abs().max_element();
     let uniform = scale.min_element() > 0.0 && largest - scale.min_element() <= 1e-4 * largest;
-    // A rotated child of an unevenly scaled parent is sheared: its axes have even lengths at most by chance,
-    // but they do not stand square.
+    // A rotated child of an unevenly scaled parent is sheared: its axes have even lengths at most
+    // by chance, but they do not stand square.
     let axes = global.affine().matrix3;
     let skew = axes.x_axis.dot(axes.y_axis).abs()
         + axes.y_axis.dot(axes.z_axis).abs()

@@ -13,13 +13,15 @@ pub struct ClothSettings {
     pub form: FormChoice,
     /// Passes of Provot's correction in a substep. More hold the strain limit closer.
     pub provot_passes: u32,
-    /// Whether masses and springs of the border count half. Changing it keeps the cloth where it is.
+    /// Whether masses and springs of the border count half. Changing it keeps the cloth where it
+    /// is.
     pub masses: MassLumping,
     /// Bending model.
     pub bending: Bending,
     /// Whether no particle gets further from the pins than the cloth between them allows.
     pub tethers: bool,
-    /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no higher.
+    /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no
+    /// higher.
     pub max_speed: f32,
 }
 
@@ -61,10 +63,11 @@ impl From<ClothSettings> for Settings {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum ClothInterpolation {
-    /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended particle may
-    /// dip into a collider between the two.
+    /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended
+    /// particle may dip into a collider between the two.
     #[default]
     Blend,
-    /// The last tick as it is: never inside a collider, but it stutters unless frames and ticks go together.
+    /// The last tick as it is: never inside a collider, but it stutters unless frames and ticks go
+    /// together.
     LastTick,
 }

@@ -1,7 +1,7 @@
 //! From components to a running cloth, and from changed components to a changed cloth.
 
 use super::{
-    Cloth, ClothMaterial, ClothSettings, ClothShape, ClothSimulation, LatticeCache,
+    Cloth, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, LatticeCache,
     attachment::Attachments,
     pose::{PoseError, pose_now, to_world},
 };
@@ -36,16 +36,30 @@ pub(crate) fn set_up_cloths(
 ) {
     for (entity, cloth, material, settings, mesh3d, own, simulation) in &cloths {
         let source = mesh::source_of(mesh3d.as_deref(), own);
-        if simulation.is_some_and(|running| !needs_setup(running, &cloth, mesh3d.as_deref(), own)) {
+        if let Some(running) = simulation
+            && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+            && !moved_before_its_first_tick(running, &transforms, entity)
+        {
             continue;
         }
         let mesh_changed = mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
-        let changed = cloth.is_changed() || material.is_changed() || settings.is_changed() || mesh_changed;
-        // What failed is tried again only after a change, but a parent's transform may change unseen.
+        let changed =
+            cloth.is_changed() || material.is_changed() || settings.is_changed() || mesh_changed;
+        // What failed is tried again only after a change, but a parent's transform may change
+        // unseen.
         if failures.has(entity) && !changed && !failures.blames(entity, Blame::Pose) {
             continue;
         }
-        let made = set_up(entity, &cloth, *material, *settings, source, &transforms, &meshes, &mut lattices);
+        let made = set_up(
+            entity,
+            &cloth,
+            *material,
+            *settings,
+            source,
+            &transforms,
+            &meshes,
+            &mut lattices,
+        );
         match made {
             // Still loading.
             Ok(None) => {}
@@ -96,6 +110,16 @@ fn needs_setup(
         _ => false,
     };
     running.shape != cloth.shape || cloth.shape == ClothShape::Mesh && other_mesh
+}
+
+/// Whether a cloth that has not run yet is elsewhere than it was set up. It starts where its first
+/// tick finds it, whether or not a frame has drawn it before.
+fn moved_before_its_first_tick(
+    running: &ClothSimulation,
+    transforms: &TransformHelper,
+    entity: Entity,
+) -> bool {
+    running.tick_count == 0 && pose_now(transforms, entity).is_ok_and(|pose| pose != running.placed)
 }
 
 pub(crate) fn pose_error(entity: Entity, error: PoseError) -> ClothError {
@@ -153,8 +177,8 @@ fn build(
         shape: cloth.shape,
         material,
         settings,
-        pins: None,
-        scale: pose.scale,
+        pins: ClothPins::default(),
+        placed: pose,
         particle_of_vertex: rest.particle_of_vertex(),
         step: ClothStep::default(),
         outcome: None,
@@ -165,7 +189,8 @@ fn build(
     })
 }
 
-/// Applies changed materials and settings. Numbers out of range are refused, the last good ones stay.
+/// Applies changed materials and settings. Numbers out of range are refused, the last good ones
+/// stay.
 pub(crate) fn apply_changes(
     mut cloths: Query<(Entity, Ref<ClothMaterial>, Ref<ClothSettings>, &mut ClothSimulation)>,
     mut failures: Failures,
@@ -234,12 +259,7 @@ fn with_masses(
     Ok(solver)
 }
 
-fn tell(
-    entity: Entity,
-    blame: Blame,
-    outcome: Result<(), SolverError>,
-    failures: &mut Failures,
-) {
+fn tell(entity: Entity, blame: Blame, outcome: Result<(), SolverError>, failures: &mut Failures) {
     match outcome {
         Ok(()) => failures.clear(entity, blame),
         Err(problem) => failures.report(entity, solver_error(entity, problem)),

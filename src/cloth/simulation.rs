@@ -1,17 +1,20 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
 
-use super::{ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices};
+use super::{
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices,
+};
 use crate::{
-    solver::{ClothSolver, Isa, Plan, SolverError, StrainReport, TickReport},
+    solver::{ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport},
     step::ClothStep,
 };
 use bevy::prelude::*;
+use std::sync::Arc;
 
-/// A cloth that is being simulated. The plugin adds it to every [`Cloth`](super::Cloth) as soon as that has
-/// all it needs.
+/// A cloth that is being simulated. The plugin adds it to every [`Cloth`](super::Cloth) as soon as
+/// that has all it needs.
 ///
-/// Positions are in world space, at the end of the last tick, row by row. Removing the component starts the
-/// cloth anew.
+/// Positions are in world space, at the end of the last tick, row by row. Removing the component
+/// starts the cloth anew.
 #[derive(Component)]
 pub struct ClothSimulation {
     pub(crate) solver: ClothSolver,
@@ -21,10 +24,9 @@ pub struct ClothSimulation {
     /// What is in force: the components may hold numbers that were refused.
     pub(crate) material: ClothMaterial,
     pub(crate) settings: ClothSettings,
-    /// `None` until the pins of a new cloth are resolved.
-    pub(crate) pins: Option<ClothPins>,
-    /// The entity's uniform scale at setup.
-    pub(crate) scale: f32,
+    pub(crate) pins: ClothPins,
+    /// The entity's pose at setup.
+    pub(crate) placed: Pose,
     /// The particle of each vertex; `None` where they are the same.
     pub(crate) particle_of_vertex: Option<Box<[u32]>>,
     /// This tick's surroundings.
@@ -60,6 +62,11 @@ impl ClothSimulation {
         self.frozen
     }
 
+    /// The rest shape. Equal sheets share it.
+    pub fn lattice(&self) -> &Arc<Lattice> {
+        self.solver.lattice()
+    }
+
     /// Rows of particles.
     pub fn rows(&self) -> usize {
         self.solver.lattice().rows()
@@ -86,7 +93,7 @@ impl ClothSimulation {
         inside.then(|| self.particle_of_vertex.as_ref().map_or(vertex, |map| map[vertex as usize]))
     }
 
-    /// Position of a particle in the world [m], `None` where there is no such particle.
+    /// Position of a particle in the world \[m\], `None` where there is no such particle.
     pub fn position(&self, particle: usize) -> Option<Vec3> {
         (particle < self.particle_count()).then(|| self.solver.position(particle))
     }
@@ -96,7 +103,7 @@ impl ClothSimulation {
         (particle < self.particle_count()).then(|| self.solver.velocity(particle))
     }
 
-    /// Positions of all particles in the world [m].
+    /// Positions of all particles in the world \[m\].
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         (0..self.particle_count()).map(|particle| self.solver.position(particle))
     }
@@ -106,7 +113,7 @@ impl ClothSimulation {
         self.solver.pins()
     }
 
-    /// Gives every free particle a velocity [m/s], a function of its position in the world [m].
+    /// Gives every free particle a velocity [m/s], a function of its position in the world \[m\].
     pub fn set_velocities(&mut self, velocity: impl Fn(Vec3) -> Vec3) {
         for particle in 0..self.particle_count() {
             let velocity = velocity(self.solver.position(particle));
@@ -134,7 +141,7 @@ impl ClothSimulation {
             columns: self.columns(),
             particle_of_vertex: self.particle_of_vertex.as_deref(),
             rest: self.solver.lattice().rest_positions(),
-            inverse_scale: 1.0 / self.scale,
+            inverse_scale: 1.0 / self.placed.scale,
         }
     }
 }

@@ -8,14 +8,14 @@ use crate::{
 };
 use bevy::{
     prelude::*,
-    tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future::poll_once},
+    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, futures_lite::future::poll_once},
 };
 
 /// Makes the entity an [`SdfCollider`] of its own mesh, or of another, by baking it to a
 /// [`DistanceField`] in a background task.
 ///
-/// The mesh must be closed. It may still be loading. Where the entity has an `SdfCollider` already, its shape
-/// alone is replaced. Changing the component bakes anew; the old field serves until then.
+/// The mesh must be closed. It may still be loading. Where the entity has an `SdfCollider` already,
+/// its shape alone is replaced. Changing the component bakes anew; the old field serves until then.
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]
@@ -30,13 +30,14 @@ pub struct BakeSdf {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Default, PartialEq, Clone)]
 pub enum SdfCells {
-    /// So many cells along the longest side of the mesh. More follow it closer; memory grows with the cube.
+    /// So many cells along the longest side of the mesh. More follow it closer; memory grows with
+    /// the cube.
     Count(u32),
     /// A given size.
     Size {
-        /// Spacing of the grid [m]. Smaller follows the mesh closer; memory grows with the cube.
+        /// Spacing of the grid \[m\]. Smaller follows the mesh closer; memory grows with the cube.
         cell_size: f32,
-        /// How far the grid reaches beyond the mesh [m]. Larger is exact further out.
+        /// How far the grid reaches beyond the mesh \[m\]. Larger is exact further out.
         margin: f32,
     },
 }
@@ -53,7 +54,7 @@ impl BakeSdf {
         Self { mesh: None, cells: SdfCells::Count(count) }
     }
 
-    /// Bakes the entity's own mesh with cells of `cell_size` [m], `margin` [m] beyond it.
+    /// Bakes the entity's own mesh with cells of `cell_size` \[m\], `margin` \[m\] beyond it.
     pub fn with_cell_size(cell_size: f32, margin: f32) -> Self {
         Self { mesh: None, cells: SdfCells::Size { cell_size, margin } }
     }
@@ -80,8 +81,11 @@ pub(crate) fn start_bakes(
     mut failures: Failures,
 ) {
     for (entity, bake, mesh3d, baking, baked) in &bakes {
-        let other_mesh = bake.mesh.is_none() && mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
-        let wanted = bake.is_changed() || other_mesh || !(baking || baked || failures.blames(entity, Blame::Bake));
+        let other_mesh =
+            bake.mesh.is_none() && mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
+        let wanted = bake.is_changed()
+            || other_mesh
+            || !(baking || baked || failures.blames(entity, Blame::Bake));
         if !wanted {
             continue;
         }
@@ -89,7 +93,7 @@ pub(crate) fn start_bakes(
         match meshes.triangles(handle) {
             Ok(Some((positions, indices))) => {
                 let cells = bake.cells;
-                let task = AsyncComputeTaskPool::get()
+                let task = AsyncComputeTaskPool::get_or_init(TaskPool::default)
                     .spawn(async move { bake_mesh(&positions, &indices, cells) });
                 commands.entity(entity).try_insert(Baking(task)).try_remove::<Baked>();
             }

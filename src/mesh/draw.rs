@@ -17,6 +17,11 @@ use bevy::{
     time::Fixed,
 };
 
+/// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
+/// rounding noise of a cloth at rest, far below a pixel. It is taken from what was last written, so
+/// nothing drifts.
+const UNSEEN: f32 = 1e-5;
+
 /// The mesh that a cloth draws into, and what was last drawn.
 #[derive(Component)]
 pub(crate) struct ClothMesh {
@@ -27,6 +32,8 @@ pub(crate) struct ClothMesh {
     vertex_of_particle: Option<Box<[u32]>>,
     /// Positions in the entity's frame, by particle.
     points: Vec<Vec3>,
+    /// The same, as last written.
+    written: Vec<Vec3>,
     cells: CellRows,
     drawn: Option<Drawn>,
 }
@@ -54,6 +61,7 @@ impl ClothMesh {
             source,
             vertex_of_particle,
             points: vec![Vec3::ZERO; rows * columns],
+            written: vec![Vec3::ZERO; rows * columns],
             cells: CellRows::new(columns),
             drawn: None,
         }
@@ -100,10 +108,13 @@ pub(crate) fn draw_cloths(
         let Some(bounds) = place(cloth, own, now) else {
             continue;
         };
+        let first = own.drawn.replace(now).is_none();
+        cloth.stale = false;
+        if !first && !visibly_moved(own, bounds) {
+            continue;
+        }
         match write(own, cloth.columns(), &mut meshes) {
             Ok(()) => {
-                own.drawn = Some(now);
-                cloth.stale = false;
                 if let Some(mut aabb) = aabb {
                     *aabb = bounds;
                 }
@@ -112,6 +123,13 @@ pub(crate) fn draw_cloths(
             Err(problem) => failures.report(entity, ClothError::Draw { entity, problem }),
         }
     }
+}
+
+/// Whether any point is elsewhere than it was last written.
+fn visibly_moved(own: &ClothMesh, bounds: Aabb) -> bool {
+    let tolerance = UNSEEN * bounds.half_extents.max_element();
+    let square = tolerance * tolerance;
+    !own.points.iter().zip(&own.written).all(|(a, b)| a.distance_squared(*b) <= square)
 }
 
 fn looks_different(drawn: Option<Drawn>, now: Drawn) -> bool {
@@ -137,14 +155,16 @@ fn note_anchors(
     moved
 }
 
-/// Puts all particles in the entity's frame, and tells their bounds; nothing where that frame is flat.
+/// Puts all particles in the entity's frame, and tells their bounds; nothing where that frame is
+/// flat.
 fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aabb> {
     let inverse = now.transform.matrix3.inverse();
     if !inverse.is_finite() {
         return None;
     }
     let solver = &cloth.solver;
-    // The cloth's origin is near: far from the world's, the difference is exact where the sum is not.
+    // The cloth's origin is near: far from the world's, the difference is exact where the sum is
+    // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
     for (particle, point) in own.points.iter_mut().enumerate() {
         let end = solver.local_position(particle);
@@ -177,7 +197,11 @@ fn place_pinned(attachments: &Attachments, own: &mut ClothMesh, now: Drawn, inve
     }
 }
 
-fn write(own: &mut ClothMesh, columns: usize, meshes: &mut Assets<Mesh>) -> Result<(), MeshProblem> {
+fn write(
+    own: &mut ClothMesh,
+    columns: usize,
+    meshes: &mut Assets<Mesh>,
+) -> Result<(), MeshProblem> {
     let mut mesh = meshes.get_mut(&own.handle).ok_or(MeshProblem::Changed)?;
     let count = own.points.len();
     // Looked at first: the asset counts as modified as soon as it is borrowed mutably.
@@ -190,7 +214,9 @@ fn write(own: &mut ClothMesh, columns: usize, meshes: &mut Assets<Mesh>) -> Resu
     let mesh = &mut *mesh;
     let vertices = own.vertex_of_particle.as_deref();
     let vertex = |particle: usize| vertices.map_or(particle, |map| map[particle] as usize);
-    if let VertexAttributeValues::Float32x3(out) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)? {
+    if let VertexAttributeValues::Float32x3(out) =
+        mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)?
+    {
         for (particle, point) in own.points.iter().enumerate() {
             out[vertex(particle)] = point.to_array();
         }
@@ -199,5 +225,6 @@ fn write(own: &mut ClothMesh, columns: usize, meshes: &mut Assets<Mesh>) -> Resu
         let write = |particle, normal: Vec3| out[vertex(particle)] = normal.to_array();
         own.cells.write_normals(&own.points, columns, write);
     }
+    own.written.copy_from_slice(&own.points);
     Ok(())
 }

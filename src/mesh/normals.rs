@@ -16,8 +16,9 @@ impl CellRows {
 
     /// Calls `write` with the normal of every point of a grid, row by row.
     ///
-    /// A point's normal is the sum over the cells around it of their vector areas, which half the cross
-    /// product of a cell's diagonals is, whichever way it is split. Where they cancel it is +y.
+    /// A point's normal is the sum over the cells around it of their vector areas, which half the
+    /// cross product of a cell's diagonals is, whichever way it is split. Where they cancel it is
+    /// +y.
     pub fn write_normals(
         &mut self,
         points: &[Vec3],
@@ -93,7 +94,8 @@ mod tests {
 
     #[test]
     fn larger_cells_weigh_more() {
-        // A ridge with a slope of area 3 on one side and of area 1 on the other, both at 45 degrees.
+        // A ridge with a slope of area 3 on one side and of area 1 on the other, both at 45
+        // degrees.
         let points = grid(2, 3, |u, v| match u as i32 {
             0 => Vec3::new(-3.0, -3.0, v),
             1 => Vec3::new(0.0, 0.0, v),

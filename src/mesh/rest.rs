@@ -20,7 +20,9 @@ pub enum MeshProblem {
     #[error("the entity has no `Mesh3d`; insert one, or use `Cloth::sheet`")]
     NoMesh,
     /// The app has no mesh assets.
-    #[error("the app has no mesh assets; add `AssetPlugin` and `MeshPlugin`, or use `Cloth::sheet`")]
+    #[error(
+        "the app has no mesh assets; add `AssetPlugin` and `MeshPlugin`, or use `Cloth::sheet`"
+    )]
     NoMeshAssets,
     /// The asset server gave up loading it.
     #[error("its mesh failed to load: {0}")]
@@ -195,7 +197,8 @@ fn copy_of(source: &Mesh) -> Mesh {
     mesh
 }
 
-/// A flat sheet, facing +y. Cells are split along alternating diagonals, so that no direction is favoured.
+/// A flat sheet, facing +y. Cells are split along alternating diagonals, so that no direction is
+/// favoured.
 fn sheet_mesh(size: Vec2, particles: UVec2) -> Mesh {
     let (columns, rows) = (particles.x, particles.y);
     let (last_column, last_row) = ((columns - 1) as f32, (rows - 1) as f32);

@@ -58,10 +58,7 @@ impl DistanceField {
 
     /// The box that the grid covers \[m\].
     pub fn grid_bounds(&self) -> Aabb3d {
-        Aabb3d {
-            min: self.origin.into(),
-            max: self.node(self.dims - UVec3::ONE).into(),
-        }
+        Aabb3d { min: self.origin.into(), max: self.node(self.dims - UVec3::ONE).into() }
     }
 
     /// Memory that the field takes \[B\].
@@ -109,10 +106,7 @@ impl SignedDistance for DistanceField {
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
-        Some(Aabb3d {
-            min: self.surface_min.into(),
-            max: self.surface_max.into(),
-        })
+        Some(Aabb3d { min: self.surface_min.into(), max: self.surface_max.into() })
     }
 
     /// How far the distance may exceed the true distance to the mesh, at most \[m\]: `sqrt(3) / 2` cells and

@@ -29,10 +29,7 @@ fn place(coordinate: f32, last: f32) -> Place {
     let rounded = (if lowered > 0.0 { lowered } else { 0.0 }) + ROUNDER;
     let cell = rounded - ROUNDER;
     let cell = if cell < last { cell } else { last };
-    Place {
-        cell: (cell + ROUNDER).to_bits() - ROUNDER.to_bits(),
-        fraction: inside - cell,
-    }
+    Place { cell: (cell + ROUNDER).to_bits() - ROUNDER.to_bits(), fraction: inside - cell }
 }
 
 /// The eight nodes of a cell, named by their steps along x, y, z.
@@ -68,10 +65,7 @@ fn interpolate(c: Corners, fx: f32, fy: f32, fz: f32) -> (f32, [f32; 3]) {
     let c0 = c00 + fy * dy0;
     let c1 = c01 + fy * dy1;
     let dz = c1 - c0;
-    (
-        c0 + fz * dz,
-        [dx0 + fz * (dx1 - dx0), dy0 + fz * (dy1 - dy0), dz],
-    )
+    (c0 + fz * dz, [dx0 + fz * (dx1 - dx0), dy0 + fz * (dy1 - dy0), dz])
 }
 
 /// The field's numbers in the form that the lookup uses.
@@ -100,10 +94,7 @@ impl<'a> Grid<'a> {
 
     #[inline(always)]
     fn place(&self, axis: usize, coordinate: f32) -> Place {
-        place(
-            (coordinate - self.origin[axis]) * self.inverse_cell,
-            self.last[axis],
-        )
+        place((coordinate - self.origin[axis]) * self.inverse_cell, self.last[axis])
     }
 
     #[inline(always)]
@@ -163,48 +154,31 @@ fn extend(field: &DistanceField, point: Vec3, distance: f32, normal: [f32; 3]) -
     // What rounding adds to a far distance is taken off again, so that it stays a lower bound.
     const ROUNDED_DOWN: f32 = 1.0 - 1.0 / (1 << 20) as f32;
     if point.is_nan() {
-        return SdfSample {
-            distance: f32::INFINITY,
-            normal: Vec3::Y,
-        };
+        return SdfSample { distance: f32::INFINITY, normal: Vec3::Y };
     }
     let beyond = point - point.max(field.origin).min(grid_end(field));
     let from_grid = (beyond.length_squared() + distance * distance).sqrt();
     let from_surface_box = (point - point.max(field.surface_min).min(field.surface_max)).length();
-    let bound = if from_grid > from_surface_box {
-        from_grid
-    } else {
-        from_surface_box
-    };
+    let bound = if from_grid > from_surface_box { from_grid } else { from_surface_box };
 
     // Away from the surface point that the border's sample tells of.
     let away = beyond + distance * Vec3::from_array(normal);
     let (_, away) = length_and_direction(away.to_array(), [0.0, 1.0, 0.0]);
-    SdfSample {
-        distance: ROUNDED_DOWN * bound,
-        normal: Vec3::from_array(away),
-    }
+    SdfSample { distance: ROUNDED_DOWN * bound, normal: Vec3::from_array(away) }
 }
 
 /// Distance and normal at one point.
 #[inline(always)]
 pub(super) fn sample(field: &DistanceField, point: Vec3) -> SdfSample {
     let grid = Grid::new(field);
-    let (x, y, z) = (
-        grid.place(0, point.x),
-        grid.place(1, point.y),
-        grid.place(2, point.z),
-    );
+    let (x, y, z) = (grid.place(0, point.x), grid.place(1, point.y), grid.place(2, point.z));
     let corners = grid.corners(x.cell, y.cell, z.cell);
     let (distance, gradient) = interpolate(corners, x.fraction, y.fraction, z.fraction);
     let normal = direction(gradient, field.cell_size);
     if is_outside(field, grid_end(field), point.x, point.y, point.z) {
         return extend(field, point, distance, normal);
     }
-    SdfSample {
-        distance,
-        normal: Vec3::from_array(normal),
-    }
+    SdfSample { distance, normal: Vec3::from_array(normal) }
 }
 
 /// Distance at one point.
@@ -225,11 +199,8 @@ fn gather(field: &DistanceField, points: &PointBlock) -> Gathered {
     let grid = Grid::new(field);
     let end = grid_end(field);
     let mut cell = [[0_u32; LANES]; 3];
-    let mut gathered = Gathered {
-        corners: [[0.0; LANES]; 8],
-        fraction: [[0.0; LANES]; 3],
-        any_outside: false,
-    };
+    let mut gathered =
+        Gathered { corners: [[0.0; LANES]; 8], fraction: [[0.0; LANES]; 3], any_outside: false };
     for (axis, coordinates) in [&points.x, &points.y, &points.z].into_iter().enumerate() {
         for (i, &coordinate) in coordinates.iter().enumerate() {
             let place = grid.place(axis, coordinate);
@@ -239,13 +210,7 @@ fn gather(field: &DistanceField, points: &PointBlock) -> Gathered {
     }
     let mut outside = 0_u32;
     for i in 0..LANES {
-        outside |= u32::from(is_outside(
-            field,
-            end,
-            points.x[i],
-            points.y[i],
-            points.z[i],
-        ));
+        outside |= u32::from(is_outside(field, end, points.x[i], points.y[i], points.z[i]));
     }
     gathered.any_outside = outside != 0;
     let [x, y, z] = cell;
@@ -277,12 +242,7 @@ impl Gathered {
             v011: c[6][i],
             v111: c[7][i],
         };
-        interpolate(
-            corners,
-            self.fraction[0][i],
-            self.fraction[1][i],
-            self.fraction[2][i],
-        )
+        interpolate(corners, self.fraction[0][i], self.fraction[1][i], self.fraction[2][i])
     }
 }
 

@@ -21,7 +21,7 @@ const LEAST_TURN: f32 = 1e-9;
 pub(super) struct Hinges {
     /// From a particle to the next of its thread in memory.
     step: usize,
-    /// 1 / rest length [1/m] of the spring to the next particle; 0 where there is none.
+    /// 1 / rest length \[1/m\] of the spring to the next particle; 0 where there is none.
     inverse_rest: Vec<f32>,
     /// Width of cloth over mean spring length; 0 where there is no hinge.
     pub shape: Vec<f32>,
@@ -43,7 +43,11 @@ impl Hinges {
         let len = lattice.layout.len();
         let mut hinges = Self {
             step,
-            inverse_rest: springs.rest.iter().map(|&l| if l > 0.0 { 1.0 / l } else { 0.0 }).collect(),
+            inverse_rest: springs
+                .rest
+                .iter()
+                .map(|&l| if l > 0.0 { 1.0 / l } else { 0.0 })
+                .collect(),
             shape: vec![0.0; len],
             turn: vec![0.0; len],
         };
@@ -64,7 +68,7 @@ impl Hinges {
         hinges
     }
 
-    /// Largest row sum of the stiffness matrix at a slot, for a flexural rigidity of one [N/m].
+    /// Largest row sum of the stiffness matrix at a slot, for a flexural rigidity of one \[N/m\].
     pub fn row_sum(&self, slot: usize) -> f32 {
         let (l, r) = (slot - self.step, slot + self.step);
         let at = |hinge: usize, weight: f32| {
@@ -92,7 +96,7 @@ fn rest_turn(lattice: &Lattice, slot: usize, step: usize, l1: f32, l2: f32) -> f
 pub(super) struct BendHinges<'a> {
     pub lattice: &'a Lattice,
     pub hinges: &'a Hinges,
-    /// Flexural rigidity [N m].
+    /// Flexural rigidity \[N m\].
     pub rigidity: f32,
     pub x: &'a Soa,
     pub moments: &'a mut Soa,

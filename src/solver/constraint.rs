@@ -9,26 +9,24 @@ use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Lattice;
 
-/// Least length of a spring [m]: a collapsed one has no direction and is left alone.
+/// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
 const LEAST_LENGTH: f32 = 1e-12;
-/// Least divisor [1/kg]: between two held particles nothing can move.
+/// Least divisor \[1/kg\]: between two held particles nothing can move.
 const LEAST_DIVISOR: f32 = 1e-12;
 
 /// Moves the ends of springs towards their target lengths.
 pub(super) struct CorrectSprings<'a> {
     pub lattice: &'a Lattice,
     pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    pub v: &'a mut Soa,
-    /// 1 / substep [1/s].
-    pub rate: f32,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
     pub rule: Rule,
 }
 
 /// How far a spring is corrected.
 #[derive(Clone, Copy)]
 pub(super) enum Rule {
-    /// Shear springs, to their rest length, with the compliance `1 / (k h^2)` [1/kg].
+    /// Shear springs, to their rest length, with the compliance `1 / (k h^2)` \[1/kg\].
     Shear {
         /// Of a spring of shape factor one.
         compliance: f32,
@@ -49,9 +47,9 @@ impl Kernel for CorrectSprings<'_> {
     #[inline(always)]
     fn run(mut self) {
         match self.rule {
-            Rule::Shear { compliance } => self.diagonals(|length, rest, factor| {
-                (length - rest, factor * compliance)
-            }),
+            Rule::Shear { compliance } => {
+                self.diagonals(|length, rest, factor| (length - rest, factor * compliance))
+            }
             Rule::Limit { limit, shear } => {
                 self.weft(limit);
                 self.warp(limit);
@@ -119,25 +117,20 @@ impl CorrectSprings<'_> {
         factor: Block,
         law: impl Fn(f32, f32, f32) -> (f32, f32),
     ) {
-        let (mut xp, mut xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
-        let (mut vp, mut vq) = (Block3::load(self.v, p), Block3::load(self.v, q));
+        let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
+        let (mut dp, mut dq) = (Block3::load(self.d, p), Block3::load(self.d, q));
         let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
         for i in 0..LANES {
-            let d = xq.at(i) - xp.at(i);
-            let length = larger(d.dot(d).sqrt(), LEAST_LENGTH);
+            let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
+            let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
             let (excess, compliance) = law(length, rest.0[i], factor.0[i]);
             let divisor = larger(wp.0[i] + wq.0[i] + compliance, LEAST_DIVISOR) * length;
-            let pull = d * (excess / divisor);
-            let (dp, dq) = (pull * wp.0[i], pull * wq.0[i]);
-            xp.set(i, xp.at(i) + dp);
-            xq.set(i, xq.at(i) - dq);
-            vp.set(i, vp.at(i) + dp * self.rate);
-            vq.set(i, vq.at(i) - dq * self.rate);
+            let pull = span * (excess / divisor);
+            dp.set(i, dp.at(i) + pull * wp.0[i]);
+            dq.set(i, dq.at(i) - pull * wq.0[i]);
         }
-        xp.store(self.x, p);
-        vp.store(self.v, p);
-        xq.store(self.x, q);
-        vq.store(self.v, q);
+        dp.store(self.d, p);
+        dq.store(self.d, q);
     }
 
     /// Weft springs: of even columns, then of odd ones. Neighbours lie in one block, so that each
@@ -158,11 +151,12 @@ impl CorrectSprings<'_> {
         let mut before = Vec3::ZERO;
         for column in (0..self.lattice.layout.columns).step_by(LANES) {
             let slot = self.lattice.layout.slot(row, column);
-            let (mut x, mut v) = (Block3::load(self.x, slot), Block3::load(self.v, slot));
-            let mut left = Block3::load(self.x, slot - 1);
+            let x = Block3::load_sum(self.x, self.d, slot);
+            let mut d = Block3::load(self.d, slot);
+            let mut left = Block3::load_sum(self.x, self.d, slot - 1);
             left.set(0, before);
             before = x.at(LANES - 1);
-            let right = Block3::load(self.x, slot + 1);
+            let right = Block3::load_sum(self.x, self.d, slot + 1);
             let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
             let w = Block::load(self.inverse_mass, slot);
             let other = (
@@ -174,17 +168,14 @@ impl CorrectSprings<'_> {
                 let partner = if is_first { right.at(i) } else { left.at(i) };
                 let rest = if is_first { rest.1.0[i] } else { rest.0.0[i] };
                 let other = if is_first { other.1.0[i] } else { other.0.0[i] };
-                let d = partner - x.at(i);
-                let length = larger(d.dot(d).sqrt(), LEAST_LENGTH);
+                let span = partner - x.at(i);
+                let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
                 // No spring has the rest length zero: beside the sheet there is nothing to correct.
                 let excess = if rest > 0.0 { larger(length - rest * limit, 0.0) } else { 0.0 };
                 let divisor = larger(w.0[i] + other, LEAST_DIVISOR) * length;
-                let correction = d * (excess * w.0[i] / divisor);
-                x.set(i, x.at(i) + correction);
-                v.set(i, v.at(i) + correction * self.rate);
+                d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
             }
-            x.store(self.x, slot);
-            v.store(self.v, slot);
+            d.store(self.d, slot);
         }
     }
 }

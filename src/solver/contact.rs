@@ -1,8 +1,9 @@
 //! Contact with signed distance fields: particles are held `epsilon` outside, with friction.
 //!
-//! A particle nearer than epsilon is moved out along the gradient. Its stored velocity loses the
-//! approach that this undoes, and no more: being moved out of a collider gives no speed. Coulomb's
-//! friction acts on the stored velocity, relative to the collider's surface, with that same impulse.
+//! A particle nearer than epsilon is moved out along the gradient. Its displacement, and so its
+//! velocity, loses the approach that this undoes and no more: being moved out of a collider gives no
+//! speed. Coulomb's friction acts on the displacement relative to the collider's surface, with the
+//! impulse of that same undoing.
 
 use bevy::math::{Mat3, Quat, Vec3};
 
@@ -11,13 +12,13 @@ use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Layout;
 use crate::sdf::{PointBlock, SampleBlock, SignedDistance};
 
-/// Least sliding speed that has a direction [m/s].
+/// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
 
 /// Where a collider is: uniform scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Place of the shape's origin [m].
+    /// Place of the shape's origin \[m\].
     pub translation: Vec3,
     /// Rotation, of length one.
     pub rotation: Quat,
@@ -27,11 +28,8 @@ pub struct Pose {
 
 impl Pose {
     /// No translation, no rotation, scale one.
-    pub const IDENTITY: Self = Self {
-        translation: Vec3::ZERO,
-        rotation: Quat::IDENTITY,
-        scale: 1.0,
-    };
+    pub const IDENTITY: Self =
+        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 };
 
     /// A pose without rotation or scale.
     pub fn from_translation(translation: Vec3) -> Self {
@@ -124,7 +122,7 @@ struct Motion<'a> {
     before: Frame,
     after: Frame,
     moves: bool,
-    /// How far any point of the surface moves at most [m].
+    /// How far any point of the surface moves at most \[m\].
     reach: f32,
     friction: f32,
 }
@@ -140,7 +138,9 @@ impl<'a> Motion<'a> {
                 .map(|p| before.apply(p).distance(after.apply(p)))
                 .fold(0.0, f32::max),
             // Turning an unbounded shape moves its far parts without bound.
-            None if before.rotation != after.rotation || before.scale != after.scale => f32::INFINITY,
+            None if before.rotation != after.rotation || before.scale != after.scale => {
+                f32::INFINITY
+            }
             None => before.translation.distance(after.translation),
         };
         Self {
@@ -157,11 +157,7 @@ impl<'a> Motion<'a> {
 fn corners(min: Vec3, max: Vec3) -> impl Iterator<Item = Vec3> {
     (0..8).map(move |i| {
         let pick = |bit: usize, low: f32, high: f32| if i & bit == 0 { low } else { high };
-        Vec3::new(
-            pick(1, min.x, max.x),
-            pick(2, min.y, max.y),
-            pick(4, min.z, max.z),
-        )
+        Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
     })
 }
 
@@ -178,18 +174,16 @@ pub(super) struct ResolveContacts<'a> {
     pub colliders: &'a [Collider<'a>],
     pub origin: Vec3,
     pub span: Span,
-    /// Substep [s].
-    pub step: f32,
-    /// Distance at which particles are held [m].
+    /// Distance at which particles are held \[m\].
     pub epsilon: f32,
     /// The cloth's coefficient of friction.
     pub friction: f32,
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
-    pub v: &'a mut Soa,
-    /// How far the particles of each block may yet move before any can touch [m].
+    pub d: &'a mut Soa,
+    /// How far the particles of each block may yet move before any can touch \[m\].
     pub clearance: &'a mut [f32],
-    /// Room for the least gap of each block that is looked at [m].
+    /// Room for the least gap of each block that is looked at \[m\].
     pub gaps: &'a mut [f32],
 }
 
@@ -234,12 +228,12 @@ impl<'a> ResolveContacts<'a> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let v = Block3::load(self.v, slot);
+                let d = Block3::load(self.d, slot);
                 let mut square = Block::ZERO;
                 for i in 0..LANES {
-                    square.0[i] = v.at(i).dot(v.at(i));
+                    square.0[i] = d.at(i).dot(d.at(i));
                 }
-                let moved = square.largest().sqrt() * self.step + furthest;
+                let moved = square.largest().sqrt() + furthest;
                 let block = slot / LANES;
                 self.clearance[block] = (self.clearance[block] - moved).max(0.0);
                 self.gaps[block] = f32::INFINITY;
@@ -261,7 +255,7 @@ impl<'a> ResolveContacts<'a> {
     #[inline(always)]
     fn resolve(&mut self, slot: usize, motion: &Motion<'_>) -> (f32, u32) {
         let w = Block::load(self.inverse_mass, slot);
-        let x = Block3::load(self.x, slot);
+        let x = Block3::load_sum(self.x, self.d, slot);
         let mut points = PointBlock::default();
         for i in 0..LANES {
             let local = motion.after.to_local(x.at(i));
@@ -282,56 +276,54 @@ impl<'a> ResolveContacts<'a> {
         if least >= 0.0 {
             return (nearest, 0);
         }
-        let surface = self.surface_velocities(&points, &x, motion);
-        self.push_out(slot, &x, &depth, &samples, &surface, motion);
+        let surface = surface_displacements(&points, &x, motion);
+        self.push_out(slot, &depth, &samples, &surface, motion);
         (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
     }
 
-    /// Velocities of the collider at the particles [m/s].
-    #[inline(always)]
-    fn surface_velocities(&self, local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
-        let mut surface = Block3::ZERO;
-        if motion.moves {
-            for i in 0..LANES {
-                let before = motion.before.to_world(local.point(i));
-                surface.set(i, (x.at(i) - before) * (1.0 / self.step));
-            }
-        }
-        surface
-    }
-
-    /// Moves particles out by their depth and takes approach and friction from their velocities.
+    /// Moves particles out by their depth, and takes approach and friction from their displacements.
     #[inline(always)]
     fn push_out(
         &mut self,
         slot: usize,
-        x: &Block3,
         depth: &Block,
         samples: &SampleBlock,
         surface: &Block3,
         motion: &Motion<'_>,
     ) {
-        let rate = 1.0 / self.step;
-        let v = Block3::load(self.v, slot);
-        let (mut new_x, mut new_v) = (*x, v);
+        let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
         for i in 0..LANES {
-            let normal = motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
-            let relative = v.at(i) - surface.at(i);
+            let normal =
+                motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
+            let relative = d.at(i) - surface.at(i);
             let approach = relative.dot(normal);
-            // What the push undoes of the approach, never more: no speed from being pushed out.
-            let push = depth.0[i] * rate;
-            let impulse = larger(if push < -approach { push } else { -approach }, 0.0);
+            // What the push undoes of the approach belongs to the substep. The rest is a displacement
+            // without velocity: being pushed out gives no speed.
+            let push = depth.0[i];
+            let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let tangential = relative - normal * approach;
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
-            let part = motion.friction * impulse / sliding;
+            let part = motion.friction * undone / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
-            let touching = depth.0[i] > 0.0;
-            let dv = if touching { normal * impulse - braked } else { Vec3::ZERO };
-            let dx = if touching { normal * depth.0[i] - braked * self.step } else { Vec3::ZERO };
-            new_v.set(i, v.at(i) + dv);
-            new_x.set(i, x.at(i) + dx);
+            let touching = push > 0.0;
+            let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
+            let into_x = if touching { normal * (push - undone) } else { Vec3::ZERO };
+            d.set(i, d.at(i) + into_d);
+            x.set(i, x.at(i) + into_x);
         }
-        new_v.store(self.v, slot);
-        new_x.store(self.x, slot);
+        d.store(self.d, slot);
+        x.store(self.x, slot);
     }
+}
+
+/// How far the collider moves at the particles in the substep \[m\].
+#[inline(always)]
+fn surface_displacements(local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
+    let mut surface = Block3::ZERO;
+    if motion.moves {
+        for i in 0..LANES {
+            surface.set(i, x.at(i) - motion.before.to_world(local.point(i)));
+        }
+    }
+    surface
 }

@@ -31,7 +31,9 @@ pub enum SolverError {
         particle: usize,
     },
     /// The lattice was made for the other kind of masses.
-    #[error("the lattice was made for {lattice:?} masses, but the settings ask for {asked:?}: make it anew")]
+    #[error(
+        "the lattice was made for {lattice:?} masses, but the settings ask for {asked:?}: make it anew"
+    )]
     OtherLumping {
         /// Masses of the lattice.
         lattice: MassLumping,
@@ -64,7 +66,9 @@ pub enum SolverError {
     #[error("the target of pin {0} is not finite, or beyond 1e7 m")]
     PinTarget(usize),
     /// The pose or friction of a collider cannot be used.
-    #[error("collider {0} has a pose that is not finite, a rotation that is not of length one, a scale that is not positive, or a negative friction")]
+    #[error(
+        "collider {0} has a pose that is not finite, a rotation that is not of length one, a scale that is not positive, or a negative friction"
+    )]
     Collider(usize),
     /// The tick came to positions that are not finite. The cloth is back where the tick began, at
     /// rest.

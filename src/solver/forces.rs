@@ -7,17 +7,17 @@ use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Lattice};
 use super::parameters::DampingForm;
 
-/// Least length of a spring [m]: a collapsed one has no direction and pulls nowhere.
+/// Least length of a spring \[m\]: a collapsed one has no direction and pulls nowhere.
 const LEAST_LENGTH: f32 = 1e-12;
 
 /// Constants of the explicit springs, for a spring of shape factor one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SpringConstants {
-    /// Structural springs [N/m].
+    /// Structural springs \[N/m\].
     pub thread: f32,
-    /// Shear springs [N/m].
+    /// Shear springs \[N/m\].
     pub shear: f32,
-    /// Flexion springs, between every second particle [N m4]: over the fourth power of their cells.
+    /// Flexion springs, between every second particle \[N m4\]: over the fourth power of their cells.
     pub flexion: f32,
 }
 
@@ -76,7 +76,13 @@ impl AccumulateSprings<'_> {
         }
         if self.constants.flexion > 0.0 {
             self.add_flexion(slot, here, &self.lattice.weft, 1, &mut force);
-            self.add_flexion(slot, here, &self.lattice.warp, self.lattice.layout.stride, &mut force);
+            self.add_flexion(
+                slot,
+                here,
+                &self.lattice.warp,
+                self.lattice.layout.stride,
+                &mut force,
+            );
         }
         force
     }
@@ -159,11 +165,11 @@ fn directions(lattice: &Lattice, thread: f32, shear: f32) -> [Option<Direction<'
     ]
 }
 
-/// Works out the damping force `D` of the velocities `v`,
-/// `F_i = C (v_j - v_i)` for each spring, or its part along the spring.
+/// Works out the damping force `D`, `F_i = C (v_j - v_i)` for each spring or its part along the spring,
+/// of velocities given as displacements.
 pub(super) struct AddDamping<'a> {
     pub springs: DampedSprings<'a>,
-    pub v: &'a Soa,
+    pub d: &'a Soa,
     pub target: DampingTarget<'a>,
 }
 
@@ -171,7 +177,7 @@ pub(super) struct AddDamping<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct DampedSprings<'a> {
     pub lattice: &'a Lattice,
-    /// Damping constant of a spring of shape factor one [N s/m].
+    /// Force of a spring of shape factor one for a displacement of one \[N/m\].
     pub damping: f32,
     pub form: DampingForm,
     /// Whether shear springs are damped.
@@ -182,16 +188,16 @@ pub(super) struct DampedSprings<'a> {
 
 /// Where the damping goes.
 pub(super) enum DampingTarget<'a> {
-    /// Velocities half a substep on: `v + half_step (a + D(v) w)`.
+    /// Displacements half a substep on: `d + gain (a + D w)`.
     Predict {
-        /// Half a substep [s].
-        half_step: f32,
+        /// Half a substep, times the time that makes velocities of displacements \[s2\].
+        gain: f32,
         /// Accelerations without damping.
         a: &'a Soa,
-        /// The predicted velocities.
+        /// The predicted displacements.
         predicted: &'a mut Soa,
     },
-    /// Accelerations: `a + D(v) w`.
+    /// Accelerations: `a + D w`.
     Accelerations(&'a mut Soa),
 }
 
@@ -205,15 +211,15 @@ impl Kernel for AddDamping<'_> {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 let w = Block::load(self.springs.inverse_mass, slot);
-                let v = Block3::load(self.v, slot);
-                let force = self.springs.force(slot, self.v, v);
+                let d = Block3::load(self.d, slot);
+                let force = self.springs.force(slot, self.d, d);
                 let mut out = Block3::ZERO;
                 match &mut self.target {
-                    DampingTarget::Predict { half_step, a, predicted } => {
+                    DampingTarget::Predict { gain, a, predicted } => {
                         let a = Block3::load(a, slot);
                         for i in 0..LANES {
                             let damped = a.at(i) + force.at(i) * w.0[i];
-                            out.set(i, v.at(i) + damped * *half_step);
+                            out.set(i, d.at(i) + damped * *gain);
                         }
                         out.store(predicted, slot);
                     }
@@ -232,18 +238,18 @@ impl Kernel for AddDamping<'_> {
 
 impl DampedSprings<'_> {
     #[inline(always)]
-    fn force(&self, slot: usize, velocities: &Soa, v: Block3) -> Block3 {
+    fn force(&self, slot: usize, displacements: &Soa, here_d: Block3) -> Block3 {
         let shear = if self.shear { self.damping } else { 0.0 };
         let here = Block3::load(self.x, slot);
         let mut force = Block3::ZERO;
         for spring in directions(self.lattice, self.damping, shear).into_iter().flatten() {
             let shape = Block::load(spring.shape, slot - spring.back);
             let neighbour = spring.neighbour(slot);
-            let there_v = Block3::load(velocities, neighbour);
+            let there_d = Block3::load(displacements, neighbour);
             match self.form {
                 DampingForm::Relative => {
                     for i in 0..LANES {
-                        let relative = there_v.at(i) - v.at(i);
+                        let relative = there_d.at(i) - here_d.at(i);
                         let constant = shape.0[i] * spring.constant;
                         force.set(i, force.at(i) + relative * constant);
                     }
@@ -251,11 +257,12 @@ impl DampedSprings<'_> {
                 DampingForm::Axial => {
                     let there = Block3::load(self.x, neighbour);
                     for i in 0..LANES {
-                        let relative = there_v.at(i) - v.at(i);
-                        let d = there.at(i) - here.at(i);
-                        let square = larger(d.dot(d), LEAST_LENGTH * LEAST_LENGTH);
+                        let relative = there_d.at(i) - here_d.at(i);
+                        let span = there.at(i) - here.at(i);
+                        let square = larger(span.dot(span), LEAST_LENGTH * LEAST_LENGTH);
                         let constant = shape.0[i] * spring.constant;
-                        force.set(i, force.at(i) + d * (constant * relative.dot(d) / square));
+                        let pull = constant * relative.dot(span) / square;
+                        force.set(i, force.at(i) + span * pull);
                     }
                 }
             }

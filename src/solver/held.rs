@@ -1,6 +1,7 @@
 //! What depends on which particles are held: inverse masses, tethers, clamped hinges.
 
 use super::bending::Hinges;
+use super::lanes::Array;
 use super::lattice::Lattice;
 use super::tethers::TetherSet;
 
@@ -11,10 +12,10 @@ pub(super) struct Held {
     pub particles: Vec<u32>,
     /// Their slots.
     pub slots: Vec<usize>,
-    /// 1 / mass [1/kg]; 0 where held and beside the sheet.
-    pub inverse_mass: Vec<f32>,
+    /// 1 / mass \[1/kg\]; 0 where held and beside the sheet.
+    pub inverse_mass: Array,
     /// The same in the transposed layout.
-    pub inverse_mass_transposed: Vec<f32>,
+    pub inverse_mass_transposed: Array,
     /// Tethers to the pins.
     pub tethers: Vec<TetherSet>,
     /// Hinges of weft and warp.
@@ -38,12 +39,12 @@ impl Held {
             hinges: Hinges::build(lattice, &held),
             particles,
             slots,
-            inverse_mass: vec![0.0; layout.len()],
-            inverse_mass_transposed: vec![0.0; layout.transposed().len()],
+            inverse_mass: Array::zeros(layout.len()),
+            inverse_mass_transposed: Array::zeros(layout.transposed().len()),
         }
     }
 
-    /// Sets the masses for an area density [kg/m2].
+    /// Sets the masses for an area density \[kg/m2\].
     pub fn set_density(&mut self, lattice: &Lattice, density: f32) {
         let layout = lattice.layout;
         let transposed = layout.transposed();

@@ -1,4 +1,5 @@
-//! Verlet integration in its leapfrog form: `v += a kick; x += v h`, with v at the middle of a substep.
+//! Verlet integration in its leapfrog form: `v += a h; x += v h`, with v at the middle of a substep,
+//! kept as the displacement `d = v h`.
 //!
 //! The same method as `x' = 2x - x_prev + a h^2` (Verlet 1967), which in f32 loses the step in its
 //! rounding once substeps are many.
@@ -12,36 +13,36 @@ use super::lattice::Layout;
 /// Where the accelerations of a substep come from.
 #[derive(Clone, Copy)]
 pub(super) enum Acceleration<'a> {
-    /// The same for every particle that is not held [m/s2].
+    /// The same for every particle that is not held \[m/s2\].
     Uniform(Vec3),
-    /// A particle's own [m/s2].
+    /// A particle's own \[m/s2\].
     Each(&'a Soa),
 }
 
-/// One substep of every particle that is not held.
+/// Sets the displacements of a substep, for every particle that is not held.
 pub(super) struct Integrate<'a> {
     pub layout: Layout,
     pub acceleration: Acceleration<'a>,
-    /// Kick and decay of the velocity.
-    pub kick: Kick,
-    /// Substep [s].
-    pub step: f32,
-    /// Speed that no particle exceeds [m/s].
-    pub max_speed: f32,
+    /// Part of the last displacement that goes on.
+    pub keep: f32,
+    /// Displacement that an acceleration of one adds \[s2\].
+    pub gain: f32,
+    /// Displacement that no particle exceeds \[m\].
+    pub longest: f32,
     pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    pub v: &'a mut Soa,
+    pub d: &'a mut Soa,
 }
 
 /// What still air and acceleration do to a velocity over a time: `v' = decay v + gain a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kick {
-    decay: f32,
-    gain: f32,
+    pub decay: f32,
+    /// \[s\]
+    pub gain: f32,
 }
 
 impl Kick {
-    /// The exact solution of `v' = a - drag v` over `time` [s].
+    /// The exact solution of `v' = a - drag v` over `time` \[s\].
     pub fn new(drag: f32, time: f32) -> Self {
         let lost = drag * time;
         if lost < 1e-4 {
@@ -59,17 +60,16 @@ impl Kernel for Integrate<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let gain = self.kick.gain;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
                 match self.acceleration {
                     Acceleration::Uniform(a) => {
-                        let gained = a * gain;
+                        let gained = a * self.gain;
                         self.advance(slot, |_| gained);
                     }
                     Acceleration::Each(a) => {
-                        let a = Block3::load(a, slot);
+                        let (a, gain) = (Block3::load(a, slot), self.gain);
                         self.advance(slot, |i| a.at(i) * gain);
                     }
                 }
@@ -81,18 +81,37 @@ impl Kernel for Integrate<'_> {
 impl Integrate<'_> {
     #[inline(always)]
     fn advance(&mut self, slot: usize, gained: impl Fn(usize) -> Vec3) {
-        let fastest = self.max_speed * self.max_speed;
+        let longest = self.longest * self.longest;
         let w = Block::load(self.inverse_mass, slot);
-        let (mut x, mut v) = (Block3::load(self.x, slot), Block3::load(self.v, slot));
+        let mut d = Block3::load(self.d, slot);
         for i in 0..LANES {
-            let new = v.at(i) * self.kick.decay + gained(i);
+            let new = d.at(i) * self.keep + gained(i);
             let square = new.dot(new);
-            let scale = if square > fastest { (fastest / square).sqrt() } else { 1.0 };
+            let scale = if square > longest { (longest / square).sqrt() } else { 1.0 };
             let scale = if w.0[i] > 0.0 { scale } else { 0.0 };
-            v.set(i, new * scale);
-            x.set(i, x.at(i) + v.at(i) * self.step);
+            d.set(i, new * scale);
         }
-        v.store(self.v, slot);
-        x.store(self.x, slot);
+        d.store(self.d, slot);
+    }
+}
+
+/// Ends a substep: adds the displacements to the positions.
+pub(super) struct Displace<'a> {
+    pub layout: Layout,
+    pub x: &'a mut Soa,
+    pub d: &'a Soa,
+}
+
+impl Kernel for Displace<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                Block3::load_sum(self.x, self.d, slot).store(self.x, slot);
+            }
+        }
     }
 }

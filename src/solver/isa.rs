@@ -20,11 +20,7 @@ impl Isa {
 
     /// The widest instruction set of the machine at hand.
     pub fn detect() -> Self {
-        Self::ALL
-            .into_iter()
-            .rev()
-            .find(|isa| isa.is_available())
-            .unwrap_or(Self::Baseline)
+        Self::ALL.into_iter().rev().find(|isa| isa.is_available()).unwrap_or(Self::Baseline)
     }
 
     /// Whether the machine at hand has this instruction set.

@@ -5,6 +5,8 @@
 //! does not do so for loops over slices that are fields of a struct, nor where the body calls anything
 //! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not).
 
+use core::ops::{Deref, DerefMut};
+
 use bevy::math::Vec3;
 
 /// Particles in a block. Rows are padded to a whole number of blocks.
@@ -73,19 +75,11 @@ impl Block {
 }
 
 impl Block3 {
-    pub const ZERO: Self = Self {
-        x: Block::ZERO,
-        y: Block::ZERO,
-        z: Block::ZERO,
-    };
+    pub const ZERO: Self = Self { x: Block::ZERO, y: Block::ZERO, z: Block::ZERO };
 
     #[inline(always)]
     pub fn splat(value: Vec3) -> Self {
-        Self {
-            x: Block::splat(value.x),
-            y: Block::splat(value.y),
-            z: Block::splat(value.z),
-        }
+        Self { x: Block::splat(value.x), y: Block::splat(value.y), z: Block::splat(value.z) }
     }
 
     #[inline(always)]
@@ -104,6 +98,16 @@ impl Block3 {
         self.z.store(&mut to.z, at);
     }
 
+    /// The sums of two arrays: positions and what they are displaced by.
+    #[inline(always)]
+    pub fn load_sum(a: &Soa, b: &Soa, at: usize) -> Self {
+        let (mut out, b) = (Self::load(a, at), Self::load(b, at));
+        for i in 0..LANES {
+            out.set(i, out.at(i) + b.at(i));
+        }
+        out
+    }
+
     /// The vector of one lane.
     #[inline(always)]
     pub fn at(&self, lane: usize) -> Vec3 {
@@ -119,25 +123,56 @@ impl Block3 {
     }
 }
 
+/// Floats that begin at a whole cache line, so that an aligned block lies in one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Array(Vec<Line>);
+
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([f32; LANES]);
+
+impl Array {
+    /// `len` zeros, a whole number of blocks.
+    pub fn zeros(len: usize) -> Self {
+        Self(vec![Line([0.0; LANES]); len.div_ceil(LANES)])
+    }
+}
+
+impl Deref for Array {
+    type Target = [f32];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f32] {
+        bytemuck::must_cast_slice(&self.0)
+    }
+}
+
+impl DerefMut for Array {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f32] {
+        bytemuck::must_cast_slice_mut(&mut self.0)
+    }
+}
+
 /// A vector a particle, as structure of arrays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Soa {
-    pub x: Vec<f32>,
-    pub y: Vec<f32>,
-    pub z: Vec<f32>,
+    pub x: Array,
+    pub y: Array,
+    pub z: Array,
 }
 
 impl Soa {
     pub fn zeros(len: usize) -> Self {
-        Self {
-            x: vec![0.0; len],
-            y: vec![0.0; len],
-            z: vec![0.0; len],
-        }
+        let array = Array::zeros(len);
+        Self { x: array.clone(), y: array.clone(), z: array }
     }
 
-    pub fn len(&self) -> usize {
-        self.x.len()
+    /// Sets all to zero.
+    pub fn clear(&mut self) {
+        for axis in [&mut self.x, &mut self.y, &mut self.z] {
+            axis.fill(0.0);
+        }
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3;
 
-use super::lanes::LANES;
+use super::lanes::{Array, LANES};
 
 /// Rows of padding before the first and after the last row, so that a particle's neighbours two
 /// rows away are always in memory.
@@ -101,22 +101,20 @@ impl Layout {
 /// One family of springs between neighbours, an entry a spring, stored at the slot of its first end.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Family {
-    /// Rest length [m]; 0 where there is no spring.
-    pub rest: Vec<f32>,
+    /// Rest length \[m\]; 0 where there is no spring.
+    pub rest: Array,
     /// Shape factor: the spring's constant is this times the material's stiffness. It is the width
     /// of cloth that the spring stands for over its length, 0 where there is no spring.
-    pub shape: Vec<f32>,
+    pub shape: Array,
     /// 1 / `shape`; infinite where there is no spring, so that its correction is zero.
-    pub compliance: Vec<f32>,
+    pub compliance: Array,
 }
 
 impl Family {
     fn empty(len: usize) -> Self {
-        Self {
-            rest: vec![0.0; len],
-            shape: vec![0.0; len],
-            compliance: vec![f32::INFINITY; len],
-        }
+        let mut compliance = Array::zeros(len);
+        compliance.fill(f32::INFINITY);
+        Self { rest: Array::zeros(len), shape: Array::zeros(len), compliance }
     }
 
     fn set(&mut self, at: usize, rest: f32, shape: f32) {
@@ -158,7 +156,7 @@ pub enum MassLumping {
 pub struct Lattice {
     pub(crate) layout: Layout,
     pub(crate) lumping: MassLumping,
-    /// Rest positions [m], row by row, without padding.
+    /// Rest positions \[m\], row by row, without padding.
     pub(crate) rest_positions: Vec<Vec3>,
     /// Springs to the next row.
     pub(crate) warp: Family,
@@ -168,9 +166,9 @@ pub struct Lattice {
     pub(crate) weft_transposed: Family,
     /// Shear springs from (r, c) to (r + 1, c + 1); `shape` and `compliance` serve both diagonals.
     pub(crate) diagonal: Family,
-    /// Rest lengths [m] of the shear springs from (r, c + 1) to (r + 1, c), at the slot of (r, c).
-    pub(crate) antidiagonal_rest: Vec<f32>,
-    /// Area of cloth that a particle stands for [m2].
+    /// Rest lengths \[m\] of the shear springs from (r, c + 1) to (r + 1, c), at the slot of (r, c).
+    pub(crate) antidiagonal_rest: Array,
+    /// Area of cloth that a particle stands for \[m2\].
     pub(crate) area: Vec<f32>,
     /// Whether all cells are the same rectangle of a flat sheet.
     pub(crate) uniform: bool,
@@ -182,7 +180,7 @@ impl Lattice {
     /// Particles a lattice may have at most.
     pub const MAX_PARTICLES: usize = 1 << 24;
 
-    /// A lattice at rest in the given positions [m], row by row.
+    /// A lattice at rest in the given positions \[m\], row by row.
     ///
     /// # Errors
     /// [`LatticeError`] where the positions make no lattice.
@@ -200,13 +198,9 @@ impl Lattice {
             return Err(LatticeError::TooLarge { rows, columns, limit });
         }
         if positions.len() != rows * columns {
-            return Err(LatticeError::WrongLength {
-                rows,
-                columns,
-                positions: positions.len(),
-            });
+            return Err(LatticeError::WrongLength { rows, columns, positions: positions.len() });
         }
-        let too_far = |p: &Vec3| !(p.abs().max_element() <= 1e6);
+        let too_far = |p: &Vec3| !(p.is_finite() && p.abs().max_element() <= 1e6);
         if let Some(particle) = positions.iter().position(too_far) {
             return Err(LatticeError::NonFinite { particle });
         }
@@ -247,9 +241,7 @@ impl Lattice {
         if rows.checked_mul(columns).is_none_or(|count| count > limit) {
             return Err(LatticeError::TooLarge { rows, columns, limit });
         }
-        let along = |i: usize, n: usize, length: f32| {
-            length * (i as f32 / (n - 1) as f32 - 0.5)
-        };
+        let along = |i: usize, n: usize, length: f32| length * (i as f32 / (n - 1) as f32 - 0.5);
         let positions: Vec<_> = (0..rows)
             .flat_map(|r| (0..columns).map(move |c| (r, c)))
             .map(|(r, c)| Vec3::new(along(c, columns, size.x), 0.0, along(r, rows, size.y)))
@@ -278,12 +270,12 @@ impl Lattice {
         r * (c - 1) + (r - 1) * c + 2 * (r - 1) * (c - 1)
     }
 
-    /// Rest positions [m], row by row.
+    /// Rest positions \[m\], row by row.
     pub fn rest_positions(&self) -> &[Vec3] {
         &self.rest_positions
     }
 
-    /// Area of the sheet at rest [m2].
+    /// Area of the sheet at rest \[m2\].
     pub fn total_area(&self) -> f32 {
         self.layout.slots().map(|i| self.area[i]).sum()
     }
@@ -398,9 +390,9 @@ fn structural(
 /// Both diagonals of every cell. A cell of sides a, b and diagonal l under the shear angle g stores
 /// `k g^2 a^2 b^2 / l^2` in its two springs and `G g^2 a b / 2` in the cloth: `k = G l^2 / (2 a b)`,
 /// which is G in a square cell.
-fn shear(layout: Layout, grid: &Grid) -> (Family, Vec<f32>) {
+fn shear(layout: Layout, grid: &Grid) -> (Family, Array) {
     let mut diagonal = Family::empty(layout.len());
-    let mut antidiagonal_rest = vec![0.0; layout.len()];
+    let mut antidiagonal_rest = Array::zeros(layout.len());
     for r in 0..grid.rows - 1 {
         for c in 0..grid.columns - 1 {
             let first = grid.at(r, c).distance(grid.at(r + 1, c + 1));

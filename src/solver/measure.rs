@@ -46,11 +46,11 @@ impl StrainReport {
 pub(super) struct Survey {
     /// Whether all positions and velocities are finite.
     pub finite: bool,
-    /// Largest change of a coordinate in the tick [m].
+    /// Largest change of a coordinate in the tick \[m\].
     pub moved: f32,
     /// Largest strain of a structural spring.
     pub max_strain: f32,
-    /// Bounds of the positions, relative to the origin [m].
+    /// Bounds of the positions, relative to the origin \[m\].
     pub min: Vec3,
     /// See `min`.
     pub max: Vec3,
@@ -60,7 +60,7 @@ pub(super) struct Survey {
 pub(super) struct TakeSurvey<'a> {
     pub lattice: &'a Lattice,
     pub x: &'a Soa,
-    pub v: &'a Soa,
+    pub d: &'a Soa,
     pub start: &'a Soa,
 }
 
@@ -121,26 +121,24 @@ impl TakeSurvey<'_> {
     #[inline(always)]
     fn look_at_particles(&self, slot: usize, inside: usize, totals: &mut Totals) {
         let x = Block3::load(self.x, slot);
-        let v = Block3::load(self.v, slot);
+        let d = Block3::load(self.d, slot);
         let start = Block3::load(self.start, slot);
         for i in 0..LANES {
-            let (p, u) = (x.at(i), v.at(i));
+            let (p, u) = (x.at(i), d.at(i));
             // Anything times zero is zero, unless it is not finite.
             totals.spoiled.0[i] += (p.x + p.y + p.z + u.x + u.y + u.z) * 0.0;
-            let d = p - start.at(i);
-            let most = larger(larger(d.x.abs(), d.y.abs()), d.z.abs());
+            let way = p - start.at(i);
+            let most = larger(larger(way.x.abs(), way.y.abs()), way.z.abs());
             totals.moved.0[i] = larger(most, totals.moved.0[i]);
             let p = if i < inside { p } else { totals.low.at(i) };
             let (low, high) = (totals.low.at(i), totals.high.at(i));
             let smaller = |a: f32, b: f32| -larger(-a, -b);
-            totals.low.set(
-                i,
-                Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z)),
-            );
-            totals.high.set(
-                i,
-                Vec3::new(larger(p.x, high.x), larger(p.y, high.y), larger(p.z, high.z)),
-            );
+            totals
+                .low
+                .set(i, Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z)));
+            totals
+                .high
+                .set(i, Vec3::new(larger(p.x, high.x), larger(p.y, high.y), larger(p.z, high.z)));
         }
     }
 

@@ -5,25 +5,25 @@ use super::lattice::MassLumping;
 /// The material of a cloth. `ClothMaterial` says what each number means to a user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Mass per area [kg/m2].
+    /// Mass per area \[kg/m2\].
     pub area_density: f32,
-    /// Resistance of the threads to stretching [N/m].
+    /// Resistance of the threads to stretching \[N/m\].
     pub thread_stiffness: f32,
-    /// Resistance to shearing [N/m].
+    /// Resistance to shearing \[N/m\].
     pub shear_stiffness: f32,
-    /// Resistance to bending [N m].
+    /// Resistance to bending \[N m\].
     pub flexural_rigidity: f32,
-    /// Damping constant of a spring in a square cell [N s/m].
+    /// Damping constant of a spring in a square cell \[N s/m\].
     pub damping: f32,
     /// Which relative velocity the damping acts on.
     pub damping_form: DampingForm,
-    /// Rate at which still air stops the cloth [1/s].
+    /// Rate at which still air stops the cloth \[1/s\].
     pub drag: f32,
     /// Provot's critical deformation rate: the strain that corrections do not let a spring exceed.
     pub max_strain: f32,
     /// Coulomb's coefficient against a collider of the same coefficient.
     pub friction: f32,
-    /// Distance at which particles are held from colliders [m].
+    /// Distance at which particles are held from colliders \[m\].
     pub thickness: f32,
 }
 
@@ -93,7 +93,7 @@ pub struct Settings {
     pub bending: Bending,
     /// Whether particles are tethered to the pins.
     pub tethers: bool,
-    /// Speed that no particle exceeds [m/s].
+    /// Speed that no particle exceeds \[m/s\].
     pub max_speed: f32,
 }
 

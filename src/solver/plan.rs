@@ -17,7 +17,7 @@ const SAFETY: f32 = 0.9;
 const SHARE: f32 = 0.25;
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
 const FEWEST: f32 = 4.0;
-/// Curvature at which flexion springs resist as much as the flexural rigidity says [1/m].
+/// Curvature at which flexion springs resist as much as the flexural rigidity says \[1/m\].
 const FLEXION_CURVATURE: f32 = 20.0;
 
 /// How threads are held together.
@@ -62,25 +62,25 @@ pub struct Plan {
     pub reason: PlanReason,
     /// Substeps in a tick.
     pub substeps: u32,
-    /// Substep [s].
+    /// Substep \[s\].
     pub step: f32,
     /// `h^2 omega_max^2 / 4` of the explicit forces: stable below 1, kept at or below 0.9.
     pub margin: f32,
     /// Which constants are lower than asked for.
     pub clamped: Clamped,
-    /// Constant of the threads in use [N/m].
+    /// Constant of the threads in use \[N/m\].
     pub thread_stiffness: f32,
-    /// Constant of the shear springs in use [N/m].
+    /// Constant of the shear springs in use \[N/m\].
     pub shear_stiffness: f32,
-    /// Flexural rigidity in use [N m].
+    /// Flexural rigidity in use \[N m\].
     pub flexural_rigidity: f32,
-    /// Spring damping in use [N s/m].
+    /// Spring damping in use \[N s/m\].
     pub damping: f32,
-    /// The tick it was made for [s].
+    /// The tick it was made for \[s\].
     pub(super) tick: f32,
     /// Constants of the explicit springs.
     pub(super) explicit: SpringConstants,
-    /// Rigidity of the second-difference hinges [N m]; 0 where flexion springs stand in.
+    /// Rigidity of the second-difference hinges \[N m\]; 0 where flexion springs stand in.
     pub(super) hinge_rigidity: f32,
 }
 
@@ -111,12 +111,7 @@ impl fmt::Display for Plan {
 
 impl Plan {
     /// Plans ticks of `tick` seconds.
-    pub(super) fn new(
-        bound: &Bound,
-        material: &Material,
-        settings: &Settings,
-        tick: f32,
-    ) -> Self {
+    pub(super) fn new(bound: &Bound, material: &Material, settings: &Settings, tick: f32) -> Self {
         let (bend, flexion) = match settings.bending {
             Bending::SecondDifference => (material.flexural_rigidity, 0.0),
             Bending::Flexion => (0.0, flexion_constant(material.flexural_rigidity)),
@@ -135,7 +130,9 @@ impl Plan {
         let (form, reason) = match settings.form {
             FormChoice::Springs => (Form::Springs, PlanReason::Asked),
             FormChoice::Threads => (Form::Threads, PlanReason::Asked),
-            FormChoice::Automatic if needed <= budget => (Form::Springs, PlanReason::SpringsSuffice),
+            FormChoice::Automatic if needed <= budget => {
+                (Form::Springs, PlanReason::SpringsSuffice)
+            }
             FormChoice::Automatic => (Form::Threads, PlanReason::SpringsNeed(needed)),
         };
         let substeps = match (settings.substeps, form) {
@@ -240,7 +237,7 @@ pub(super) enum Bound {
     /// A sheet of equal rectangles: the corners of the Brillouin zone, where the symbol of the graph
     /// Laplacian and of second-difference bending are largest.
     Uniform {
-        /// 1 / mass of an inner particle [1/kg].
+        /// 1 / mass of an inner particle \[1/kg\].
         inverse_mass: f32,
         /// Shape factors of weft and warp springs, of shear springs, and of hinges.
         weft: f32,
@@ -311,7 +308,9 @@ impl Bound {
             };
             Circle {
                 thread: 2.0 * w * thread,
-                shear: 2.0 * w * (shear[slot] + shear[slot - s - 1] + shear[slot - 1] + shear[slot - s]),
+                shear: 2.0
+                    * w
+                    * (shear[slot] + shear[slot - s - 1] + shear[slot - 1] + shear[slot - s]),
                 bend: w * (hinges[0].row_sum(slot) + hinges[1].row_sum(slot)),
                 flexion: 2.0 * w * (flex(&lattice.weft, 1) + flex(&lattice.warp, s)),
             }
@@ -319,22 +318,24 @@ impl Bound {
         Self::Circles(lattice.layout.slots().map(circle).collect())
     }
 
-    /// The bound on `omega^2` [1/s2].
+    /// The bound on `omega^2` \[1/s2\].
     pub fn rate(&self, k: &Constants) -> f32 {
         match self {
             Self::Uniform { inverse_mass, weft, warp, shear, bend, flexion } => {
                 let along_weft = 4.0 * k.thread * weft + 16.0 * k.bend * bend[0];
                 let along_warp = 4.0 * k.thread * warp + 16.0 * k.bend * bend[1];
                 let diagonal = 8.0 * k.shear * shear;
-                let highest = (along_weft + along_warp)
-                    .max(along_weft + diagonal)
-                    .max(along_warp + diagonal);
+                let highest =
+                    (along_weft + along_warp).max(along_weft + diagonal).max(along_warp + diagonal);
                 (highest + 4.0 * k.flexion * (flexion[0] + flexion[1])) * inverse_mass
             }
             Self::Circles(circles) => circles
                 .iter()
                 .map(|c| {
-                    k.thread * c.thread + k.shear * c.shear + k.bend * c.bend + k.flexion * c.flexion
+                    k.thread * c.thread
+                        + k.shear * c.shear
+                        + k.bend * c.bend
+                        + k.flexion * c.flexion
                 })
                 .fold(0.0, f32::max),
         }

@@ -1,31 +1,36 @@
-//! What moves: positions and velocities of one cloth, and the room its stages work in.
+//! What moves: positions and displacements of one cloth, and the room its stages work in.
 
 use bevy::math::Vec3;
 
-use super::lanes::{LANES, Soa};
+use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
 
-/// Positions and velocities. Padding stays at zero.
+/// Positions and displacements. Padding stays at zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
-    /// Where the cloth's own coordinates begin, in world space [m]: whole multiples of
+    /// Where the cloth's own coordinates begin, in world space \[m\]: whole multiples of
     /// [`State::GRID`], so that moving it changes no bit of what the positions mean.
     pub origin: Vec3,
-    /// Positions relative to the origin [m].
+    /// Positions where the substep began, relative to the origin \[m\].
     pub x: Soa,
-    /// Velocities at the middle of the last substep [m/s].
-    pub v: Soa,
-    /// Positions where the tick began [m], for blending between ticks.
+    /// Displacements of the substep \[m\]: velocity at its middle, times `unit`. Integration sets them
+    /// and corrections add to them, at a precision of their own; the substep's end adds them to the
+    /// positions. So a velocity changes by computed corrections, never by a difference of rounded
+    /// positions.
+    pub d: Soa,
+    /// The time that makes velocities of displacements \[s\].
+    pub unit: f32,
+    /// Positions where the tick began \[m\], for blending between ticks.
     pub start: Soa,
-    /// Length of the last substep [s]; 0 before the first. A velocity is half a substep behind its
-    /// position, so that the next kick lasts half of both.
+    /// Length of the last substep \[s\]; 0 before the first. A velocity is half a substep behind its
+    /// position, so that the next kick lasts half of both substeps.
     pub last_step: f32,
 }
 
 impl State {
-    /// Origins are multiples of this [m].
+    /// Origins are multiples of this \[m\].
     const GRID: f32 = 16.0;
-    /// The origin follows a cloth that has gone this far from it [m].
+    /// The origin follows a cloth that has gone this far from it \[m\].
     const REACH: f32 = 64.0;
 
     pub fn new(layout: Layout, positions: &[Vec3]) -> Self {
@@ -35,13 +40,7 @@ impl State {
         for (slot, &p) in layout.slots().zip(positions) {
             x.set(slot, p - origin);
         }
-        Self {
-            origin,
-            v: Soa::zeros(x.len()),
-            start: x.clone(),
-            x,
-            last_step: 0.0,
-        }
+        Self { origin, d: Soa::zeros(layout.len()), unit: 1.0, start: x.clone(), x, last_step: 0.0 }
     }
 
     /// Moves the origin to a cloth that has left it. The shift is exact in f32.
@@ -66,17 +65,17 @@ fn on_grid(p: Vec3) -> Vec3 {
 /// none of the ticks.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
-    /// Accelerations [m/s2], where they differ between particles.
+    /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
-    /// Bending moments of the hinges, or predicted velocities.
+    /// Bending moments of the hinges, or predicted displacements.
     pub b: Soa,
-    /// Positions, then corrections, in the transposed layout.
-    pub transposed: Soa,
+    /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
+    pub strip: Soa,
     /// The unknowns of a block of threads.
     pub line: Line,
-    /// How far the particles of a block may yet move before they can touch a collider [m].
+    /// How far the particles of a block may yet move before they can touch a collider \[m\].
     pub clearance: Vec<f32>,
-    /// The least gap of each block that is looked at [m].
+    /// The least gap of each block that is looked at \[m\].
     pub gaps: Vec<f32>,
 }
 
@@ -84,8 +83,8 @@ pub(crate) struct Scratch {
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     pub direction: Soa,
-    pub inverse_pivot: Vec<f32>,
-    pub residual: Vec<f32>,
+    pub inverse_pivot: Array,
+    pub residual: Array,
 }
 
 impl Scratch {
@@ -95,11 +94,11 @@ impl Scratch {
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
-            transposed: Soa::zeros(layout.transposed().len()),
+            strip: Soa::zeros(layout.columns.next_multiple_of(LANES) * LANES),
             line: Line {
                 direction: Soa::zeros(longest),
-                inverse_pivot: vec![0.0; longest],
-                residual: vec![0.0; longest],
+                inverse_pivot: Array::zeros(longest),
+                residual: Array::zeros(longest),
             },
             clearance: vec![0.0; len / LANES],
             gaps: vec![0.0; len / LANES],

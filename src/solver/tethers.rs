@@ -7,7 +7,7 @@
 use bevy::math::{Vec3, ops};
 
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use super::lattice::{Lattice, Layout};
 use super::parameters::Material;
 
@@ -15,7 +15,7 @@ use super::parameters::Material;
 const MOST: usize = 4;
 /// Load on the cloth above its own weight that the bound leaves room for.
 const LOAD_FACTOR: f32 = 4.0;
-/// Least distance from a pin that has a direction [m].
+/// Least distance from a pin that has a direction \[m\].
 const LEAST_DISTANCE: f32 = 1e-12;
 
 /// The tethers of one group of neighbouring pins, or to the n-th nearest group where there are many.
@@ -23,12 +23,12 @@ const LEAST_DISTANCE: f32 = 1e-12;
 pub(super) struct TetherSet {
     /// The slot of the pin that each particle is tied to; one entry where all share a pin.
     pins: Vec<u32>,
-    /// Distance to the pin along the cloth, however it shears less [m]; 0 for held particles.
+    /// Distance to the pin along the cloth, however it shears less \[m\]; 0 for held particles.
     straight: Vec<f32>,
-    /// Distance to the pin along the threads alone [m].
+    /// Distance to the pin along the threads alone \[m\].
     along_threads: Vec<f32>,
-    /// The bound in force [m].
-    limit: Vec<f32>,
+    /// The bound in force \[m\].
+    limit: Array,
 }
 
 impl TetherSet {
@@ -46,7 +46,7 @@ impl TetherSet {
         keep_nearest(lattice.layout, sets)
     }
 
-    /// Sets the bounds for a material under gravity [m/s2].
+    /// Sets the bounds for a material under gravity \[m/s2\].
     ///
     /// The cloth may stretch by what its threads give under [`LOAD_FACTOR`] times its weight, spread
     /// over a width that grows with the distance from the pin (a logarithm), and it may be longer by
@@ -58,8 +58,9 @@ impl TetherSet {
         for slot in lattice.layout.slots() {
             let (straight, threads) = (self.straight[slot], self.along_threads[slot]);
             let spread = 1.0 + ops::ln((straight / cell).max(1.0));
+            // Without gravity nothing tells the load: the limit and the threads alone bound it.
             let give = |stiffness: f32| {
-                if load == 0.0 { 0.0 } else { (load / stiffness) * spread }
+                if load == 0.0 { f32::INFINITY } else { (load / stiffness) * spread }
             };
             let stretch = give(material.thread_stiffness).min(material.max_strain * straight);
             let shear = give(material.shear_stiffness).min(threads - straight);
@@ -116,11 +117,7 @@ impl Reach {
     }
 
     fn unreached(len: usize) -> Self {
-        Self {
-            nearest: vec![0; len],
-            straight: vec![0.0; len],
-            along_threads: vec![0.0; len],
-        }
+        Self { nearest: vec![0; len], straight: vec![0.0; len], along_threads: vec![0.0; len] }
     }
 
     fn into_set(mut self, layout: Layout, group: &[usize], pins: &[usize]) -> TetherSet {
@@ -133,7 +130,7 @@ impl Reach {
             pins,
             straight: self.straight,
             along_threads: self.along_threads,
-            limit: vec![0.0; layout.len()],
+            limit: Array::zeros(layout.len()),
         }
     }
 }
@@ -182,14 +179,15 @@ fn keep_nearest(layout: Layout, sets: Vec<TetherSet>) -> Vec<TetherSet> {
         pins: vec![0; layout.len()],
         straight: vec![0.0; layout.len()],
         along_threads: vec![0.0; layout.len()],
-        limit: vec![0.0; layout.len()],
+        limit: Array::zeros(layout.len()),
     };
     let mut kept: Vec<TetherSet> = (0..MOST).map(|_| empty()).collect();
     for slot in layout.slots() {
         let mut order: Vec<usize> = (0..sets.len()).collect();
         order.sort_by(|&a, &b| sets[a].straight[slot].total_cmp(&sets[b].straight[slot]));
         for (to, &from) in kept.iter_mut().zip(&order) {
-            to.pins[slot] = if let [only] = sets[from].pins[..] { only } else { sets[from].pins[slot] };
+            to.pins[slot] =
+                if let [only] = sets[from].pins[..] { only } else { sets[from].pins[slot] };
             to.straight[slot] = sets[from].straight[slot];
             to.along_threads[slot] = sets[from].along_threads[slot];
         }
@@ -247,51 +245,56 @@ pub(super) struct PullTethers<'a> {
     pub layout: Layout,
     pub set: &'a TetherSet,
     pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    pub v: &'a mut Soa,
-    /// 1 / substep [1/s].
-    pub rate: f32,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
 }
 
 impl Kernel for PullTethers<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         let shared = match self.set.pins[..] {
-            [only] => Some(Block3::splat(self.x.get(only as usize))),
+            [only] => Some(self.x.get(only as usize) + self.d.get(only as usize)),
             _ => None,
         };
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let pin = match shared {
-                    Some(pin) => pin,
-                    None => gather(self.x, &self.set.pins[slot..slot + LANES]),
-                };
-                let (mut x, mut v) = (Block3::load(self.x, slot), Block3::load(self.v, slot));
-                let limit = Block::load(&self.set.limit, slot);
-                let w = Block::load(self.inverse_mass, slot);
-                for i in 0..LANES {
-                    let d = x.at(i) - pin.at(i);
-                    let distance = d.dot(d).sqrt();
-                    let excess = if w.0[i] > 0.0 { larger(distance - limit.0[i], 0.0) } else { 0.0 };
-                    let correction = d * (excess / larger(distance, LEAST_DISTANCE));
-                    x.set(i, x.at(i) - correction);
-                    v.set(i, v.at(i) - correction * self.rate);
+                match shared {
+                    Some(pin) => self.pull(slot, |_| pin),
+                    None => {
+                        let pins = gather(self.x, self.d, &self.set.pins[slot..slot + LANES]);
+                        self.pull(slot, |i| pins.at(i));
+                    }
                 }
-                x.store(self.x, slot);
-                v.store(self.v, slot);
             }
         }
     }
 }
 
+impl PullTethers<'_> {
+    #[inline(always)]
+    fn pull(&mut self, slot: usize, pin: impl Fn(usize) -> Vec3) {
+        let x = Block3::load(self.x, slot);
+        let mut d = Block3::load(self.d, slot);
+        let limit = Block::load(&self.set.limit, slot);
+        let w = Block::load(self.inverse_mass, slot);
+        for i in 0..LANES {
+            let way = (x.at(i) + d.at(i)) - pin(i);
+            let distance = way.dot(way).sqrt();
+            let excess = if w.0[i] > 0.0 { larger(distance - limit.0[i], 0.0) } else { 0.0 };
+            d.set(i, d.at(i) - way * (excess / larger(distance, LEAST_DISTANCE)));
+        }
+        d.store(self.d, slot);
+    }
+}
+
 #[inline(always)]
-fn gather(x: &Soa, slots: &[u32]) -> Block3 {
+fn gather(x: &Soa, d: &Soa, slots: &[u32]) -> Block3 {
     let mut out = Block3::ZERO;
     for (lane, &slot) in slots.iter().enumerate() {
-        out.set(lane, x.get(slot as usize));
+        out.set(lane, x.get(slot as usize) + d.get(slot as usize));
     }
     out
 }

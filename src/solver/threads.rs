@@ -10,74 +10,199 @@ use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
+use super::transpose::transposed;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
 /// held at both ends has one constraint too many; this keeps its matrix far enough from singular
 /// for f32, at a strain of the same size.
 const LEAST_COMPLIANCE: f32 = 1e-5;
-/// Least pivot [1/kg]: between two held particles nothing can move, whatever the residual.
+/// Least pivot \[1/kg\]: between two held particles nothing can move, whatever the residual.
 const LEAST_PIVOT: f32 = 1e-12;
-/// Least length of a spring [m]: a collapsed one has no direction and is left alone.
+/// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
 const LEAST_LENGTH: f32 = 1e-12;
 
-/// What becomes of the corrections of a line.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Apply {
-    /// They replace the positions, to be carried back to the other layout.
-    Overwrite,
-    /// They are added to positions, and over `h` to velocities.
-    Add {
-        /// 1 / substep [1/s].
-        rate: f32,
-    },
+/// Solves all warp threads, a column a lane.
+pub(super) struct SolveWarp<'a> {
+    pub layout: Layout,
+    pub lines: Lines<'a>,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
 }
 
-/// Solves all lines of a layout: from row to row, a column a lane.
-pub(super) struct SolveThreads<'a> {
+/// Solves all weft threads, a row a lane: [`LANES`] rows at a time are turned into a strip of columns
+/// that stays in the nearest cache.
+pub(super) struct SolveWeft<'a> {
+    pub layout: Layout,
+    pub lines: Lines<'a>,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
+    /// Positions of a strip, then its corrections.
+    pub strip: &'a mut Soa,
+}
+
+/// What the threads of one direction are made of, in the layout whose rows they run across.
+pub(super) struct Lines<'a> {
     pub layout: Layout,
     pub springs: &'a Family,
-    /// `1 / (k h^2)` of a spring of shape factor one [1/kg].
+    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
     pub compliance: f32,
     pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    /// Ignored where corrections overwrite.
-    pub v: Option<&'a mut Soa>,
+    /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
-    pub apply: Apply,
 }
 
-impl Kernel for SolveThreads<'_> {
+impl Kernel for SolveWarp<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
         for column in (0..self.layout.columns).step_by(LANES) {
-            self.eliminate(column);
-            self.substitute(column);
+            let first = self.layout.slot(0, column);
+            let stride = self.layout.stride;
+            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
+            self.lines.eliminate(column, &ends);
+            self.lines.substitute(column, &mut ends);
         }
     }
 }
 
-impl SolveThreads<'_> {
-    /// Forward elimination: row by row, each pivot from the one before.
+impl Kernel for SolveWeft<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn eliminate(&mut self, column: usize) {
-        let first = self.layout.slot(0, column);
-        let mut x0 = Block3::load(self.x, first);
-        let mut w0 = Block::load(self.inverse_mass, first);
+    fn run(mut self) {
+        for row in (0..self.layout.rows).step_by(LANES) {
+            self.fill_strip(row);
+            let mut ends = Strip(self.strip);
+            self.lines.eliminate(row, &ends);
+            self.lines.substitute(row, &mut ends);
+            self.add_strip(row);
+        }
+    }
+}
+
+impl SolveWeft<'_> {
+    #[inline(always)]
+    fn fill_strip(&mut self, row: usize) {
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let slot = self.layout.slot(row, column);
+            let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
+            fill_tile(&x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
+            fill_tile(&x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
+            fill_tile(&x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
+        }
+    }
+
+    #[inline(always)]
+    fn add_strip(&mut self, row: usize) {
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let slot = self.layout.slot(row, column);
+            let (d, strip) = (&mut *self.d, &*self.strip);
+            add_tile(&strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
+            add_tile(&strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
+            add_tile(&strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
+        }
+    }
+}
+
+/// Writes the sums of two arrays in a tile to a strip.
+#[inline(always)]
+fn fill_tile(x: &[f32], d: &[f32], slot: usize, stride: usize, strip: &mut [f32], at: usize) {
+    let mut tile = [Block::ZERO; LANES];
+    for (i, line) in tile.iter_mut().enumerate() {
+        let (x, d) = (Block::load(x, slot + i * stride), Block::load(d, slot + i * stride));
+        for j in 0..LANES {
+            line.0[j] = x.0[j] + d.0[j];
+        }
+    }
+    for (j, line) in transposed(&tile).into_iter().enumerate() {
+        line.store(strip, at + j * LANES);
+    }
+}
+
+/// Adds a part of a strip to a tile.
+#[inline(always)]
+fn add_tile(strip: &[f32], at: usize, d: &mut [f32], slot: usize, stride: usize) {
+    let mut tile = [Block::ZERO; LANES];
+    for (j, line) in tile.iter_mut().enumerate() {
+        *line = Block::load(strip, at + j * LANES);
+    }
+    for (i, line) in transposed(&tile).into_iter().enumerate() {
+        let mut new = Block::load(d, slot + i * stride);
+        for j in 0..LANES {
+            new.0[j] += line.0[j];
+        }
+        new.store(d, slot + i * stride);
+    }
+}
+
+/// Where the particles of [`LANES`] threads are, and where their corrections go.
+trait Ends {
+    /// Positions of the particles at a place along the threads.
+    fn positions(&self, place: usize) -> Block3;
+    /// Takes their corrections.
+    fn correct(&mut self, place: usize, correction: Block3);
+}
+
+/// Rows of the sheet.
+struct InPlace<'a> {
+    x: &'a Soa,
+    d: &'a mut Soa,
+    first: usize,
+    stride: usize,
+}
+
+impl Ends for InPlace<'_> {
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        let slot = self.first + place * self.stride;
+        let mut d = Block3::load(self.d, slot);
+        for i in 0..LANES {
+            d.set(i, d.at(i) + correction.at(i));
+        }
+        d.store(self.d, slot);
+    }
+}
+
+/// A strip of columns, whose positions give way to their corrections.
+struct Strip<'a>(&'a mut Soa);
+
+impl Ends for Strip<'_> {
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load(self.0, place * LANES)
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        correction.store(self.0, place * LANES);
+    }
+}
+
+impl Lines<'_> {
+    /// Forward elimination: from place to place, each pivot from the one before.
+    #[inline(always)]
+    fn eliminate(&mut self, thread: usize, ends: &impl Ends) {
+        let mut x0 = ends.positions(0);
+        let mut w0 = Block::load(self.inverse_mass, self.layout.slot(0, thread));
         let mut last = Pivot::default();
-        for row in 1..self.layout.rows {
-            let (spring, end) = (self.layout.slot(row - 1, column), self.layout.slot(row, column));
-            let x1 = Block3::load(self.x, end);
-            let w1 = Block::load(self.inverse_mass, end);
+        for place in 1..self.layout.rows {
+            let spring = self.layout.slot(place - 1, thread);
+            let x1 = ends.positions(place);
+            let w1 = Block::load(self.inverse_mass, self.layout.slot(place, thread));
             let rest = Block::load(&self.springs.rest, spring);
             let factor = Block::load(&self.springs.compliance, spring);
             let mut next = Pivot::default();
             for i in 0..LANES {
-                let d = x1.at(i) - x0.at(i);
+                let span = x1.at(i) - x0.at(i);
                 // Not `Vec3::length`, whose square root may be a call.
-                let length = d.dot(d).sqrt();
-                let n = d * (1.0 / larger(length, LEAST_LENGTH));
+                let length = span.dot(span).sqrt();
+                let n = span * (1.0 / larger(length, LEAST_LENGTH));
                 let diagonal = w0.0[i] + w1.0[i];
                 // In this order the larger of the two is a number even where the first is NaN.
                 let soft = larger(factor.0[i] * self.compliance, diagonal * LEAST_COMPLIANCE);
@@ -88,7 +213,7 @@ impl SolveThreads<'_> {
                 next.inverse.0[i] = 1.0 / pivot;
                 next.residual.0[i] = length - rest.0[i] + carried * last.residual.0[i];
             }
-            let at = (row - 1) * LANES;
+            let at = (place - 1) * LANES;
             next.direction.store(&mut self.line.direction, at);
             next.inverse.store(&mut self.line.inverse_pivot, at);
             next.residual.store(&mut self.line.residual, at);
@@ -99,15 +224,14 @@ impl SolveThreads<'_> {
     /// Back substitution: tensions from the last spring to the first, and the corrections of the
     /// particles between them.
     #[inline(always)]
-    fn substitute(&mut self, column: usize) {
+    fn substitute(&mut self, thread: usize, ends: &mut impl Ends) {
         let mut next_pull = Block3::ZERO;
-        for row in (1..self.layout.rows).rev() {
-            let at = (row - 1) * LANES;
+        for place in (1..self.layout.rows).rev() {
+            let at = (place - 1) * LANES;
             let n = Block3::load(&self.line.direction, at);
             let inverse = Block::load(&self.line.inverse_pivot, at);
             let residual = Block::load(&self.line.residual, at);
-            let slot = self.layout.slot(row, column);
-            let w = Block::load(self.inverse_mass, slot);
+            let w = Block::load(self.inverse_mass, self.layout.slot(place, thread));
             let mut pull = Block3::ZERO;
             let mut correction = Block3::ZERO;
             for i in 0..LANES {
@@ -116,31 +240,15 @@ impl SolveThreads<'_> {
                 pull.set(i, n.at(i) * tension);
                 correction.set(i, (next_pull.at(i) - pull.at(i)) * w.0[i]);
             }
-            self.write(slot, correction);
+            ends.correct(place, correction);
             next_pull = pull;
         }
-        let slot = self.layout.slot(0, column);
-        let w = Block::load(self.inverse_mass, slot);
+        let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
         let mut correction = Block3::ZERO;
         for i in 0..LANES {
             correction.set(i, next_pull.at(i) * w.0[i]);
         }
-        self.write(slot, correction);
-    }
-
-    #[inline(always)]
-    fn write(&mut self, slot: usize, correction: Block3) {
-        let (Apply::Add { rate }, Some(v)) = (self.apply, self.v.as_deref_mut()) else {
-            correction.store(self.x, slot);
-            return;
-        };
-        let (mut new_x, mut new_v) = (Block3::load(self.x, slot), Block3::load(v, slot));
-        for i in 0..LANES {
-            new_x.set(i, new_x.at(i) + correction.at(i));
-            new_v.set(i, new_v.at(i) + correction.at(i) * rate);
-        }
-        new_x.store(self.x, slot);
-        new_v.store(v, slot);
+        ends.correct(0, correction);
     }
 }
 
@@ -155,110 +263,5 @@ struct Pivot {
 impl Default for Pivot {
     fn default() -> Self {
         Self { direction: Block3::ZERO, inverse: Block::ZERO, residual: Block::ZERO }
-    }
-}
-
-/// Writes `from` with rows and columns exchanged.
-pub(super) struct Transpose<'a> {
-    /// Layout of `from`.
-    pub layout: Layout,
-    pub from: &'a Soa,
-    pub to: &'a mut Soa,
-}
-
-impl Kernel for Transpose<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (from, to) = (self.from, self.to);
-        for (from, to) in [(&from.x, &mut to.x), (&from.y, &mut to.y), (&from.z, &mut to.z)] {
-            for row in (0..self.layout.rows).step_by(LANES) {
-                for column in (0..self.layout.columns).step_by(LANES) {
-                    transpose_tile(self.layout, row, column, from, to);
-                }
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn transpose_tile(layout: Layout, row: usize, column: usize, from: &[f32], to: &mut [f32]) {
-    let target = layout.transposed();
-    let tile = load_transposed(layout, row, column, from);
-    for (j, line) in tile.iter().enumerate() {
-        line.store(to, target.slot(column + j, row));
-    }
-}
-
-/// A tile of 16 x 16, read row by row, as its columns.
-#[inline(always)]
-fn load_transposed(layout: Layout, row: usize, column: usize, from: &[f32]) -> [Block; LANES] {
-    let mut tile = [Block::ZERO; LANES];
-    for (i, line) in tile.iter_mut().enumerate() {
-        *line = Block::load(from, layout.slot(row + i, column));
-    }
-    let mut out = [Block::ZERO; LANES];
-    for i in 0..LANES {
-        for j in 0..LANES {
-            out[j].0[i] = tile[i].0[j];
-        }
-    }
-    out
-}
-
-/// Adds corrections that lie transposed to positions, and over the substep to velocities.
-pub(super) struct AddTransposed<'a> {
-    /// Layout of `corrections`.
-    pub layout: Layout,
-    pub corrections: &'a Soa,
-    pub x: &'a mut Soa,
-    pub v: &'a mut Soa,
-    /// 1 / substep [1/s].
-    pub rate: f32,
-}
-
-impl Kernel for AddTransposed<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let d = self.corrections;
-        let (x, v) = (self.x, self.v);
-        for (d, x, v) in [
-            (&d.x, &mut x.x, &mut v.x),
-            (&d.y, &mut x.y, &mut v.y),
-            (&d.z, &mut x.z, &mut v.z),
-        ] {
-            for row in (0..self.layout.rows).step_by(LANES) {
-                for column in (0..self.layout.columns).step_by(LANES) {
-                    add_tile(self.layout, row, column, d, x, v, self.rate);
-                }
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn add_tile(
-    layout: Layout,
-    row: usize,
-    column: usize,
-    corrections: &[f32],
-    x: &mut [f32],
-    v: &mut [f32],
-    rate: f32,
-) {
-    let target = layout.transposed();
-    let tile = load_transposed(layout, row, column, corrections);
-    for (j, correction) in tile.iter().enumerate() {
-        let slot = target.slot(column + j, row);
-        let (mut new_x, mut new_v) = (Block::load(x, slot), Block::load(v, slot));
-        for i in 0..LANES {
-            new_x.0[i] += correction.0[i];
-            new_v.0[i] += correction.0[i] * rate;
-        }
-        new_x.store(x, slot);
-        new_v.store(v, slot);
     }
 }

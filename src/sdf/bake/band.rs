@@ -60,8 +60,5 @@ fn nodes_around(layout: &Layout, triangle: &Triangle) -> [[usize; 3]; 2] {
     let size = layout.size();
     let from = low.to_array().map(|node| node as usize);
     let to = high.to_array().map(|node| node as usize + 1);
-    [
-        from,
-        [to[0].min(size[0]), to[1].min(size[1]), to[2].min(size[2])],
-    ]
+    [from, [to[0].min(size[0]), to[1].min(size[1]), to[2].min(size[2])]]
 }

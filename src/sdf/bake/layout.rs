@@ -28,27 +28,16 @@ impl Layout {
         let origin = DVec3::from_array(core::array::from_fn(|axis| {
             // The corner is an `f32`, and must not be rounded into the box.
             let rounded = snapped[axis] as f32;
-            let corner = if f64::from(rounded) > low[axis] {
-                rounded.next_down()
-            } else {
-                rounded
-            };
+            let corner = if f64::from(rounded) > low[axis] { rounded.next_down() } else { rounded };
             f64::from(corner)
         }));
         // At least one cell: two nodes.
         let counts = ((high - origin) / cell).ceil().max(DVec3::ONE) + 1.0;
         let nodes = counts.element_product();
         if !(nodes <= MAX_NODES as f64 && origin.as_vec3().is_finite()) {
-            return Err(BakeError::TooLarge {
-                nodes: nodes as u64,
-                limit: MAX_NODES,
-            });
+            return Err(BakeError::TooLarge { nodes: nodes as u64, limit: MAX_NODES });
         }
-        Ok(Self {
-            origin: origin.as_vec3(),
-            cell_size,
-            dims: counts.as_uvec3(),
-        })
+        Ok(Self { origin: origin.as_vec3(), cell_size, dims: counts.as_uvec3() })
     }
 
     pub(super) fn size(&self) -> [usize; 3] {

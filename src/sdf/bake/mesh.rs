@@ -45,11 +45,8 @@ impl ClosedMesh {
             mesh.max = mesh.max.max(point.as_vec3());
         }
         mesh.orientation = mesh.orient()?;
-        mesh.face_normals = mesh
-            .corners
-            .iter()
-            .map(|&corners| face_normal(mesh.positions(corners)))
-            .collect();
+        mesh.face_normals =
+            mesh.corners.iter().map(|&corners| face_normal(mesh.positions(corners))).collect();
         mesh.vertex_normals = mesh.weigh_vertex_normals();
         Ok(mesh)
     }
@@ -58,16 +55,9 @@ impl ClosedMesh {
     pub(super) fn triangles(&self) -> Vec<Triangle> {
         let with_area = |t: &usize| self.face_normals[*t] != DVec3::ZERO;
         let triangle = |t: usize| {
-            Triangle::new(
-                self.positions(self.corners[t]),
-                self.face_normals[t],
-                t as u32,
-            )
+            Triangle::new(self.positions(self.corners[t]), self.face_normals[t], t as u32)
         };
-        (0..self.corners.len())
-            .filter(with_area)
-            .map(triangle)
-            .collect()
+        (0..self.corners.len()).filter(with_area).map(triangle).collect()
     }
 
     /// Angle-weighted pseudonormal of a triangle's corner, not normalised.
@@ -151,16 +141,11 @@ fn check_input(positions: &[Vec3], indices: &[u32]) -> Result<(), BakeError> {
         return Err(BakeError::Empty);
     }
     if !indices.len().is_multiple_of(3) {
-        return Err(BakeError::PartialTriangle {
-            index_count: indices.len(),
-        });
+        return Err(BakeError::PartialTriangle { index_count: indices.len() });
     }
     for &index in indices {
         let Some(position) = positions.get(index as usize) else {
-            return Err(BakeError::IndexOutOfRange {
-                index,
-                vertex_count: positions.len(),
-            });
+            return Err(BakeError::IndexOutOfRange { index, vertex_count: positions.len() });
         };
         if !position.is_finite() {
             return Err(BakeError::NonFinite { index });
@@ -176,12 +161,10 @@ fn weld(positions: &[Vec3], indices: &[u32]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut number = |index: u32| {
         // Adding zero makes the negative zero positive.
         let position = positions[index as usize] + Vec3::ZERO;
-        *numbers
-            .entry(position.to_array().map(f32::to_bits))
-            .or_insert_with(|| {
-                points.push(position.as_dvec3());
-                points.len() as u32 - 1
-            })
+        *numbers.entry(position.to_array().map(f32::to_bits)).or_insert_with(|| {
+            points.push(position.as_dvec3());
+            points.len() as u32 - 1
+        })
     };
     let (triples, _) = indices.as_chunks::<3>();
     let corners = triples
@@ -230,10 +213,7 @@ fn face_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     const THINNEST: f64 = 1.0e-10;
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let cross = ab.cross(ac);
-    let longest_squared = ab
-        .length_squared()
-        .max(ac.length_squared())
-        .max(bc.length_squared());
+    let longest_squared = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
     if cross.length() <= THINNEST * longest_squared {
         DVec3::ZERO
     } else {

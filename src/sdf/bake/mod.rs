@@ -54,10 +54,7 @@ impl BakeSettings {
             max = max.max(position);
         }
         let cell_size = (max - min).max_element() / cells.max(1) as f32;
-        Self {
-            cell_size,
-            margin: 2.0 * cell_size,
-        }
+        Self { cell_size, margin: 2.0 * cell_size }
     }
 }
 
@@ -193,26 +190,11 @@ impl DistanceField {
 
         let mut nearest = Nearest::new(layout.node_count());
         let triangles = &tree.triangles;
-        band::measure(
-            &layout,
-            triangles,
-            &mut nearest,
-            &mut share(progress, 0.0, 0.2),
-        );
-        sweep::propagate(
-            &layout,
-            triangles,
-            &mut nearest,
-            &mut share(progress, 0.2, 0.6),
-        );
+        band::measure(&layout, triangles, &mut nearest, &mut share(progress, 0.0, 0.2));
+        sweep::propagate(&layout, triangles, &mut nearest, &mut share(progress, 0.2, 0.6));
         tree.prove(&layout, &mut nearest, &mut share(progress, 0.6, 0.9));
-        let values = sign::finish(
-            &layout,
-            &mesh,
-            triangles,
-            &nearest,
-            &mut share(progress, 0.9, 1.0),
-        );
+        let values =
+            sign::finish(&layout, &mesh, triangles, &nearest, &mut share(progress, 0.9, 1.0));
 
         Ok(Self {
             origin: layout.origin,
@@ -243,9 +225,6 @@ impl Nearest {
     const NONE: u32 = u32::MAX;
 
     fn new(node_count: usize) -> Self {
-        Self {
-            squared: vec![f64::INFINITY; node_count],
-            triangle: vec![Self::NONE; node_count],
-        }
+        Self { squared: vec![f64::INFINITY; node_count], triangle: vec![Self::NONE; node_count] }
     }
 }

@@ -15,12 +15,7 @@ pub(super) fn propagate(
     progress: &mut dyn FnMut(f32),
 ) {
     let depth = layout.size()[2];
-    let mut sweep = Sweep {
-        layout,
-        triangles,
-        nearest,
-        exact: exact_within(layout),
-    };
+    let mut sweep = Sweep { layout, triangles, nearest, exact: exact_within(layout) };
     for (pass, backward) in [false, true].into_iter().enumerate() {
         for step in 0..depth {
             progress((pass * depth + step) as f32 / (2 * depth) as f32);

@@ -29,12 +29,8 @@ struct Disc {
 }
 
 impl Disc {
-    const EMPTY: Self = Self {
-        centre: DVec3::ZERO,
-        axis: DVec3::Y,
-        radius: 0.0,
-        half_thickness: 0.0,
-    };
+    const EMPTY: Self =
+        Self { centre: DVec3::ZERO, axis: DVec3::Y, radius: 0.0, half_thickness: 0.0 };
 
     /// A disc around the triangles, which lie about `middle`.
     fn around(triangles: &[Triangle], middle: DVec3) -> Self {
@@ -49,12 +45,7 @@ impl Disc {
             radius_squared = radius_squared.max((from_middle - axis * height).length_squared());
         }
         let centre = middle + axis * (0.5 * (low + high));
-        Self {
-            centre,
-            axis,
-            radius: radius_squared.sqrt(),
-            half_thickness: 0.5 * (high - low),
-        }
+        Self { centre, axis, radius: radius_squared.sqrt(), half_thickness: 0.5 * (high - low) }
     }
 
     /// Squared distance that no point of the disc is nearer than \[m2\].
@@ -63,9 +54,7 @@ impl Disc {
         let from_centre = point - self.centre;
         let height = self.axis.dot(from_centre);
         let above = (height.abs() - self.half_thickness).max(0.0);
-        let across = (from_centre.length_squared() - height * height)
-            .max(0.0)
-            .sqrt();
+        let across = (from_centre.length_squared() - height * height).max(0.0).sqrt();
         let beside = (across - self.radius).max(0.0);
         above * above + beside * beside
     }
@@ -112,9 +101,7 @@ impl DiscTree {
         };
         let middle = usize::midpoint(start, end);
         self.triangles[start..end].select_nth_unstable_by(middle - start, |a, b| {
-            centre(a)
-                .total_cmp(&centre(b))
-                .then(a.source.cmp(&b.source))
+            centre(a).total_cmp(&centre(b)).then(a.source.cmp(&b.source))
         });
         self.build(2 * node + 1, start, middle);
         self.build(2 * node + 2, middle, end);

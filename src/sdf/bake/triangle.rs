@@ -93,10 +93,7 @@ impl Triangle {
 
         let beside_ab = along_ab * b_ac - b_ab * along_ac;
         if beside_ab <= 0.0 && along_ab >= 0.0 && b_ab <= 0.0 {
-            return (
-                Feature::Edge(0),
-                to_point - self.ab * (along_ab / self.ab_ab),
-            );
+            return (Feature::Edge(0), to_point - self.ab * (along_ab / self.ab_ab));
         }
 
         let c_ab = along_ab - self.ab_ac;
@@ -107,10 +104,7 @@ impl Triangle {
 
         let beside_ac = c_ab * along_ac - along_ab * c_ac;
         if beside_ac <= 0.0 && along_ac >= 0.0 && c_ac <= 0.0 {
-            return (
-                Feature::Edge(2),
-                to_point - self.ac * (along_ac / self.ac_ac),
-            );
+            return (Feature::Edge(2), to_point - self.ac * (along_ac / self.ac_ac));
         }
 
         let beside_bc = b_ab * c_ac - c_ab * b_ac;
@@ -118,10 +112,7 @@ impl Triangle {
         let from_c = c_ab - c_ac;
         if beside_bc <= 0.0 && from_b >= 0.0 && from_c >= 0.0 {
             let share = from_b / (from_b + from_c);
-            return (
-                Feature::Edge(1),
-                to_point - self.ab - (self.ac - self.ab) * share,
-            );
+            return (Feature::Edge(1), to_point - self.ab - (self.ac - self.ab) * share);
         }
 
         (Feature::Face, self.normal * self.normal.dot(to_point))

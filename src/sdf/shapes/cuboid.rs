@@ -22,11 +22,7 @@ fn cuboid(half_size: [f32; 3], x: f32, y: f32, z: f32) -> Kernel {
     let outside = [larger(ax, 0.0), larger(ay, 0.0), larger(az, 0.0)];
     let (length, normal) = length_and_direction(outside, face);
     let distance = length + smaller(deepest, 0.0);
-    let mirrored = [
-        normal[0].copysign(x),
-        normal[1].copysign(y),
-        normal[2].copysign(z),
-    ];
+    let mirrored = [normal[0].copysign(x), normal[1].copysign(y), normal[2].copysign(z)];
     (distance, mirrored)
 }
 

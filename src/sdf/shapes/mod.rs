@@ -57,17 +57,11 @@ pub(super) fn length_and_direction(v: [f32; 3], fallback: [f32; 3]) -> Kernel {
 /// A kernel's result as a sample.
 #[inline(always)]
 fn to_sample((distance, normal): Kernel) -> SdfSample {
-    SdfSample {
-        distance,
-        normal: Vec3::new(normal[0], normal[1], normal[2]),
-    }
+    SdfSample { distance, normal: Vec3::new(normal[0], normal[1], normal[2]) }
 }
 
 /// The box of this half size around the origin; built plainly, since `Aabb3d::new` asserts on sizes.
 fn centred(half_size: Vec3) -> Option<Aabb3d> {
     let half_size = half_size.abs();
-    Some(Aabb3d {
-        min: (-half_size).into(),
-        max: half_size.into(),
-    })
+    Some(Aabb3d { min: (-half_size).into(), max: half_size.into() })
 }

@@ -22,11 +22,7 @@ fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> SdfSample 
 fn cylinder(shape: &Cylinder, radius: f32, height: f32) -> Profile {
     let beyond_side = radius - shape.radius;
     let beyond_cap = height.abs() - shape.half_height;
-    let nearest = if beyond_cap >= beyond_side {
-        [0.0, 1.0, 0.0]
-    } else {
-        [1.0, 0.0, 0.0]
-    };
+    let nearest = if beyond_cap >= beyond_side { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
     let outside = [larger(beyond_side, 0.0), larger(beyond_cap, 0.0), 0.0];
     let (length, normal) = length_and_direction(outside, nearest);
     let distance = length + smaller(larger(beyond_side, beyond_cap), 0.0);
@@ -74,10 +70,7 @@ fn cone(shape: &Cone, radius: f32, height: f32) -> Profile {
     if along_side < 0.0 {
         return length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
     }
-    length_and_direction(
-        [radius - shape.radius, height + half_height, 0.0],
-        side_normal,
-    )
+    length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal)
 }
 
 impl SignedDistance for Cylinder {

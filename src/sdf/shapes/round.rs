@@ -118,11 +118,7 @@ impl SignedDistance for Capsule3d {
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
-        centred(Vec3::new(
-            self.radius,
-            self.half_length + self.radius,
-            self.radius,
-        ))
+        centred(Vec3::new(self.radius, self.half_length + self.radius, self.radius))
     }
 }
 

@@ -1,0 +1,139 @@
+//! Reading and writing the particles of a solver.
+
+use std::sync::Arc;
+
+use bevy::math::Vec3;
+
+use super::ClothSolver;
+use super::error::SolverError;
+use super::input::is_near;
+use super::lattice::Lattice;
+use super::measure::StrainReport;
+use super::parameters::{Material, Settings};
+use super::plan::Plan;
+
+impl ClothSolver {
+    /// The rest shape.
+    pub fn lattice(&self) -> &Arc<Lattice> {
+        &self.lattice
+    }
+
+    /// The material.
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// What the solver makes of them.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Plans ticks of another length \[s\] than the last.
+    ///
+    /// # Errors
+    /// [`SolverError::Tick`].
+    pub fn plan_for(&mut self, tick: f32) -> Result<&Plan, SolverError> {
+        if !(tick > 0.0 && tick <= 1.0) {
+            return Err(SolverError::Tick(tick));
+        }
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);
+        Ok(&self.plan)
+    }
+
+    /// Where the cloth's own coordinates begin, in world space \[m\].
+    pub fn origin(&self) -> Vec3 {
+        self.state.origin
+    }
+
+    /// A particle's position in world space \[m\], at the last tick's end.
+    ///
+    /// # Panics
+    /// Where there is no such particle; so do the other readers of one particle.
+    pub fn position(&self, particle: usize) -> Vec3 {
+        self.state.origin + self.local_position(particle)
+    }
+
+    /// The same, relative to [`ClothSolver::origin`].
+    pub fn local_position(&self, particle: usize) -> Vec3 {
+        self.state.x.get(self.slot(particle))
+    }
+
+    /// The same, at the last tick's start.
+    pub fn local_start_position(&self, particle: usize) -> Vec3 {
+        self.state.start.get(self.slot(particle))
+    }
+
+    /// A particle's velocity \[m/s\], at the middle of the last substep.
+    pub fn velocity(&self, particle: usize) -> Vec3 {
+        self.state.d.get(self.slot(particle)) / self.state.unit
+    }
+
+    /// A particle's mass \[kg\].
+    pub fn mass(&self, particle: usize) -> f32 {
+        self.lattice.area[self.slot(particle)] * self.material.area_density
+    }
+
+    /// Puts a particle elsewhere, in world space \[m\]. Where all are put, a cloth is reset.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchParticle`] or [`SolverError::NonFinite`].
+    pub fn set_position(&mut self, particle: usize, position: Vec3) -> Result<(), SolverError> {
+        self.check_particle(particle, "position", position)?;
+        let slot = self.slot(particle);
+        self.state.x.set(slot, position - self.state.origin);
+        Ok(())
+    }
+
+    /// Gives a particle a velocity \[m/s\]. Before the first tick it is the one at that instant.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchParticle`] or [`SolverError::NonFinite`].
+    pub fn set_velocity(&mut self, particle: usize, velocity: Vec3) -> Result<(), SolverError> {
+        self.check_particle(particle, "velocity", velocity)?;
+        let slot = self.slot(particle);
+        self.state.d.set(slot, velocity * self.state.unit);
+        Ok(())
+    }
+
+    /// Whether any particle moved in the last tick.
+    pub fn has_moved(&self) -> bool {
+        self.survey.moved > 0.0
+    }
+
+    /// Corners of the box around all particles at the last tick's end, in world space \[m\].
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        (self.state.origin + self.survey.min, self.state.origin + self.survey.max)
+    }
+
+    /// Strains of the structural springs. Sorts them: for reports, not for every frame.
+    pub fn strain(&self) -> StrainReport {
+        StrainReport::new(&self.lattice, &self.state.x)
+    }
+
+    fn slot(&self, particle: usize) -> usize {
+        let columns = self.lattice.layout.columns;
+        assert!(particle < self.lattice.particle_count(), "no particle {particle}");
+        self.lattice.layout.slot(particle / columns, particle % columns)
+    }
+
+    fn check_particle(
+        &self,
+        particle: usize,
+        what: &'static str,
+        value: Vec3,
+    ) -> Result<(), SolverError> {
+        let count = self.lattice.particle_count();
+        if particle >= count {
+            return Err(SolverError::NoSuchParticle { particle, count });
+        }
+        if !is_near(value) {
+            return Err(SolverError::NonFinite { what, particle });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+//! Making a solver, and changing what its cloth is made of.
+
+use std::sync::Arc;
+
+use bevy::math::Vec3;
+
+use super::ClothSolver;
+use super::error::SolverError;
+use super::held::Held;
+use super::input::is_near;
+use super::isa::Isa;
+use super::lattice::Lattice;
+use super::measure::Survey;
+use super::parameters::{Material, Settings};
+use super::plan::{Bound, Plan};
+use super::state::{Scratch, State};
+
+/// The tick that a solver plans for until it is given one \[s\].
+const USUAL_TICK: f32 = 1.0 / 64.0;
+
+impl ClothSolver {
+    /// A cloth at rest at the given start positions in world space \[m\], row by row, nothing held.
+    ///
+    /// # Errors
+    /// [`SolverError`] for positions, a material or settings that cannot be used.
+    pub fn new(
+        lattice: Arc<Lattice>,
+        positions: &[Vec3],
+        material: Material,
+        settings: Settings,
+    ) -> Result<Self, SolverError> {
+        material.validate()?;
+        check_settings(&lattice, &settings)?;
+        if positions.len() != lattice.particle_count() {
+            return Err(SolverError::WrongPositionCount {
+                expected: lattice.particle_count(),
+                got: positions.len(),
+            });
+        }
+        if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
+            return Err(SolverError::NonFinite { what: "position", particle });
+        }
+        let mut held = Held::new(&lattice, Vec::new());
+        held.set_density(&lattice, material.area_density);
+        let bound = Bound::new(&lattice, &held.hinges, &held.inverse_mass);
+        let state = State::new(lattice.layout, positions);
+        let mut solver = Self {
+            plan: Plan::new(&bound, &material, &settings, USUAL_TICK),
+            scratch: Scratch::new(lattice.layout),
+            isa: Isa::detect(),
+            tethered_under: None,
+            done: 0,
+            contact_count: 0,
+            survey: Survey::default(),
+            lattice,
+            material,
+            settings,
+            held,
+            bound,
+            state,
+        };
+        solver.survey = solver.take_survey();
+        Ok(solver)
+    }
+
+    /// Changes the material.
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`]; the old material then stays.
+    pub fn set_material(&mut self, material: Material) -> Result<(), SolverError> {
+        material.validate()?;
+        self.material = material;
+        self.replan();
+        Ok(())
+    }
+
+    /// Changes the settings.
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`] or [`SolverError::OtherLumping`]; the old settings then stay.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), SolverError> {
+        check_settings(&self.lattice, &settings)?;
+        self.settings = settings;
+        self.replan();
+        Ok(())
+    }
+
+    /// Holds these particles and no others, in any order. What was held and is no more goes on with
+    /// the velocity it had.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchParticle`]; the old pins then stay.
+    pub fn set_pins(&mut self, particles: &[u32]) -> Result<(), SolverError> {
+        let count = self.lattice.particle_count();
+        if let Some(&out) = particles.iter().find(|&&p| p as usize >= count) {
+            return Err(SolverError::NoSuchParticle { particle: out as usize, count });
+        }
+        let mut sorted = particles.to_vec();
+        sorted.sort_unstable();
+        sorted.dedup();
+        if sorted != self.held.particles {
+            self.held = Held::new(&self.lattice, sorted);
+            self.replan();
+        }
+        Ok(())
+    }
+
+    /// The held particles, ascending.
+    pub fn pins(&self) -> &[u32] {
+        &self.held.particles
+    }
+
+    /// Forces an instruction set: same bits, other speed. The widest is taken by default.
+    pub fn set_isa(&mut self, isa: Isa) {
+        self.isa = isa;
+    }
+
+    /// Works out again what follows from lattice, pins, material and settings.
+    fn replan(&mut self) {
+        self.held.set_density(&self.lattice, self.material.area_density);
+        self.bound = Bound::new(&self.lattice, &self.held.hinges, &self.held.inverse_mass);
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, self.plan.tick);
+        self.tethered_under = None;
+    }
+}
+
+fn check_settings(lattice: &Lattice, settings: &Settings) -> Result<(), SolverError> {
+    settings.validate()?;
+    if settings.lumping != lattice.lumping {
+        return Err(SolverError::OtherLumping {
+            lattice: lattice.lumping,
+            asked: settings.lumping,
+        });
+    }
+    Ok(())
+}

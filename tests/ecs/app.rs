@@ -1,0 +1,108 @@
+//! The plugin in apps of all sorts.
+
+use crate::common::*;
+use bevy::{
+    camera::visibility::VisibilityPlugin,
+    ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel},
+    prelude::*,
+    time::TimeUpdateStrategy,
+};
+use bevy_drape::prelude::*;
+use std::time::Duration;
+
+#[test]
+fn bare_minimal_plugins_are_enough() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, ClothPlugin::default()));
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(0.0, 0.4, 0.0)));
+    let mesh = spawn(&mut app, Cloth::from_mesh());
+    let solid = spawn(&mut app, BakeSdf::default());
+    spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
+    app.finish();
+    app.cleanup();
+    updates(&mut app, 30);
+    assert_eq!(simulation(&app, cloth).tick_count(), 29);
+    assert!(positions(&app, cloth).iter().all(|p| p.length() > 0.3));
+    assert!(app.world().get::<Mesh3d>(cloth).is_none());
+    for entity in [mesh, solid] {
+        let error = failure(&app, entity).expect("there are no meshes").to_string();
+        assert!(error.contains("MeshPlugin"), "{error}");
+    }
+}
+
+fn forbid_ambiguities(app: &mut App, label: impl ScheduleLabel) {
+    app.edit_schedule(label, |schedule| {
+        schedule.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            hierarchy_detection: LogLevel::Error,
+            ..default()
+        });
+    });
+}
+
+#[test]
+fn no_order_is_left_to_chance() {
+    let mut app = app_with((ClothPlugin::default(), VisibilityPlugin));
+    forbid_ambiguities(&mut app, FixedPostUpdate);
+    forbid_ambiguities(&mut app, PostUpdate);
+    forbid_ambiguities(&mut app, RunFixedMainLoop);
+    forbid_ambiguities(&mut app, ClothSubstep);
+    app.insert_resource(ClothExecution::Staged);
+    let cloth = spawn(&mut app, sheet());
+    // An ambiguous schedule does not build, and the frame panics.
+    updates(&mut app, 2);
+    assert_eq!(simulation(&app, cloth).tick_count(), 2);
+}
+
+#[test]
+fn any_schedule_of_the_fixed_loop_will_do() {
+    let mut app = app_with(ClothPlugin::new(FixedUpdate));
+    let cloth = spawn(&mut app, sheet());
+    updates(&mut app, 5);
+    assert_eq!(simulation(&app, cloth).tick_count(), 5);
+}
+
+#[test]
+fn a_variable_step_is_refused() {
+    let mut app = app_with(ClothPlugin::new(Update));
+    let cloth = spawn(&mut app, sheet());
+    for frame in 5..15 {
+        set_frame(&mut app, Duration::from_millis(frame));
+        app.update();
+    }
+    assert_eq!(simulation(&app, cloth).tick_count(), 0);
+    assert!(matches!(failure(&app, cloth), Some(ClothError::VariableStep { .. })));
+}
+
+#[test]
+fn a_paused_game_stands_still() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet());
+    updates(&mut app, 5);
+    app.world_mut().resource_mut::<Time<Virtual>>().pause();
+    let before = bits(&app, cloth);
+    updates(&mut app, 5);
+    assert_eq!(bits(&app, cloth), before);
+    assert_eq!(failure(&app, cloth), None);
+}
+
+#[test]
+fn components_are_registered() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    for name in [
+        "Cloth",
+        "ClothMaterial",
+        "ClothSettings",
+        "ClothPins",
+        "ClothInterpolation",
+        "ClothGravityOverride",
+        "SdfCollider",
+        "BakeSdf",
+    ] {
+        let known = registry.get_with_short_type_path(name);
+        let known = known.unwrap_or_else(|| panic!("{name} is not registered"));
+        assert!(known.data::<ReflectComponent>().is_some(), "{name}");
+    }
+}

@@ -1,0 +1,261 @@
+//! Colliders are met, moved, baked, and left out when they cannot be used.
+
+use crate::common::*;
+use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
+use bevy_drape::{
+    MeshProblem,
+    prelude::*,
+    sdf::{BakeError, SdfSample},
+};
+use std::time::{Duration, Instant};
+
+fn lowest(app: &App, cloth: Entity) -> f32 {
+    positions(app, cloth).iter().map(|p| p.y).fold(f32::INFINITY, f32::min)
+}
+
+/// A sheet a little above the origin.
+fn above(app: &mut App, height: f32) -> Entity {
+    spawn(app, (sheet(), Transform::from_xyz(0.0, height, 0.0)))
+}
+
+#[test]
+fn a_cloth_drapes_over_a_sphere_and_stays_outside() {
+    let mut app = app();
+    spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
+    let cloth = above(&mut app, 0.35);
+    updates(&mut app, 64);
+    for p in positions(&app, cloth) {
+        assert!(p.length() > 0.3 + 0.005 - 1e-4, "{p}");
+    }
+    let middle = position(&app, cloth, 27);
+    assert!(middle.y > 0.2 && lowest(&app, cloth) < 0.1, "{middle}");
+    assert!(simulation(&app, cloth).last_tick().unwrap().contact_count > 0);
+}
+
+#[test]
+fn every_kind_of_solid_carries_a_cloth() {
+    for shape in [
+        SdfShape::from(Cuboid::new(2.0, 2.0, 2.0)),
+        Cylinder::new(1.0, 2.0).into(),
+        InfinitePlane3d::default().into(),
+        Capsule3d::new(1.0, 0.1).into(),
+        Sphere::new(1.0).into(),
+        Cone { radius: 1.0, height: 2.0 }.into(),
+        Torus { minor_radius: 1.0, major_radius: 1.2 }.into(),
+    ] {
+        let mut app = app();
+        let top = match shape {
+            SdfShape::InfinitePlane3d(_) => 0.0,
+            SdfShape::Capsule3d(_) => 1.05,
+            _ => 1.0,
+        };
+        spawn(&mut app, SdfCollider::new(shape.clone()));
+        let cloth = above(&mut app, top + 0.05);
+        let free = spawn(&mut app, (sheet(), Transform::from_xyz(100.0, -1e3, 0.0)));
+        updates(&mut app, 20);
+        let highest = positions(&app, cloth).iter().map(|p| p.y).fold(f32::MIN, f32::max);
+        // Twenty ticks of free fall are half a metre. The torus carries beside its middle.
+        assert!(highest > top - 0.3, "{shape:?} {highest}");
+        let _ = free;
+    }
+}
+
+#[derive(Component)]
+struct Rises(f32);
+
+fn rise(mut rising: Query<(&mut Transform, &Rises)>) {
+    for (mut transform, speed) in &mut rising {
+        transform.translation.y += speed.0;
+    }
+}
+
+/// How far a plane that rises by a metre in 48 ticks has pushed a cloth up.
+fn pushed(fixed: bool, ticks_a_frame: u32) -> (f32, f32) {
+    let mut app = app();
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(ticks_a_frame));
+    let plane = (SdfCollider::from(InfinitePlane3d::default()), Rises(1.0 / 48.0));
+    let plane = spawn(&mut app, plane);
+    let cloth = above(&mut app, 0.006);
+    if fixed {
+        app.add_systems(FixedUpdate, rise);
+    } else {
+        app.world_mut().get_mut::<Rises>(plane).unwrap().0 *= ticks_a_frame as f32;
+        app.add_systems(Update, rise);
+    }
+    updates(&mut app, 48 / ticks_a_frame as usize);
+    let plane = transform(&mut app, plane).translation.y;
+    (lowest(&app, cloth), plane)
+}
+
+#[test]
+fn a_moving_collider_pushes_however_it_is_moved() {
+    for ticks_a_frame in [1, 4] {
+        let (cloth, plane) = pushed(true, ticks_a_frame);
+        assert!((plane - 1.0).abs() < 1e-4);
+        assert!((cloth - plane - 0.005).abs() < 1e-3, "{cloth} {plane}");
+        let (cloth, plane) = pushed(false, ticks_a_frame);
+        // The last frame's move is not yet simulated.
+        let seen = plane - ticks_a_frame as f32 / 48.0;
+        assert!((cloth - seen - 0.005).abs() < 1e-3, "{cloth} {seen}");
+    }
+}
+
+#[test]
+fn a_moving_collider_drags_by_friction() {
+    let mut app = app();
+    let rough = ClothMaterial { friction: 2.0, ..default() };
+    let plane = SdfCollider::from(InfinitePlane3d::default()).with_friction(2.0);
+    let plane = spawn(&mut app, plane);
+    let cloth = spawn(&mut app, (sheet(), rough, Transform::from_xyz(0.0, 0.0051, 0.0)));
+    app.add_systems(
+        FixedUpdate,
+        move |mut transforms: Query<&mut Transform, With<SdfCollider>>| {
+            for mut transform in &mut transforms {
+                transform.translation.x += 0.005;
+            }
+        },
+    );
+    updates(&mut app, 60);
+    let moved = transform(&mut app, plane).translation.x;
+    let dragged = position(&app, cloth, 0).x + 0.5;
+    assert!((moved - 0.3).abs() < 1e-4 && dragged > 0.25 && dragged < 0.31, "{dragged}");
+}
+
+#[test]
+fn colliders_are_switched_and_despawned() {
+    let mut app = app();
+    let floor = spawn(&mut app, SdfCollider::from(InfinitePlane3d::default()));
+    let cloth = above(&mut app, 0.01);
+    updates(&mut app, 20);
+    assert!(lowest(&app, cloth) > 0.004);
+    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = false;
+    updates(&mut app, 10);
+    assert!(lowest(&app, cloth) < -0.05);
+    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = true;
+    updates(&mut app, 20);
+    assert!(lowest(&app, cloth) > 0.004);
+    app.world_mut().despawn(floor);
+    updates(&mut app, 10);
+    assert!(lowest(&app, cloth) < -0.05);
+}
+
+#[test]
+fn colliders_that_cannot_be_used_are_told_so_and_left_out() {
+    let mut app = app();
+    let uneven = Transform::from_scale(Vec3::new(1.0, 2.0, 1.0));
+    let uneven = spawn(&mut app, (SdfCollider::from(Sphere::new(0.3)), uneven));
+    let sticky = SdfCollider::from(Sphere::new(0.3)).with_friction(-1.0);
+    let sticky = spawn(&mut app, sticky);
+    let floor = Transform::from_xyz(0.0, -0.2, 0.0);
+    spawn(&mut app, (SdfCollider::from(InfinitePlane3d::default()), floor));
+    let cloth = above(&mut app, 0.35);
+    updates(&mut app, 40);
+    let error = failure(&app, uneven).unwrap();
+    assert!(matches!(error, ClothError::Scale { .. }), "{error}");
+    let error = failure(&app, sticky).unwrap();
+    assert!(matches!(error, ClothError::Parameter { component: "SdfCollider", .. }), "{error}");
+    // Through the spheres, onto the floor.
+    assert!(position(&app, cloth, 27).y < -0.15);
+    assert_eq!(failure(&app, cloth), None);
+    transform(&mut app, uneven).scale = Vec3::ONE;
+    app.world_mut().get_mut::<SdfCollider>(sticky).unwrap().friction = 0.5;
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, uneven), None);
+    assert_eq!(failure(&app, sticky), None);
+}
+
+#[test]
+fn a_uniform_scale_of_a_collider_is_honoured() {
+    let mut app = app();
+    let large = Transform::from_scale(Vec3::splat(0.3));
+    spawn(&mut app, (SdfCollider::from(Sphere::new(1.0)), large));
+    let cloth = above(&mut app, 0.35);
+    updates(&mut app, 40);
+    assert!(positions(&app, cloth).iter().all(|p| p.length() > 0.3049));
+    assert!(position(&app, cloth, 27).y > 0.2);
+}
+
+/// A half-space below y = 0.1.
+#[derive(Debug)]
+struct Step;
+
+impl SignedDistance for Step {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        SdfSample { distance: point.y - 0.1, normal: Vec3::Y }
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        None
+    }
+}
+
+#[test]
+fn a_solid_may_be_ones_own() {
+    let mut app = app();
+    spawn(&mut app, SdfCollider::custom(Step));
+    let cloth = above(&mut app, 0.15);
+    updates(&mut app, 30);
+    assert!((lowest(&app, cloth) - 0.105).abs() < 1e-3);
+}
+
+/// Runs frames until something holds, at most for ten seconds.
+fn wait(app: &mut App, done: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    while !done(app) {
+        app.update();
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(start.elapsed() < Duration::from_secs(10), "waited in vain");
+    }
+}
+
+#[test]
+fn a_closed_mesh_is_baked_and_carries() {
+    let mut app = app();
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let solid = (BakeSdf::with_cells(16), Mesh3d(handle.clone()));
+    let solid = spawn(&mut app, solid);
+    updates(&mut app, 3);
+    assert!(app.world().get::<SdfCollider>(solid).is_none());
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, box_mesh(0.5)).unwrap();
+    wait(&mut app, |app| app.world().get::<SdfCollider>(solid).is_some());
+    let cloth = above(&mut app, 0.55);
+    updates(&mut app, 30);
+    assert!((position(&app, cloth, 27).y - 0.505).abs() < 5e-3);
+    assert_eq!(failure(&app, solid), None);
+    // Another mesh gives another field, and the friction stays.
+    app.world_mut().get_mut::<SdfCollider>(solid).unwrap().friction = 0.9;
+    let other = Mesh3d(add_mesh(&mut app, box_mesh(0.7)));
+    let field = |app: &App| match &app.world().get::<SdfCollider>(solid).unwrap().shape {
+        SdfShape::Field(field) => field.clone(),
+        other => panic!("{other:?}"),
+    };
+    let old = field(&app);
+    app.world_mut().entity_mut(solid).insert(other);
+    wait(&mut app, |app| field(app) != old);
+    assert_eq!(app.world().get::<SdfCollider>(solid).unwrap().friction, 0.9);
+}
+
+#[test]
+fn meshes_that_are_no_solid_are_told_so() {
+    let mut app = app();
+    let open = grid_mesh(3, 3, |v| v, |r, c| Vec3::new(c as f32, 0.0, r as f32));
+    let open = Mesh3d(add_mesh(&mut app, open));
+    let open = spawn(&mut app, (BakeSdf::default(), open));
+    let mut taken = box_mesh(1.0);
+    taken.take_gpu_data().unwrap();
+    let taken = Mesh3d(add_mesh(&mut app, taken));
+    let taken = spawn(&mut app, (BakeSdf::default(), taken));
+    wait(&mut app, |app| failure(app, open).is_some() && failure(app, taken).is_some());
+    let error = failure(&app, open).unwrap();
+    let not_closed = |error: &ClothError| {
+        matches!(error, ClothError::Bake { problem: BakeError::NotClosed { .. }, .. })
+    };
+    assert!(not_closed(&error), "{error}");
+    let error = failure(&app, taken).unwrap();
+    let gone = MeshProblem::TakenToGpu;
+    assert_eq!(error, ClothError::ColliderMesh { entity: taken, problem: gone });
+    let mended = Mesh3d(add_mesh(&mut app, box_mesh(1.0)));
+    app.world_mut().entity_mut(open).insert(mended);
+    wait(&mut app, |app| app.world().get::<SdfCollider>(open).is_some());
+    assert_eq!(failure(&app, open), None);
+}

@@ -1,0 +1,13 @@
+//! The plugin in an app: headless, with assets, meshes and transforms, nothing drawn on a screen.
+//!
+//! Truths: bit equality between forms, frame rates and pool sizes; exact places of pins; counted asset
+//! events; sampled points for contact; and that what is refused is told to its own entity alone.
+
+mod app;
+mod colliders;
+mod common;
+mod execution;
+mod mesh;
+mod pins;
+mod refusals;
+mod setup;

@@ -1,0 +1,206 @@
+//! The drawn mesh: where, when, and nothing else.
+
+use crate::common::*;
+use bevy::{
+    asset::RenderAssetUsages, camera::primitives::Aabb, mesh::VertexAttributeValues, prelude::*,
+    time::TimeUpdateStrategy,
+};
+use bevy_drape::{MeshProblem, prelude::*};
+
+/// How often meshes were marked modified.
+#[derive(Resource, Default)]
+struct Writes(usize);
+
+fn count_writes(mut events: MessageReader<AssetEvent<Mesh>>, mut writes: ResMut<Writes>) {
+    writes.0 += events.read().filter(|e| matches!(e, AssetEvent::Modified { .. })).count();
+}
+
+fn counting_app() -> App {
+    let mut app = app();
+    app.init_resource::<Writes>().add_systems(Last, count_writes);
+    app
+}
+
+fn writes(app: &mut App) -> usize {
+    core::mem::take(&mut app.world_mut().resource_mut::<Writes>().0)
+}
+
+#[test]
+fn a_moving_cloth_is_written_once_a_frame() {
+    let mut app = counting_app();
+    spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    for ticks in [0, 1, 3] {
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(ticks));
+        app.update();
+        writes(&mut app);
+        updates(&mut app, 10);
+        assert_eq!(writes(&mut app), if ticks == 0 { 0 } else { 10 });
+    }
+    // Between ticks as well: the blend goes on.
+    set_frame(&mut app, TICK / 4);
+    updates(&mut app, 8);
+    assert_eq!(writes(&mut app), 8);
+}
+
+#[test]
+fn a_still_cloth_is_not_written() {
+    let mut app = counting_app();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, (sheet(), ClothPins::from(PinSelection::Corners)));
+    set_frame(&mut app, TICK / 2);
+    updates(&mut app, 6);
+    writes(&mut app);
+    updates(&mut app, 10);
+    assert_eq!(writes(&mut app), 0);
+    // The entity alone moves.
+    app.world_mut().entity_mut(cloth).insert(ClothPins::none());
+    updates(&mut app, 4);
+    writes(&mut app);
+    let before = positions(&app, cloth);
+    transform(&mut app, cloth).translation.x += 1.0;
+    updates(&mut app, 10);
+    assert_eq!(writes(&mut app), 1);
+    let shown = drawn_positions(&app, cloth);
+    for ((shown, now), before) in shown.iter().zip(positions(&app, cloth)).zip(before) {
+        assert!(now.distance(before) < 1e-6 && shown.distance(now) < 1e-5);
+    }
+}
+
+#[test]
+fn what_stops_is_written_to_its_end() {
+    let mut app = counting_app();
+    let cloth = spawn(&mut app, (sheet(), ClothPins::from(PinSelection::All)));
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    updates(&mut app, 3);
+    transform(&mut app, cloth).translation.y = 1.0;
+    updates(&mut app, 5);
+    writes(&mut app);
+    updates(&mut app, 5);
+    assert_eq!(writes(&mut app), 0);
+    let local = attribute(drawn(&app, cloth), Mesh::ATTRIBUTE_POSITION);
+    assert!(local.iter().all(|p| p.y.abs() < 1e-6));
+}
+
+#[test]
+fn frames_between_ticks_show_a_blend() {
+    for (interpolation, blends) in
+        [(ClothInterpolation::Blend, true), (ClothInterpolation::LastTick, false)]
+    {
+        let mut app = app();
+        let cloth = spawn(&mut app, (sheet(), interpolation));
+        updates(&mut app, 10);
+        let start = position(&app, cloth, 0);
+        app.update();
+        let end = position(&app, cloth, 0);
+        set_frame(&mut app, TICK / 4);
+        for quarter in 1..4 {
+            app.update();
+            let blend = if blends { quarter as f32 / 4.0 } else { 1.0 };
+            let shown = drawn_positions(&app, cloth)[0];
+            assert!(shown.distance(start.lerp(end, blend)) < 1e-6, "{quarter}: {shown}");
+        }
+        assert_eq!(position(&app, cloth, 0), end);
+    }
+}
+
+#[test]
+fn the_picture_is_where_the_particles_are_wherever_the_entity_goes() {
+    let mut app = app();
+    let place = Transform::from_xyz(100.0, 20.0, -30.0)
+        .with_rotation(Quat::from_rotation_x(1.0))
+        .with_scale(Vec3::splat(2.0));
+    let cloth = (sheet(), place, ClothInterpolation::LastTick);
+    let cloth = spawn(&mut app, cloth);
+    app.add_systems(Update, |mut cloths: Query<&mut Transform, With<Cloth>>| {
+        for mut transform in &mut cloths {
+            transform.translation += Vec3::new(0.3, 0.1, 0.0);
+            transform.rotate_z(0.1);
+        }
+    });
+    updates(&mut app, 20);
+    for (shown, simulated) in drawn_positions(&app, cloth).iter().zip(positions(&app, cloth)) {
+        assert!(shown.distance(simulated) < 1e-4);
+    }
+    let aabb = app.world().get::<Aabb>(cloth).unwrap();
+    let local = attribute(drawn(&app, cloth), Mesh::ATTRIBUTE_POSITION);
+    let min = local.iter().copied().reduce(Vec3::min).unwrap();
+    let max = local.iter().copied().reduce(Vec3::max).unwrap();
+    assert!(Vec3::from(aabb.min()).distance(min) < 1e-4);
+    assert!(Vec3::from(aabb.max()).distance(max) < 1e-4);
+}
+
+#[test]
+fn far_from_the_worlds_origin_the_picture_is_as_fine_as_at_it() {
+    let shown = [0.0, 16384.0].map(|x| {
+        let mut app = app();
+        let pins = ClothPins::from(PinSelection::FirstRow);
+        let cloth = spawn(&mut app, (sheet(), pins, Transform::from_xyz(x, 0.0, 0.0)));
+        updates(&mut app, 40);
+        attribute(drawn(&app, cloth), Mesh::ATTRIBUTE_POSITION)
+    });
+    for (near, far) in shown[0].iter().zip(&shown[1]) {
+        // A float has steps of a millimetre there.
+        assert!(near.distance(*far) < 2e-3, "{near} {far}");
+    }
+}
+
+#[test]
+fn normals_are_those_of_the_triangles_around() {
+    let mut app = app();
+    spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
+    let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(0.0, 0.31, 0.0)));
+    updates(&mut app, 40);
+    let mesh = drawn(&app, cloth);
+    let normals = attribute(mesh, Mesh::ATTRIBUTE_NORMAL);
+    let reference =
+        attribute(&mesh.clone().with_computed_area_weighted_normals(), Mesh::ATTRIBUTE_NORMAL);
+    for (normal, reference) in normals.iter().zip(&reference) {
+        assert!((normal.length() - 1.0).abs() < 1e-5);
+        // Cells count whole here, by their triangles there.
+        assert!(normal.dot(*reference) > 0.9, "{normal} {reference}");
+    }
+    let tilted = normals.iter().filter(|n| n.y < 0.9).count();
+    assert!(tilted > 8, "the cloth is draped");
+}
+
+#[test]
+fn all_else_of_the_mesh_stays() {
+    let mut app = app();
+    let colors = vec![[0.1, 0.2, 0.3, 1.0]; 20];
+    let uvs: Vec<_> = (0..20).map(|i| [i as f32, 0.5]).collect();
+    let mesh = grid_mesh(4, 5, |v| 19 - v, |r, c| Vec3::new(c as f32, 0.0, r as f32))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors.clone())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_1, uvs.clone());
+    let indices = mesh.indices().cloned();
+    let mut mesh = mesh;
+    mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
+    let mesh = Mesh3d(add_mesh(&mut app, mesh));
+    let cloth = spawn(&mut app, (Cloth::from_mesh(), mesh));
+    updates(&mut app, 10);
+    let mesh = drawn(&app, cloth);
+    assert_eq!(mesh.indices().cloned(), indices);
+    assert_eq!(mesh.count_vertices(), 20);
+    let same = |which, values: VertexAttributeValues| {
+        assert_eq!(mesh.attribute(which).map(|v| v.get_bytes()), Some(values.get_bytes()));
+    };
+    same(Mesh::ATTRIBUTE_COLOR, colors.into());
+    same(Mesh::ATTRIBUTE_UV_1, uvs.into());
+    assert_eq!(mesh.attributes().count(), 4, "and normals");
+    // But it has to stay where it can be written.
+    assert_eq!(mesh.asset_usage, RenderAssetUsages::default());
+}
+
+#[test]
+fn a_mesh_taken_from_under_the_cloth_is_told() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    let handle = app.world().get::<Mesh3d>(cloth).unwrap().0.clone();
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.get_mut(&handle).unwrap().take_gpu_data().unwrap();
+    updates(&mut app, 2);
+    let gone = MeshProblem::TakenToGpu;
+    assert_eq!(failure(&app, cloth), Some(ClothError::Draw { entity: cloth, problem: gone }));
+    assert_eq!(simulation(&app, cloth).tick_count(), 5);
+}

@@ -1,0 +1,234 @@
+//! What cannot be used is told to its entity, and the other cloths go on.
+
+use crate::common::*;
+use bevy::{math::bounding::Aabb3d, prelude::*};
+use bevy_drape::{MeshProblem, prelude::*, sdf::SdfSample, solver::SolverError};
+
+/// The entity's error names it; the other cloth runs and has none.
+fn check_told(app: &App, entity: Entity, good: Entity) -> ClothError {
+    let error = failure(app, entity).expect("it is refused");
+    assert!(error.to_string().contains(&entity.to_string()), "{error}");
+    assert_eq!(failure(app, good), None);
+    assert!(simulation(app, good).tick_count() > 0);
+    error
+}
+
+fn refused_mesh(mesh: Mesh) -> MeshProblem {
+    let mut app = app();
+    let mesh = Mesh3d(add_mesh(&mut app, mesh));
+    let entity = spawn(&mut app, (Cloth::from_mesh(), mesh));
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    match check_told(&app, entity, good) {
+        ClothError::Mesh { problem, .. } => problem,
+        other => panic!("{other}"),
+    }
+}
+
+fn flat(rows: u32, columns: u32) -> Mesh {
+    grid_mesh(rows, columns, |v| v, |r, c| Vec3::new(c as f32, 0.0, r as f32))
+}
+
+#[test]
+fn meshes_that_are_no_open_grid_are_refused() {
+    // A tube that is closed by its indices, without a seam.
+    let wrapped: Vec<_> = (0..4_u32)
+        .flat_map(|r| (0..6_u32).map(move |c| (r * 6 + c, r * 6 + (c + 1) % 6)))
+        .flat_map(|(a, b)| [a, a + 6, b, b, a + 6, b + 6])
+        .collect();
+    let places = (0..30).map(|i| [(i % 6) as f32, (i / 6) as f32, 1.0]).collect();
+    let problem = refused_mesh(triangle_mesh(places, wrapped));
+    assert!(matches!(problem, MeshProblem::NotAGrid(_)));
+    assert!(problem.to_string().contains("open grid of quads"));
+    assert!(matches!(refused_mesh(box_mesh(1.0)), MeshProblem::NotAGrid(_)));
+}
+
+#[test]
+fn meshes_without_usable_data_are_refused() {
+    let mut taken = flat(3, 3);
+    taken.take_gpu_data().unwrap();
+    assert_eq!(refused_mesh(taken), MeshProblem::TakenToGpu);
+    let mut bare = flat(3, 3);
+    bare.remove_attribute(Mesh::ATTRIBUTE_POSITION);
+    assert_eq!(refused_mesh(bare), MeshProblem::NoPositions);
+    let mut soup = flat(3, 3);
+    soup.remove_indices();
+    assert_eq!(refused_mesh(soup), MeshProblem::NotTriangles);
+    let broken = grid_mesh(3, 3, |v| v, |r, c| Vec3::new(c as f32, f32::NAN, r as f32));
+    assert_eq!(refused_mesh(broken), MeshProblem::NonFinite(0));
+}
+
+#[test]
+fn a_refused_mesh_is_tried_again_when_it_is_replaced() {
+    let mut app = app();
+    let bad = Mesh3d(add_mesh(&mut app, box_mesh(1.0)));
+    let entity = spawn(&mut app, (Cloth::from_mesh(), bad));
+    updates(&mut app, 2);
+    assert!(failure(&app, entity).is_some());
+    let good = Mesh3d(add_mesh(&mut app, flat(3, 4)));
+    app.world_mut().entity_mut(entity).insert(good);
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    assert_eq!(simulation(&app, entity).particle_count(), 12);
+}
+
+#[test]
+fn a_cloth_of_no_mesh_is_told_so_until_it_has_one() {
+    let mut app = app();
+    let entity = spawn(&mut app, Cloth::from_mesh());
+    updates(&mut app, 2);
+    assert!(matches!(
+        failure(&app, entity),
+        Some(ClothError::Mesh { problem: MeshProblem::NoMesh, .. })
+    ));
+    let mesh = Mesh3d(add_mesh(&mut app, flat(3, 4)));
+    app.world_mut().entity_mut(entity).insert(mesh);
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    assert_eq!(simulation(&app, entity).particle_count(), 12);
+}
+
+#[test]
+fn sheets_of_no_size_are_refused() {
+    for (size, particles) in [
+        (Vec2::ZERO, UVec2::splat(4)),
+        (Vec2::NAN, UVec2::splat(4)),
+        (Vec2::INFINITY, UVec2::splat(4)),
+        (Vec2::ONE, UVec2::ONE),
+        (Vec2::ONE, UVec2::ZERO),
+        (Vec2::ONE, UVec2::MAX),
+    ] {
+        let mut app = app();
+        let entity = spawn(&mut app, Cloth::sheet(size, particles));
+        let good = spawn(&mut app, sheet());
+        updates(&mut app, 3);
+        let error = check_told(&app, entity, good);
+        assert!(matches!(error, ClothError::Shape { .. }), "{error}");
+        *app.world_mut().get_mut::<Cloth>(entity).unwrap() = sheet();
+        updates(&mut app, 2);
+        assert_eq!(failure(&app, entity), None);
+    }
+}
+
+#[test]
+fn a_bad_material_is_refused_and_tried_again_when_mended() {
+    let mut app = app();
+    let bad = ClothMaterial { area_density: f32::NAN, ..default() };
+    let entity = spawn(&mut app, (sheet(), bad));
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    let error = check_told(&app, entity, good);
+    assert!(matches!(error, ClothError::Parameter { component: "ClothMaterial", .. }));
+    assert!(error.to_string().contains("area_density"));
+    *app.world_mut().get_mut::<ClothMaterial>(entity).unwrap() = ClothMaterial::default();
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    assert!(simulation(&app, entity).tick_count() > 0);
+}
+
+#[test]
+fn a_running_cloth_keeps_the_last_good_numbers() {
+    let mut app = app();
+    let entity = spawn(&mut app, sheet());
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    app.world_mut().get_mut::<ClothMaterial>(entity).unwrap().thread_stiffness = -1.0;
+    updates(&mut app, 3);
+    assert!(check_told(&app, entity, good).to_string().contains("thread_stiffness"));
+    assert_eq!(bits(&app, entity), bits(&app, good));
+    *app.world_mut().get_mut::<ClothMaterial>(entity).unwrap() = ClothMaterial::default();
+    app.world_mut().get_mut::<ClothSettings>(entity).unwrap().substeps = Substeps::Fixed(0);
+    updates(&mut app, 3);
+    let error = check_told(&app, entity, good);
+    assert!(matches!(error, ClothError::Parameter { component: "ClothSettings", .. }));
+    *app.world_mut().get_mut::<ClothSettings>(entity).unwrap() = ClothSettings::default();
+    app.update();
+    assert_eq!(failure(&app, entity), None);
+    assert_eq!(bits(&app, entity), bits(&app, good));
+}
+
+#[test]
+fn uneven_scales_are_refused_until_they_are_even() {
+    for scale in [Vec3::new(1.0, 2.0, 1.0), Vec3::ZERO, Vec3::splat(-1.0), Vec3::NAN] {
+        let mut app = app();
+        let entity = spawn(&mut app, (sheet(), Transform::from_scale(scale)));
+        let good = spawn(&mut app, sheet());
+        updates(&mut app, 3);
+        assert!(matches!(check_told(&app, entity, good), ClothError::Scale { .. }));
+        transform(&mut app, entity).scale = Vec3::ONE;
+        updates(&mut app, 2);
+        assert_eq!(failure(&app, entity), None);
+        assert!(simulation(&app, entity).tick_count() > 0);
+    }
+}
+
+#[test]
+fn a_parents_scale_counts() {
+    let mut app = app();
+    let parent = spawn(&mut app, Transform::from_scale(Vec3::new(1.0, 1.0, 3.0)));
+    let entity = spawn(&mut app, (sheet(), ChildOf(parent)));
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    assert!(matches!(check_told(&app, entity, good), ClothError::Scale { .. }));
+    transform(&mut app, parent).scale = Vec3::ONE;
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+}
+
+#[test]
+fn bad_gravity_holds_a_cloth_until_it_is_good() {
+    let mut app = app();
+    let entity = spawn(&mut app, (sheet(), ClothGravityOverride(Vec3::NAN)));
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 3);
+    assert!(matches!(
+        check_told(&app, entity, good),
+        ClothError::Solver { problem: SolverError::Gravity, .. }
+    ));
+    app.world_mut().entity_mut(entity).remove::<ClothGravityOverride>();
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    assert_eq!(simulation(&app, entity).tick_count(), 2);
+}
+
+/// A broken solid: beyond x = 50 m its normals are no directions.
+#[derive(Debug)]
+struct Broken;
+
+impl SignedDistance for Broken {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        let there = point.x > 50.0;
+        SdfSample { distance: if there { -1.0 } else { 1.0 }, normal: Vec3::NAN }
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        None
+    }
+}
+
+#[test]
+fn a_cloth_that_is_no_longer_finite_is_held_and_the_others_go_on() {
+    let mut app = app();
+    let entity = spawn(&mut app, (sheet(), Transform::from_xyz(100.0, 0.0, 0.0)));
+    let good = spawn(&mut app, sheet());
+    updates(&mut app, 10);
+    let broken = spawn(&mut app, SdfCollider::custom(Broken));
+    updates(&mut app, 3);
+    let error = check_told(&app, entity, good);
+    assert!(matches!(error, ClothError::Solver { problem: SolverError::Diverged, .. }));
+    assert!(simulation(&app, entity).is_frozen());
+    assert_eq!(simulation(&app, entity).tick_count(), 10);
+    assert_eq!(simulation(&app, good).tick_count(), 13);
+    assert!(positions(&app, entity).iter().all(|p| p.is_finite()));
+    assert!(attribute(drawn(&app, entity), Mesh::ATTRIBUTE_POSITION).iter().all(|p| p.is_finite()));
+    // Held until it is told otherwise.
+    app.world_mut().despawn(broken);
+    let held = bits(&app, entity);
+    updates(&mut app, 3);
+    assert_eq!(bits(&app, entity), held);
+    app.world_mut().get_mut::<ClothMaterial>(entity).unwrap().drag = 0.1;
+    updates(&mut app, 3);
+    assert_eq!(failure(&app, entity), None);
+    assert!(!simulation(&app, entity).is_frozen());
+    assert_ne!(bits(&app, entity), held);
+}
