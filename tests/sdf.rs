@@ -20,10 +20,8 @@ struct Random(u64);
 
 impl Random {
     fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -115,10 +113,7 @@ fn cases() -> Vec<Case> {
                     (0.4 * n + DVec3::Y * r.between(-0.5, 0.5), n)
                 } else {
                     let side = if r.unit() < 0.5 { -1.0 } else { 1.0 };
-                    (
-                        0.4 * r.unit().sqrt() * n + DVec3::Y * 0.5 * side,
-                        DVec3::Y * side,
-                    )
+                    (0.4 * r.unit().sqrt() * n + DVec3::Y * 0.5 * side, DVec3::Y * side)
                 }
             },
             inside: |p| p.x.hypot(p.z) < 0.4 && p.y.abs() < 0.5,
@@ -126,10 +121,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             name: "torus",
-            shape: Box::new(Torus {
-                minor_radius: 0.2,
-                major_radius: 0.6,
-            }),
+            shape: Box::new(Torus { minor_radius: 0.2, major_radius: 0.6 }),
             surface: |r| {
                 let (out, angle) = (around(r.between(0.0, TAU)), r.between(0.0, TAU));
                 let n = angle.cos() * out + DVec3::Y * angle.sin();
@@ -173,18 +165,10 @@ fn shapes_measure_along_their_normals() {
             );
             if s.abs() > 1e-2 {
                 let angle = found.normal.as_dvec3().angle_between(normal);
-                assert!(
-                    angle < 1e-4,
-                    "{} at {s}: {found:?}, not {normal}",
-                    case.name
-                );
+                assert!(angle < 1e-4, "{} at {s}: {found:?}, not {normal}", case.name);
             }
             let at_surface = case.shape.distance(on_surface.as_vec3());
-            assert!(
-                at_surface.abs() < 5e-7,
-                "{} on its surface: {at_surface}",
-                case.name
-            );
+            assert!(at_surface.abs() < 5e-7, "{} on its surface: {at_surface}", case.name);
         }
     }
 }
@@ -199,29 +183,13 @@ fn shapes_measure_to_the_nearest_point() {
             let p = random.in_box(if trial % 10 == 0 { 1000.0 } else { 1.2 });
             let p = p.as_vec3().as_dvec3();
             let found = f64::from(case.shape.distance(p.as_vec3()));
-            let least = cloud
-                .iter()
-                .map(|s| s.distance(p))
-                .fold(f64::INFINITY, f64::min);
+            let least = cloud.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
             let rounding = 1e-6 * (1.0 + p.length());
             // Forty thousand points leave gaps of some 0.03 m; edges are met from one side only.
-            assert!(
-                found.abs() <= least + rounding,
-                "{} at {p}: {found} > {least}",
-                case.name
-            );
-            assert!(
-                found.abs() >= least - 0.03,
-                "{} at {p}: {found} < {least}",
-                case.name
-            );
+            assert!(found.abs() <= least + rounding, "{} at {p}: {found} > {least}", case.name);
+            assert!(found.abs() >= least - 0.03, "{} at {p}: {found} < {least}", case.name);
             if found.abs() > 1e-5 {
-                assert_eq!(
-                    found < 0.0,
-                    (case.inside)(p),
-                    "{} at {p}: {found}",
-                    case.name
-                );
+                assert_eq!(found < 0.0, (case.inside)(p), "{} at {p}: {found}", case.name);
             }
         }
         let bounds = case.shape.bounds().expect("a bounded shape");
@@ -250,19 +218,11 @@ fn shapes_normals_are_gradients() {
                 (distance(p + step) - distance(p - step)) / (2.0 * STEP)
             }));
             let found = case.shape.sample(p.as_vec3()).normal.as_dvec3();
-            assert!(
-                (found.length() - 1.0).abs() < 1e-6,
-                "{}: {found}",
-                case.name
-            );
+            assert!((found.length() - 1.0).abs() < 1e-6, "{}: {found}", case.name);
             // A difference across an edge or the medial axis is shorter.
             if (gradient.length() - 1.0).abs() < 1e-3 {
                 compared += 1;
-                assert!(
-                    (found - gradient).length() < 0.03,
-                    "{} at {p}: {found}",
-                    case.name
-                );
+                assert!((found - gradient).length() < 0.03, "{} at {p}: {found}", case.name);
             }
         }
         assert!(compared > 4_500, "{}: only {compared} compared", case.name);
@@ -294,17 +254,7 @@ fn normals_are_defined_everywhere() {
     shapes.push(Box::new(Sphere::new(0.0)));
     shapes.push(Box::new(Cone::new(0.0, 0.0)));
     shapes.push(Box::new(Cuboid::new(0.0, 0.0, 0.0)));
-    let odd = [
-        0.0,
-        -0.0,
-        1e-30,
-        0.6,
-        -0.5,
-        1e30,
-        f32::INFINITY,
-        f32::NEG_INFINITY,
-        f32::NAN,
-    ];
+    let odd = [0.0, -0.0, 1e-30, 0.6, -0.5, 1e30, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
     for shape in &shapes {
         for x in odd {
             for y in odd {
@@ -339,9 +289,7 @@ fn blocks_give_the_same_bits() {
         for round in 0..2_000 {
             let mut points = PointBlock::default();
             for lane in 0..LANES {
-                let p = random
-                    .in_box(if round % 3 == 0 { 3.0 } else { 0.65 })
-                    .as_vec3();
+                let p = random.in_box(if round % 3 == 0 { 3.0 } else { 0.65 }).as_vec3();
                 (points.x[lane], points.y[lane], points.z[lane]) = (p.x, p.y, p.z);
                 if round % 4 == 0 {
                     let pick =
@@ -357,10 +305,7 @@ fn blocks_give_the_same_bits() {
             for (lane, &distance) in distances.iter().enumerate() {
                 let p = points.point(lane);
                 let one = shape.sample(p);
-                assert!(
-                    same(samples.distance[lane], one.distance),
-                    "{shape:?} at {p}"
-                );
+                assert!(same(samples.distance[lane], one.distance), "{shape:?} at {p}");
                 assert!(same(distance, one.distance), "{shape:?} at {p}");
                 assert!(same(shape.distance(p), one.distance), "{shape:?} at {p}");
                 assert!(same(samples.nx[lane], one.normal.x), "{shape:?} at {p}");
@@ -380,34 +325,18 @@ struct Mesh {
 impl Mesh {
     fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
         let corner = |i: &u32| self.positions[*i as usize].as_dvec3();
-        self.indices
-            .chunks_exact(3)
-            .map(move |t| [corner(&t[0]), corner(&t[1]), corner(&t[2])])
+        self.indices.chunks_exact(3).map(move |t| [corner(&t[0]), corner(&t[1]), corner(&t[2])])
     }
 
     /// Every triangle with vertices of its own.
     fn unwelded(&self) -> Self {
-        let positions = self
-            .indices
-            .iter()
-            .map(|&i| self.positions[i as usize])
-            .collect();
-        Self {
-            positions,
-            indices: (0..self.indices.len() as u32).collect(),
-        }
+        let positions = self.indices.iter().map(|&i| self.positions[i as usize]).collect();
+        Self { positions, indices: (0..self.indices.len() as u32).collect() }
     }
 
     fn inside_out(&self) -> Self {
-        let indices = self
-            .indices
-            .chunks_exact(3)
-            .flat_map(|t| [t[0], t[2], t[1]])
-            .collect();
-        Self {
-            positions: self.positions.clone(),
-            indices,
-        }
+        let indices = self.indices.chunks_exact(3).flat_map(|t| [t[0], t[2], t[1]]).collect();
+        Self { positions: self.positions.clone(), indices }
     }
 }
 
@@ -432,10 +361,7 @@ fn patch(mesh: &mut Mesh, n: u32, m: u32, point: impl Fn(f64, f64) -> DVec3) {
 
 /// The six faces of the cube from -1 to 1, each as quads, moved by a function of the point.
 fn cube(n: u32, place: impl Fn(DVec3) -> DVec3) -> Mesh {
-    let mut mesh = Mesh {
-        positions: Vec::new(),
-        indices: Vec::new(),
-    };
+    let mut mesh = Mesh { positions: Vec::new(), indices: Vec::new() };
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             patch(&mut mesh, n, n, |u, v| {
@@ -464,10 +390,7 @@ fn box_mesh(half: DVec3) -> Mesh {
 }
 
 fn torus_mesh(major: f64, minor: f64, n: u32, m: u32) -> Mesh {
-    let mut mesh = Mesh {
-        positions: Vec::new(),
-        indices: Vec::new(),
-    };
+    let mut mesh = Mesh { positions: Vec::new(), indices: Vec::new() };
     patch(&mut mesh, n, m, |u, v| {
         // The seam's two sides are the same point.
         let (u, v) = (TAU * (u % 1.0), TAU * (v % 1.0));
@@ -481,15 +404,8 @@ fn bunny() -> Mesh {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
     let (models, _) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS).expect("the bunny");
     let mesh = &models[0].mesh;
-    let positions = mesh
-        .positions
-        .chunks_exact(3)
-        .map(Vec3::from_slice)
-        .collect();
-    Mesh {
-        positions,
-        indices: mesh.indices.clone(),
-    }
+    let positions = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
+    Mesh { positions, indices: mesh.indices.clone() }
 }
 
 fn bake(mesh: &Mesh, cell_size: f32, margin: f32) -> DistanceField {
@@ -512,9 +428,7 @@ fn least_distance(mesh: &Mesh, p: DVec3) -> f64 {
             to_segment(a, b).min(to_segment(b, c)).min(to_segment(c, a))
         }
     };
-    mesh.triangles()
-        .map(to_triangle)
-        .fold(f64::INFINITY, f64::min)
+    mesh.triangles().map(to_triangle).fold(f64::INFINITY, f64::min)
 }
 
 /// How often the surface is wound around a point (van Oosterom and Strackee 1983): 1 inside, 0 outside.
@@ -575,12 +489,7 @@ fn band_error(field: &DistanceField, truth: Truth) -> [f64; 3] {
             let error = (f64::from(found.distance) - distance) / h;
             largest = largest.max(error.abs());
             squares += error * error;
-            angles += found
-                .normal
-                .as_dvec3()
-                .angle_between(normal)
-                .to_degrees()
-                .powi(2);
+            angles += found.normal.as_dvec3().angle_between(normal).to_degrees().powi(2);
             count += 1.0;
         }
     }
@@ -596,28 +505,18 @@ fn baked_fields_err_no_more_than_exact_samples() {
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
             let number = |i: usize| cells[i].parse::<f64>().expect("a number");
-            (
-                cells[0],
-                number(1) as u32,
-                [number(2), number(3), number(4)],
-            )
+            (cells[0], number(1) as u32, [number(2), number(3), number(4)])
         })
         .collect();
     assert_eq!(table.len(), 9);
     let meshes = meshes();
     let mut sphere_rms = Vec::new();
     for (name, n, expected) in table {
-        let (_, mesh, truth) = meshes
-            .iter()
-            .find(|m| m.0 == name)
-            .expect("a shape of the table");
+        let (_, mesh, truth) = meshes.iter().find(|m| m.0 == name).expect("a shape of the table");
         let h = 2.0 / n as f32;
         let found = band_error(&bake(mesh, h, 2.1 * h), *truth);
         for (one, bound) in found.iter().zip(expected) {
-            assert!(
-                *one <= 1.2 * bound,
-                "{name} {n}: {found:?}, table {expected:?}"
-            );
+            assert!(*one <= 1.2 * bound, "{name} {n}: {found:?}, table {expected:?}");
         }
         if name == "sphere" {
             sphere_rms.push(found[1] * f64::from(h));
@@ -671,10 +570,7 @@ fn baked_slope_is_one() {
         assert!((0.9..=1.1).contains(&slope.length()), "{slope} at {p}");
         let normal = field.sample(p.as_vec3()).normal.as_dvec3();
         // A step may straddle two cells, whose gradients differ by a few degrees.
-        assert!(
-            normal.angle_between(slope) < 0.15,
-            "{normal} and {slope} at {p}"
-        );
+        assert!(normal.angle_between(slope) < 0.15, "{normal} and {slope} at {p}");
     }
 }
 
@@ -695,10 +591,7 @@ fn bunny_nodes_equal_brute_force() {
         let place = index.x + dims.x * (index.y + dims.y * index.z);
         let found = f64::from(field.values()[place as usize]);
         let least = least_distance(&mesh, node);
-        assert!(
-            (found.abs() - least).abs() < 1e-6,
-            "{found}, not {least}, at {node}"
-        );
+        assert!((found.abs() - least).abs() < 1e-6, "{found}, not {least}, at {node}");
         if least > 1e-5 {
             let is_inside = winding(&mesh, node) > 0.5;
             assert_eq!(found < 0.0, is_inside, "{found} at {node}");
@@ -714,10 +607,7 @@ fn far_field_is_a_growing_lower_bound() {
     let mesh = bunny();
     let field = bake(&mesh, 1.0 / 32.0, 0.05);
     let grid = field.grid_bounds();
-    let (low, high) = (
-        Vec3::from(grid.min).as_dvec3(),
-        Vec3::from(grid.max).as_dvec3(),
-    );
+    let (low, high) = (Vec3::from(grid.min).as_dvec3(), Vec3::from(grid.max).as_dvec3());
     let mut random = Random(10);
     let mut at_best = 0.0_f64;
     for _ in 0..1_500 {
@@ -727,11 +617,7 @@ fn far_field_is_a_growing_lower_bound() {
         let found = field.sample(p.as_vec3());
         let least = least_distance(&mesh, p);
         if gap > 0.03 {
-            assert!(
-                f64::from(found.distance) <= least,
-                "{} > {least} at {p}",
-                found.distance
-            );
+            assert!(f64::from(found.distance) <= least, "{} > {least} at {p}", found.distance);
             at_best = at_best.max(f64::from(found.distance) / least);
             // Along the normal one gets away from the mesh, half as fast as possible at least.
             let further = least_distance(&mesh, p + 1e-3 * found.normal.as_dvec3());
@@ -757,10 +643,7 @@ fn far_field_is_a_growing_lower_bound() {
         assert!(step.abs() < 5e-5, "a step of {step} at {start}");
         for k in 1..60 {
             let next = field.distance((start + out * (1e-3 * 1.3_f64.powi(k))).as_vec3());
-            assert!(
-                next >= last - 2e-6,
-                "{next} after {last} from {start} along {out}"
-            );
+            assert!(next >= last - 2e-6, "{next} after {last} from {start} along {out}");
             last = next;
         }
     }
@@ -775,11 +658,7 @@ fn overestimate_bounds_the_error() {
     for _ in 0..3_000 {
         let p = (DVec3::new(0.0, 0.5, 0.0) + random.in_box(0.8)).as_vec3();
         let least = least_distance(&bunny, p.as_dvec3());
-        let least = if winding(&bunny, p.as_dvec3()) > 0.5 {
-            -least
-        } else {
-            least
-        };
+        let least = if winding(&bunny, p.as_dvec3()) > 0.5 { -least } else { least };
         let excess = f64::from(field.distance(p)) - least;
         assert!(excess <= f64::from(field.overestimate()), "{excess} at {p}");
     }
@@ -801,13 +680,8 @@ fn overestimate_bounds_the_error() {
 fn baking_is_repeatable() {
     let mesh = bunny();
     let field = bake(&mesh, 1.0 / 24.0, 0.1);
-    let bits = |field: &DistanceField| {
-        field
-            .values()
-            .iter()
-            .map(|v| v.to_bits())
-            .collect::<Vec<_>>()
-    };
+    let bits =
+        |field: &DistanceField| field.values().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&field), bits(&bake(&mesh, 1.0 / 24.0, 0.1)));
     assert_eq!(bits(&field), bits(&bake(&mesh.unwelded(), 1.0 / 24.0, 0.1)));
 
@@ -824,17 +698,11 @@ fn baking_is_repeatable() {
     assert_ne!(bits(&coarse), bits(&rounded));
 
     let mut shares = Vec::new();
-    let settings = BakeSettings {
-        cell_size: 0.1,
-        margin: 0.1,
-    };
+    let settings = BakeSettings { cell_size: 0.1, margin: 0.1 };
     let mut note = |share| shares.push(share);
     DistanceField::bake_with_progress(&mesh.positions, &mesh.indices, &settings, &mut note)
         .expect("the bunny");
-    assert!(
-        shares.is_sorted() && shares[0] == 0.0 && shares.last() == Some(&1.0),
-        "{shares:?}"
-    );
+    assert!(shares.is_sorted() && shares[0] == 0.0 && shares.last() == Some(&1.0), "{shares:?}");
 }
 
 /// A mesh that is inside out is turned, and triangles without area change nothing.
@@ -858,16 +726,9 @@ fn flawed_but_sound_meshes_bake_alike() {
 
     // Split each edge of the first triangle on its own side only; slivers fill the gaps. The first edge is a
     // knife's: the sign is wrong beside it if one face alone decides.
-    let knife = [
-        [-0.5, 0.0, 0.0],
-        [0.5, 0.0, 0.0],
-        [0.0, 1.0, 0.08],
-        [0.0, 1.0, -0.08],
-    ];
+    let knife = [[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 1.0, 0.08], [0.0, 1.0, -0.08]];
     let knife = Mesh {
-        positions: knife
-            .map(|p| Vec3::from_array(p) + SHIFT.as_vec3())
-            .to_vec(),
+        positions: knife.map(|p| Vec3::from_array(p) + SHIFT.as_vec3()).to_vec(),
         indices: vec![0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0],
     };
     let whole = bake(&knife, 0.1, 0.2);
@@ -879,15 +740,10 @@ fn flawed_but_sound_meshes_bake_alike() {
         // A quarter of the way is met in the same bits, wherever the edge runs along an axis.
         split.positions.push(a + 0.25 * (b - a));
         split.indices.drain(0..3);
-        split
-            .indices
-            .extend([t[0], middle, t[2], middle, t[1], t[2], t[0], t[1], middle]);
+        split.indices.extend([t[0], middle, t[2], middle, t[1], t[2], t[0], t[1], middle]);
         let found = bake(&split, 0.1, 0.2);
         for (a, b) in found.values().iter().zip(whole.values()) {
-            assert!(
-                (a - b).abs() < 1e-6,
-                "a sliver at edge {edge}: {a}, not {b}"
-            );
+            assert!((a - b).abs() < 1e-6, "a sliver at edge {edge}: {a}, not {b}");
         }
     }
 }
@@ -897,27 +753,18 @@ fn flawed_but_sound_meshes_bake_alike() {
 #[test]
 fn tips_have_the_right_sign() {
     let side = (0..=20).map(|k| Vec3::new(0.1, 0.0, 0.1 - 0.01 * k as f32));
-    let ring: Vec<Vec3> = [Vec3::new(-0.1, 0.0, -0.1), Vec3::new(-0.1, 0.0, 0.1)]
-        .into_iter()
-        .chain(side)
-        .collect();
+    let ring: Vec<Vec3> =
+        [Vec3::new(-0.1, 0.0, -0.1), Vec3::new(-0.1, 0.0, 0.1)].into_iter().chain(side).collect();
     let count = ring.len() as u32;
     let mut positions: Vec<Vec3> = ring.iter().map(|&p| p + SHIFT.as_vec3()).collect();
     positions.push(Vec3::Y + SHIFT.as_vec3());
     let sides = (0..count).flat_map(|k| [k, (k + 1) % count, count]);
     let floor = (1..count - 1).flat_map(|k| [0, k + 1, k]);
-    let mesh = Mesh {
-        positions,
-        indices: sides.chain(floor).collect(),
-    };
+    let mesh = Mesh { positions, indices: sides.chain(floor).collect() };
     let field = bake(&mesh, 0.1, 0.3);
     let dims = field.dims();
     for (place, &found) in (0_u32..).zip(field.values()) {
-        let index = UVec3::new(
-            place % dims.x,
-            place / dims.x % dims.y,
-            place / dims.x / dims.y,
-        );
+        let index = UVec3::new(place % dims.x, place / dims.x % dims.y, place / dims.x / dims.y);
         let node = field.node(index).as_dvec3();
         if found.abs() > 1e-5 {
             assert_eq!(found < 0.0, winding(&mesh, node) > 0.5, "{found} at {node}");
@@ -929,10 +776,7 @@ fn tips_have_the_right_sign() {
 #[test]
 fn flawed_meshes_are_refused() {
     let sound = box_mesh(DVec3::splat(0.5));
-    let settings = BakeSettings {
-        cell_size: 0.1,
-        margin: 0.1,
-    };
+    let settings = BakeSettings { cell_size: 0.1, margin: 0.1 };
     let refusal = |mesh: &Mesh, settings: BakeSettings| {
         DistanceField::bake(&mesh.positions, &mesh.indices, &settings).expect_err("a flaw")
     };
@@ -947,46 +791,22 @@ fn flawed_meshes_are_refused() {
         mesh
     };
 
-    let empty = Mesh {
-        positions: Vec::new(),
-        indices: Vec::new(),
-    };
+    let empty = Mesh { positions: Vec::new(), indices: Vec::new() };
     expect(&empty, BakeError::Empty, "no triangles");
     let partial = with(&|m| m.indices.truncate(35));
-    expect(
-        &partial,
-        BakeError::PartialTriangle { index_count: 35 },
-        "triangle list",
-    );
+    expect(&partial, BakeError::PartialTriangle { index_count: 35 }, "triangle list");
     let past = with(&|m| m.indices[4] = 24);
-    expect(
-        &past,
-        BakeError::IndexOutOfRange {
-            index: 24,
-            vertex_count: 24,
-        },
-        "index buffer",
-    );
+    expect(&past, BakeError::IndexOutOfRange { index: 24, vertex_count: 24 }, "index buffer");
     let infinite = with(&|m| m.positions[3].y = f32::NAN);
     expect(&infinite, BakeError::NonFinite { index: 3 }, "repair");
     let holed = with(&|m| drop(m.indices.drain(0..3)));
-    expect(
-        &holed,
-        BakeError::NotClosed { open_edges: 3 },
-        "fill its holes",
-    );
+    expect(&holed, BakeError::NotClosed { open_edges: 3 }, "fill its holes");
     let turned = with(&|m| m.indices.swap(0, 1));
     expect(&turned, BakeError::Inconsistent { edges: 3 }, "winding");
     let touching = with(&|m| {
         let first = m.positions.len() as u32;
         let step = Vec3::new(1.0, 1.0, 0.0);
-        let corner = |p: Vec3| {
-            sound
-                .positions
-                .iter()
-                .copied()
-                .find(|q| q.distance(p) < 1e-4)
-        };
+        let corner = |p: Vec3| sound.positions.iter().copied().find(|q| q.distance(p) < 1e-4);
         for p in &sound.positions {
             m.positions.push(corner(*p + step).unwrap_or(*p + step));
         }
@@ -998,42 +818,21 @@ fn flawed_meshes_are_refused() {
         refusal(&flat, settings),
         BakeError::NoVolume | BakeError::NonManifold { .. }
     ));
-    let mut sheet = Mesh {
-        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-        indices: vec![0, 1, 2],
-    };
+    let mut sheet = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], indices: vec![0, 1, 2] };
     sheet.indices.extend([0, 2, 1]);
     expect(&sheet, BakeError::NoVolume, "thickness");
 
     for cell_size in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-42] {
-        let found = refusal(
-            &sound,
-            BakeSettings {
-                cell_size,
-                margin: 0.1,
-            },
-        );
+        let found = refusal(&sound, BakeSettings { cell_size, margin: 0.1 });
         assert!(matches!(found, BakeError::CellSize { .. }), "{found}");
     }
     for margin in [-0.1, f32::NAN, f32::INFINITY] {
-        let found = refusal(
-            &sound,
-            BakeSettings {
-                cell_size: 0.1,
-                margin,
-            },
-        );
+        let found = refusal(&sound, BakeSettings { cell_size: 0.1, margin });
         assert!(matches!(found, BakeError::Margin { .. }), "{found}");
     }
     for settings in [
-        BakeSettings {
-            cell_size: 1e-4,
-            margin: 0.1,
-        },
-        BakeSettings {
-            cell_size: 1e-30,
-            margin: 1e30,
-        },
+        BakeSettings { cell_size: 1e-4, margin: 0.1 },
+        BakeSettings { cell_size: 1e-30, margin: 1e30 },
     ] {
         let found = refusal(&sound, settings);
         assert!(matches!(found, BakeError::TooLarge { .. }), "{found}");

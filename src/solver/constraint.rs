@@ -48,7 +48,7 @@ impl Kernel for CorrectSprings<'_> {
     fn run(mut self) {
         match self.rule {
             Rule::Shear { compliance } => {
-                self.diagonals(|length, rest, factor| (length - rest, factor * compliance))
+                self.diagonals(|length, rest, factor| (length - rest, factor * compliance));
             }
             Rule::Limit { limit, shear } => {
                 self.weft(limit);

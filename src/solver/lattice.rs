@@ -190,13 +190,7 @@ impl Lattice {
         positions: &[Vec3],
         lumping: MassLumping,
     ) -> Result<Self, LatticeError> {
-        if rows < 2 || columns < 2 {
-            return Err(LatticeError::TooSmall { rows, columns });
-        }
-        let limit = Self::MAX_PARTICLES;
-        if rows.checked_mul(columns).is_none_or(|count| count > limit) {
-            return Err(LatticeError::TooLarge { rows, columns, limit });
-        }
+        check_count(rows, columns)?;
         if positions.len() != rows * columns {
             return Err(LatticeError::WrongLength { rows, columns, positions: positions.len() });
         }
@@ -234,13 +228,7 @@ impl Lattice {
         columns: usize,
         lumping: MassLumping,
     ) -> Result<Self, LatticeError> {
-        if rows < 2 || columns < 2 {
-            return Err(LatticeError::TooSmall { rows, columns });
-        }
-        let limit = Self::MAX_PARTICLES;
-        if rows.checked_mul(columns).is_none_or(|count| count > limit) {
-            return Err(LatticeError::TooLarge { rows, columns, limit });
-        }
+        check_count(rows, columns)?;
         let along = |i: usize, n: usize, length: f32| length * (i as f32 / (n - 1) as f32 - 0.5);
         let positions: Vec<_> = (0..rows)
             .flat_map(|r| (0..columns).map(move |c| (r, c)))
@@ -278,6 +266,17 @@ impl Lattice {
     /// Area of the sheet at rest \[m2\].
     pub fn total_area(&self) -> f32 {
         self.layout.slots().map(|i| self.area[i]).sum()
+    }
+}
+
+fn check_count(rows: usize, columns: usize) -> Result<(), LatticeError> {
+    let limit = Lattice::MAX_PARTICLES;
+    if rows < 2 || columns < 2 {
+        Err(LatticeError::TooSmall { rows, columns })
+    } else if rows.checked_mul(columns).is_none_or(|count| count > limit) {
+        Err(LatticeError::TooLarge { rows, columns, limit })
+    } else {
+        Ok(())
     }
 }
 
@@ -342,11 +341,8 @@ impl Grid<'_> {
 
 /// Half of the cells on both sides; a whole cell on the border where masses are equal.
 fn share(before: f32, after: f32, lumping: MassLumping) -> f32 {
-    match lumping {
-        MassLumping::Lumped => 0.5 * (before + after),
-        MassLumping::Equal if before == 0.0 || after == 0.0 => before + after,
-        MassLumping::Equal => 0.5 * (before + after),
-    }
+    let on_border = before == 0.0 || after == 0.0;
+    if on_border && lumping == MassLumping::Equal { before + after } else { 0.5 * (before + after) }
 }
 
 fn structural(

@@ -167,10 +167,10 @@ impl Plan {
             ..Constants::default()
         });
         let damping = material.damping * (1.0 / (rate * step)).min(1.0);
-        let kept = |explicit: f32, used: f32, asked: f32| match form {
-            Form::Springs => used,
-            Form::Threads if explicit == 0.0 => asked,
-            Form::Threads => used,
+        // Threads are solved with the stiffness asked for.
+        let (thread_stiffness, shear_stiffness) = match form {
+            Form::Springs => (used.thread, used.shear),
+            Form::Threads => (asked.thread, asked.shear),
         };
         Self {
             form,
@@ -184,8 +184,8 @@ impl Plan {
                 bending: used.bend < explicit.bend || used.flexion < explicit.flexion,
                 damping: damping < material.damping,
             },
-            thread_stiffness: kept(explicit.thread, used.thread, asked.thread),
-            shear_stiffness: kept(explicit.shear, used.shear, asked.shear),
+            thread_stiffness,
+            shear_stiffness,
             flexural_rigidity: if used.bend + used.flexion > 0.0 {
                 material.flexural_rigidity * (used.bend + used.flexion)
                     / (explicit.bend + explicit.flexion)

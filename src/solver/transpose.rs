@@ -6,9 +6,9 @@ use super::lanes::{Block, LANES};
 #[inline(always)]
 pub(super) fn transposed(tile: &[Block; LANES]) -> [Block; LANES] {
     let mut out = [Block::ZERO; LANES];
-    for i in 0..LANES {
-        for j in 0..LANES {
-            out[j].0[i] = tile[i].0[j];
+    for (i, line) in tile.iter().enumerate() {
+        for (j, &value) in line.0.iter().enumerate() {
+            out[j].0[i] = value;
         }
     }
     out
