@@ -63,6 +63,8 @@
 mod cloth;
 mod collider;
 mod error;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod mesh;
 mod plugin;
 pub mod sdf;
@@ -75,6 +77,8 @@ pub use cloth::{
 };
 pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
 pub use error::{ClothError, ClothFailure};
+#[cfg(feature = "gizmos")]
+pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
 pub use mesh::MeshProblem;
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;

@@ -15,7 +15,7 @@ pub struct StepInput<'a> {
     pub dt: f32,
     /// Gravity \[m/s2\].
     pub gravity: Vec3,
-    /// Motions of the pins, in the order of [`ClothSolver::pins`].
+    /// Motions of the pins, in the order of [`ClothSolver::pins`](super::ClothSolver::pins).
     pub pins: &'a [PinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],

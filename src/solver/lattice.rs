@@ -258,6 +258,17 @@ impl Lattice {
         r * (c - 1) + (r - 1) * c + 2 * (r - 1) * (c - 1)
     }
 
+    /// The structural springs: both particles, row by row, and the rest length \[m\].
+    pub fn structural_springs(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
+        let columns = self.layout.columns;
+        self.layout.slots().enumerate().flat_map(move |(particle, slot)| {
+            [(1, self.weft.rest[slot]), (columns, self.warp.rest[slot])]
+                .into_iter()
+                .filter(|&(_, rest)| rest > 0.0)
+                .map(move |(hop, rest)| (particle, particle + hop, rest))
+        })
+    }
+
     /// Rest positions \[m\], row by row.
     pub fn rest_positions(&self) -> &[Vec3] {
         &self.rest_positions

@@ -21,18 +21,11 @@ impl StrainReport {
     /// The strains of all structural springs of positions `x`. Sorts them: for reports, not for
     /// every frame.
     pub(super) fn new(lattice: &Lattice, x: &Soa) -> Self {
-        let layout = lattice.layout;
-        let mut strains = Vec::with_capacity(2 * lattice.particle_count());
-        for slot in layout.slots() {
-            for (rest, next) in [
-                (lattice.weft.rest[slot], slot + 1),
-                (lattice.warp.rest[slot], slot + layout.stride),
-            ] {
-                if rest > 0.0 {
-                    strains.push(x.get(next).distance(x.get(slot)) / rest - 1.0);
-                }
-            }
-        }
+        let slots: Vec<usize> = lattice.layout.slots().collect();
+        let mut strains: Vec<f32> = lattice
+            .structural_springs()
+            .map(|(a, b, rest)| x.get(slots[a]).distance(x.get(slots[b])) / rest - 1.0)
+            .collect();
         strains.sort_by(f32::total_cmp);
         let count = strains.len();
         let Some(&max) = strains.last() else { return Self::default() };
