@@ -60,6 +60,9 @@
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
+// A library does not print; programs among the examples may.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod cloth;
 mod collider;
 mod error;
