@@ -64,7 +64,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 println!(
                     "{name:5} {n:5}  {time:8.3}  {rms:>6}  {strain:12.3}  {depth:8.3}  {plan}"
                 );
-                held &= *strain <= 1.0 && *depth <= 1.0 && run.rms.is_none_or(|rms| !(rms > 10.0));
+                held &= *strain <= 1.0
+                    && *depth <= 1.0
+                    && run.rms.is_none_or(|rms| rms.is_nan() || rms <= 10.0);
             }
         }
     }

@@ -7,7 +7,6 @@
 //! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
-use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Lattice};
 
@@ -92,48 +91,54 @@ fn rest_turn(lattice: &Lattice, slot: usize, step: usize, l1: f32, l2: f32) -> f
     if turn > FLAT { turn } else { 0.0 }
 }
 
-/// Works out the moments `K D` of one family of hinges.
-pub(super) struct BendHinges<'a> {
-    pub lattice: &'a Lattice,
+/// Forces of one family of hinges on a block of particles.
+pub(super) struct HingeForces<'a> {
     pub hinges: &'a Hinges,
     /// Flexural rigidity \[N m\].
     pub rigidity: f32,
     pub x: &'a Soa,
-    pub moments: &'a mut Soa,
 }
 
-impl Kernel for BendHinges<'_> {
-    type Output = ();
-
+impl HingeForces<'_> {
+    /// Adds the forces of the three hinges that a particle takes part in: its own, whose middle it is,
+    /// and those of its neighbours.
     #[inline(always)]
-    fn run(self) {
-        let layout = self.lattice.layout;
-        for row in 0..layout.rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                let step = self.hinges.step;
-                let x = Block3::load(self.x, slot);
-                let before = Block3::load(self.x, slot - step);
-                let after = Block3::load(self.x, slot + step);
-                let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
-                let in_after = Block::load(&self.hinges.inverse_rest, slot);
-                let shape = Block::load(&self.hinges.shape, slot);
-                let mut moment = Block3::ZERO;
-                for i in 0..LANES {
-                    let turn = (after.at(i) - x.at(i)) * in_after.0[i]
-                        - (x.at(i) - before.at(i)) * in_before.0[i];
-                    moment.set(i, turn * (shape.0[i] * self.rigidity));
-                }
-                if !self.hinges.turn.is_empty() {
-                    self.take_off_rest_turn(slot, &mut moment);
-                }
-                moment.store(self.moments, slot);
-            }
+    pub fn add(&self, slot: usize, force: &mut Block3) {
+        let step = self.hinges.step;
+        let own = self.moments(slot);
+        let before = self.moments(slot - step);
+        let after = self.moments(slot + step);
+        let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
+        let in_after = Block::load(&self.hinges.inverse_rest, slot);
+        for i in 0..LANES {
+            let added = (own.at(i) - before.at(i)) * in_before.0[i]
+                + (own.at(i) - after.at(i)) * in_after.0[i];
+            force.set(i, force.at(i) + added);
         }
     }
-}
 
-impl BendHinges<'_> {
+    /// Moments `K D` of the hinges in the middle of which these particles are.
+    #[inline(always)]
+    fn moments(&self, slot: usize) -> Block3 {
+        let step = self.hinges.step;
+        let x = Block3::load(self.x, slot);
+        let before = Block3::load(self.x, slot - step);
+        let after = Block3::load(self.x, slot + step);
+        let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
+        let in_after = Block::load(&self.hinges.inverse_rest, slot);
+        let shape = Block::load(&self.hinges.shape, slot);
+        let mut moment = Block3::ZERO;
+        for i in 0..LANES {
+            let turn =
+                (after.at(i) - x.at(i)) * in_after.0[i] - (x.at(i) - before.at(i)) * in_before.0[i];
+            moment.set(i, turn * (shape.0[i] * self.rigidity));
+        }
+        if !self.hinges.turn.is_empty() {
+            self.take_off_rest_turn(slot, &mut moment);
+        }
+        moment
+    }
+
     /// `K D` becomes `K (D - D0 D / |D|)`.
     #[inline(always)]
     fn take_off_rest_turn(&self, slot: usize, moment: &mut Block3) {
@@ -145,43 +150,6 @@ impl BendHinges<'_> {
             let length = larger(m.dot(m).sqrt(), LEAST_TURN * shape.0[i] * self.rigidity);
             let part = if length > 0.0 { at_rest / length } else { 0.0 };
             moment.set(i, m * (1.0 - part));
-        }
-    }
-}
-
-/// Adds the forces of the moments to the accelerations.
-pub(super) struct AddBending<'a> {
-    pub lattice: &'a Lattice,
-    pub hinges: &'a Hinges,
-    pub inverse_mass: &'a [f32],
-    pub moments: &'a Soa,
-    pub a: &'a mut Soa,
-}
-
-impl Kernel for AddBending<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let layout = self.lattice.layout;
-        let step = self.hinges.step;
-        for row in 0..layout.rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                let before = Block::load(&self.hinges.inverse_rest, slot - step);
-                let after = Block::load(&self.hinges.inverse_rest, slot);
-                let here = Block3::load(self.moments, slot);
-                let left = Block3::load(self.moments, slot - step);
-                let right = Block3::load(self.moments, slot + step);
-                let w = Block::load(self.inverse_mass, slot);
-                let mut a = Block3::load(self.a, slot);
-                for i in 0..LANES {
-                    let force = (here.at(i) - left.at(i)) * before.0[i]
-                        + (here.at(i) - right.at(i)) * after.0[i];
-                    a.set(i, a.at(i) + force * w.0[i]);
-                }
-                a.store(self.a, slot);
-            }
         }
     }
 }

@@ -23,13 +23,16 @@ pub(super) struct CorrectSprings<'a> {
     pub rule: Rule,
 }
 
-/// How far a spring is corrected.
+/// How far springs are corrected.
 #[derive(Clone, Copy)]
 pub(super) enum Rule {
-    /// Shear springs, to their rest length, with the compliance `1 / (k h^2)` \[1/kg\].
+    /// Shear springs of the thread form: to their rest length with the compliance `1 / (k h^2)`
+    /// \[1/kg\], or to `limit` rest lengths where that is shorter.
     Shear {
         /// Of a spring of shape factor one.
         compliance: f32,
+        /// 1 + max strain.
+        limit: f32,
     },
     /// Structural springs, then shear springs if they have a stiffness: those longer than `limit`
     /// rest lengths are brought back to it, others are left alone (Provot 1995, section 4).
@@ -47,28 +50,47 @@ impl Kernel for CorrectSprings<'_> {
     #[inline(always)]
     fn run(mut self) {
         match self.rule {
-            Rule::Shear { compliance } => {
-                self.diagonals(|length, rest, factor| (length - rest, factor * compliance));
-            }
+            Rule::Shear { compliance, limit } => self.diagonals(|spring| {
+                let elastic = (spring.length - spring.rest)
+                    / (spring.inverse_masses + spring.factor * compliance);
+                larger(elastic, spring.pull_to(limit))
+            }),
             Rule::Limit { limit, shear } => {
                 self.weft(limit);
                 self.warp(limit);
                 if shear {
-                    self.diagonals(|length, rest, factor| {
-                        // The infinite factor beside the sheet still switches its springs off.
-                        let hard = if factor < f32::INFINITY { 0.0 } else { factor };
-                        (larger(length - rest * limit, 0.0), hard)
-                    });
+                    self.diagonals(|spring| larger(spring.pull_to(limit), 0.0));
                 }
             }
         }
     }
 }
 
+/// One spring as it is now.
+struct Spring {
+    length: f32,
+    /// Rest length \[m\]; 0 where there is no spring.
+    rest: f32,
+    /// Compliance factor; infinite where there is no spring.
+    factor: f32,
+    /// Sum of the inverse masses of both ends \[1/kg\], not zero.
+    inverse_masses: f32,
+}
+
+impl Spring {
+    /// What brings it to so many rest lengths, as the correction of an end of inverse mass one
+    /// \[m kg\]; negative where it is shorter.
+    #[inline(always)]
+    fn pull_to(&self, limit: f32) -> f32 {
+        let excess = (self.length - self.rest * limit) / self.inverse_masses;
+        if self.rest > 0.0 { excess } else { -1.0 }
+    }
+}
+
 impl CorrectSprings<'_> {
     /// Shear springs: every second row, both diagonals, then the rows between.
     #[inline(always)]
-    fn diagonals(&mut self, law: impl Fn(f32, f32, f32) -> (f32, f32) + Copy) {
+    fn diagonals(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
         let lattice = self.lattice;
         let layout = lattice.layout;
         for parity in 0..2 {
@@ -98,16 +120,14 @@ impl CorrectSprings<'_> {
                 for column in (0..layout.columns).step_by(LANES) {
                     let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
                     let rest = Block::load(&self.lattice.warp.rest, a);
-                    self.pair(a, b, rest, Block::ZERO, |length, rest, _| {
-                        (larger(length - rest * limit, 0.0), 0.0)
-                    });
+                    self.pair(a, b, rest, Block::ZERO, |spring| larger(spring.pull_to(limit), 0.0));
                 }
             }
         }
     }
 
-    /// One block of springs between particles from `p` and from `q`; `law` gives from length, rest
-    /// length and compliance factor how much too long a spring is, and its compliance.
+    /// One block of springs between particles from `p` and from `q`; `law` gives how strongly one
+    /// pulls, as the correction of an end of inverse mass one.
     #[inline(always)]
     fn pair(
         &mut self,
@@ -115,7 +135,7 @@ impl CorrectSprings<'_> {
         q: usize,
         rest: Block,
         factor: Block,
-        law: impl Fn(f32, f32, f32) -> (f32, f32),
+        law: impl Fn(Spring) -> f32,
     ) {
         let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
         let (mut dp, mut dq) = (Block3::load(self.d, p), Block3::load(self.d, q));
@@ -123,9 +143,9 @@ impl CorrectSprings<'_> {
         for i in 0..LANES {
             let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
             let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
-            let (excess, compliance) = law(length, rest.0[i], factor.0[i]);
-            let divisor = larger(wp.0[i] + wq.0[i] + compliance, LEAST_DIVISOR) * length;
-            let pull = span * (excess / divisor);
+            let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
+            let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
+            let pull = span * (law(spring) / length);
             dp.set(i, dp.at(i) + pull * wp.0[i]);
             dq.set(i, dq.at(i) - pull * wq.0[i]);
         }

@@ -1,7 +1,8 @@
-//! Forces of springs and their damping. Each particle gathers those of its own springs.
+//! Forces of springs and hinges, and damping. Each particle gathers those of its own springs.
 
 use bevy::math::Vec3;
 
+use super::bending::HingeForces;
 use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Lattice};
@@ -27,18 +28,20 @@ impl SpringConstants {
     }
 }
 
-/// Sets every acceleration to gravity plus what the springs pull: on particle i,
+/// Sets every acceleration to gravity plus what springs and hinges pull: on particle i, a spring's
 /// `F_i = k (|d| - L) d / |d|` with `d = x_j - x_i`.
-pub(super) struct AccumulateSprings<'a> {
+pub(super) struct AccumulateForces<'a> {
     pub lattice: &'a Lattice,
     pub constants: SpringConstants,
+    /// The hinges of both families, where they have any rigidity.
+    pub hinges: Option<[HingeForces<'a>; 2]>,
     pub gravity: Vec3,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
     pub a: &'a mut Soa,
 }
 
-impl Kernel for AccumulateSprings<'_> {
+impl Kernel for AccumulateForces<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -47,7 +50,10 @@ impl Kernel for AccumulateSprings<'_> {
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
-                let force = self.force(slot, Block3::load(self.x, slot));
+                let mut force = self.force(slot, Block3::load(self.x, slot));
+                for hinges in self.hinges.iter().flatten() {
+                    hinges.add(slot, &mut force);
+                }
                 let w = Block::load(self.inverse_mass, slot);
                 let mut a = Block3::ZERO;
                 for i in 0..LANES {
@@ -60,7 +66,7 @@ impl Kernel for AccumulateSprings<'_> {
     }
 }
 
-impl AccumulateSprings<'_> {
+impl AccumulateForces<'_> {
     #[inline(always)]
     fn force(&self, slot: usize, here: Block3) -> Block3 {
         let mut force = Block3::ZERO;

@@ -64,10 +64,10 @@ pub use parameters::{
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
 
-use bending::{AddBending, BendHinges};
+use bending::HingeForces;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Span};
-use forces::{AccumulateSprings, AddDamping, DampedSprings, DampingTarget};
+use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
 use held::Held;
 use input::is_near;
 use integrate::{Acceleration, Displace, Integrate, Kick};
@@ -148,34 +148,20 @@ impl ClothSolver {
         if !self.has_forces() {
             return;
         }
-        let (isa, lattice, plan) = (self.isa, &*self.lattice, self.plan);
-        let inverse_mass = &self.held.inverse_mass;
-        isa.run(AccumulateSprings {
-            lattice,
+        let plan = self.plan;
+        let x = &self.state.x;
+        let rigidity = plan.hinge_rigidity;
+        let hinge_forces =
+            || self.held.hinges.each_ref().map(|hinges| HingeForces { hinges, rigidity, x });
+        self.isa.run(AccumulateForces {
+            lattice: &self.lattice,
             constants: plan.explicit,
+            hinges: (rigidity > 0.0).then(hinge_forces),
             gravity: input.gravity,
-            inverse_mass,
-            x: &self.state.x,
+            inverse_mass: &self.held.inverse_mass,
+            x,
             a: &mut self.scratch.a,
         });
-        if plan.hinge_rigidity > 0.0 {
-            for hinges in &self.held.hinges {
-                isa.run(BendHinges {
-                    lattice,
-                    hinges,
-                    rigidity: plan.hinge_rigidity,
-                    x: &self.state.x,
-                    moments: &mut self.scratch.b,
-                });
-                isa.run(AddBending {
-                    lattice,
-                    hinges,
-                    inverse_mass,
-                    moments: &self.scratch.b,
-                    a: &mut self.scratch.a,
-                });
-            }
-        }
         if plan.damping > 0.0 {
             self.add_damping();
         }
@@ -259,16 +245,21 @@ impl ClothSolver {
     fn correct_shear(&mut self) {
         let Plan { step, shear_stiffness, .. } = self.plan;
         if shear_stiffness > 0.0 {
-            self.correct_springs(Rule::Shear { compliance: 1.0 / (shear_stiffness * step * step) });
+            let compliance = 1.0 / (shear_stiffness * step * step);
+            self.correct_springs(Rule::Shear { compliance, limit: self.limit() });
         }
     }
 
     fn limit_strain(&mut self) {
-        let limit = 1.0 + self.material.max_strain;
-        let shear = self.material.shear_stiffness > 0.0;
+        let (limit, shear) = (self.limit(), self.material.shear_stiffness > 0.0);
         for _ in 0..self.settings.provot_passes {
             self.correct_springs(Rule::Limit { limit, shear });
         }
+    }
+
+    /// Longest that a spring may be, in rest lengths.
+    fn limit(&self) -> f32 {
+        1.0 + self.material.max_strain
     }
 
     fn correct_springs(&mut self, rule: Rule) {

@@ -67,7 +67,7 @@ fn on_grid(p: Vec3) -> Vec3 {
 pub(crate) struct Scratch {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
-    /// Bending moments of the hinges, or predicted displacements.
+    /// Displacements predicted for the damping.
     pub b: Soa,
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
