@@ -1,0 +1,54 @@
+//! What the examples share: their options, the scenes, the run without a window, the window.
+//!
+//! The scenes know nothing of windows or graphics cards, so that `tests/examples.rs` runs the same
+//! ones.
+
+// Each example uses a part, and a program may print.
+#![allow(dead_code, clippy::print_stdout, clippy::print_stderr)]
+
+pub mod check;
+mod curtain;
+mod drape;
+pub mod headless;
+#[cfg(feature = "demo")]
+pub mod light;
+pub mod obj;
+#[cfg(feature = "demo")]
+mod paint;
+#[cfg(feature = "demo")]
+mod probe;
+pub mod report;
+pub mod scene;
+#[cfg(feature = "demo")]
+pub mod window;
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of every windowed example.
+#[derive(Args, Clone, Debug)]
+pub struct Options {
+    /// Particles a side of each cloth.
+    #[arg(short, long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=512))]
+    pub particles: u32,
+    /// Seconds to simulate where there is no window.
+    #[arg(short, long, default_value_t = 5.0, value_parser = seconds)]
+    pub seconds: f32,
+    /// Leave after so many frames of 1/16 s each, with the final check.
+    #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: Option<u32>,
+    /// Save the last of the frames as a picture; 80 frames where none are given.
+    #[arg(long, value_name = "PNG")]
+    pub screenshot: Option<PathBuf>,
+    /// Only find out whether a window can be had: exit code 0 if so.
+    #[arg(long, hide = true)]
+    pub probe: bool,
+}
+
+/// Reads a time that can be simulated [s].
+pub fn seconds(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(seconds) if (0.1..=3600.0).contains(&seconds) => Ok(seconds),
+        _ => Err("give a number of seconds from 0.1 to 3600".into()),
+    }
+}

@@ -1,0 +1,139 @@
+//! Watches a run without a window: time, strain, depth.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use std::{fmt, time::Instant};
+
+/// What has been seen so far of all cloths.
+#[derive(Resource, Default)]
+pub struct Watch {
+    started: Option<Instant>,
+    /// Time of each tick, from setting up to finishing [ms].
+    pub milliseconds: Vec<f64>,
+    /// Largest strain in each tick.
+    peaks: Vec<f32>,
+    /// Smallest distance of a particle from a solid in any tick [m].
+    clearance: Option<f32>,
+}
+
+/// Watches every tick of an app.
+pub fn watch(app: &mut App) {
+    app.init_resource::<Watch>().add_systems(
+        FixedPostUpdate,
+        (
+            (|mut watch: ResMut<Watch>| watch.started = Some(Instant::now()))
+                .before(ClothSystems::Setup),
+            (stop_clock, look_at_cloths).chain().after(ClothSystems::Finish),
+        ),
+    );
+}
+
+fn stop_clock(mut watch: ResMut<Watch>) {
+    let started = watch.started.take();
+    watch.milliseconds.extend(started.map(|at| at.elapsed().as_secs_f64() * 1e3));
+}
+
+fn look_at_cloths(
+    cloths: Query<&ClothSimulation>,
+    solids: Query<(&SdfCollider, &GlobalTransform)>,
+    fields: Res<Assets<DistanceField>>,
+    mut watch: ResMut<Watch>,
+) {
+    let ticks = cloths.iter().filter_map(ClothSimulation::last_tick);
+    let peak = ticks.map(|tick| tick.max_strain).reduce(f32::max);
+    watch.peaks.extend(peak);
+    for (solid, place) in &solids {
+        let shape: &dyn SignedDistance = match &solid.shape {
+            SdfShape::Sphere(sphere) => sphere,
+            SdfShape::InfinitePlane3d(plane) => plane,
+            SdfShape::Field(field) => match fields.get(field) {
+                Some(field) => field,
+                None => continue,
+            },
+            other => panic!("the examples have no {other:?}"),
+        };
+        let to_solid = place.affine().inverse();
+        for position in cloths.iter().flat_map(ClothSimulation::positions) {
+            let distance = shape.distance(to_solid.transform_point3(position));
+            watch.clearance = watch.clearance.into_iter().chain([distance]).reduce(f32::min);
+        }
+    }
+}
+
+/// What a run came to.
+pub struct Report {
+    /// Description of each cloth.
+    cloths: Vec<String>,
+    ticks: usize,
+    median: f64,
+    p99: f64,
+    /// Largest strain of all ticks, and the mean of the ticks' largest.
+    pub peak: f32,
+    mean_peak: f32,
+    /// Mean strain of all threads at the end.
+    mean: f32,
+    /// The largest strain allowed.
+    pub limit: f32,
+    /// How deep a particle has been below a solid's surface [m].
+    pub depth: f32,
+    clearance: f32,
+}
+
+impl Report {
+    /// Sums up what has been watched.
+    pub fn new(world: &mut World) -> Self {
+        let mut query = world.query::<(&ClothSimulation, &ClothMaterial)>();
+        let watch = world.resource::<Watch>();
+        let mut times = watch.milliseconds.clone();
+        times.sort_by(f64::total_cmp);
+        let quantile = |part: f64| times.get((part * times.len() as f64) as usize).copied();
+        let cloths: Vec<_> = query.iter(world).collect();
+        let count = cloths.len().max(1) as f32;
+        let clearance = watch.clearance.unwrap_or(f32::INFINITY);
+        Self {
+            cloths: cloths.iter().map(|(cloth, _)| describe(cloth)).collect(),
+            ticks: times.len(),
+            median: quantile(0.5).unwrap_or(f64::NAN),
+            p99: quantile(0.99).unwrap_or(f64::NAN),
+            peak: watch.peaks.iter().copied().fold(0.0, f32::max),
+            mean_peak: watch.peaks.iter().sum::<f32>() / watch.peaks.len().max(1) as f32,
+            mean: cloths.iter().map(|(cloth, _)| cloth.strain().mean).sum::<f32>() / count,
+            limit: cloths.iter().map(|(_, material)| material.max_strain).fold(0.0, f32::max),
+            depth: (-clearance).max(0.0),
+            clearance,
+        }
+    }
+}
+
+fn describe(cloth: &ClothSimulation) -> String {
+    let (columns, rows) = (cloth.columns(), cloth.rows());
+    let (particles, springs) = (cloth.particle_count(), cloth.spring_count());
+    format!("{columns} x {rows} = {particles} particles, {springs} springs\n  {}", cloth.plan())
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for cloth in &self.cloths {
+            writeln!(f, "cloth: {cloth}")?;
+        }
+        let count = self.cloths.len().max(1);
+        let (median, p99) = (self.median, self.p99);
+        write!(
+            f,
+            "time: {median:.3} ms a tick (median), {p99:.3} ms (99 %), {} ticks",
+            self.ticks
+        )?;
+        if count > 1 {
+            write!(f, "; for each of {count} cloths {:.3} ms", median / count as f64)?;
+        }
+        let percent = [self.peak, self.mean_peak, self.mean, self.limit].map(|s| 100.0 * s);
+        let [peak, mean_peak, mean, limit] = percent;
+        writeln!(
+            f,
+            "\nstrain: peak {peak:.2} % at most, {mean_peak:.2} % in the mean over ticks;"
+        )?;
+        writeln!(f, "  mean of all threads at the end {mean:.3} %; limit {limit:.1} %")?;
+        let (depth, clearance) = (1e3 * self.depth, 1e3 * self.clearance);
+        write!(f, "depth: {depth:.4} mm below a surface; nearest to one {clearance:.4} mm")
+    }
+}

@@ -1,0 +1,113 @@
+//! No allocation in a tick, nor in any of its stages: counted by the allocator itself.
+
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+
+use bevy::math::{Vec2, Vec3, primitives::Sphere};
+use bevy_drape::solver::{
+    Bending, ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material,
+    PinMotion, Pose, Settings, StepInput, Substeps,
+};
+
+thread_local! {
+    /// Allocations of this thread: tests run side by side.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator as it came; counting touches no memory of
+// theirs.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.dealloc(at, layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.realloc(at, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations<T>(act: impl FnOnce() -> T) -> usize {
+    let before = COUNT.with(Cell::get);
+    std::hint::black_box(act());
+    COUNT.with(Cell::get) - before
+}
+
+/// A cloth with everything on, pins enough for all tethers, and a motion for each.
+fn busy(form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
+    let lattice = Arc::new(Lattice::sheet(Vec2::ONE, 19, 35, MassLumping::Lumped).unwrap());
+    let material = Material {
+        area_density: 0.2,
+        thread_stiffness: 300.0,
+        shear_stiffness: 20.0,
+        flexural_rigidity: 1e-5,
+        damping: 0.002,
+        damping_form: DampingForm::Axial,
+        drag: 0.3,
+        max_strain: 0.01,
+        friction: 0.4,
+        thickness: 0.005,
+    };
+    let settings = Settings { form, bending, substeps: Substeps::Fixed(5), ..Settings::default() };
+    let start = lattice.rest_positions().to_vec();
+    let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
+    solver.set_pins(&[0, 34, 300, 350, 400, 664]).unwrap();
+    let pins = solver
+        .pins()
+        .iter()
+        .map(|&p| PinMotion { start: start[p as usize], end: start[p as usize] + Vec3::Y * 0.001 })
+        .collect();
+    (solver, pins)
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| Vec::<u8>::with_capacity(10)), 1);
+    assert_eq!(allocations(|| 1 + 1), 0);
+}
+
+#[test]
+fn a_tick_and_its_stages_do_not_allocate() {
+    let ball = Sphere::new(0.3);
+    let (from, to) =
+        (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
+    let colliders = [Collider { shape: &ball, start: from, end: to, friction: 0.5 }; 2];
+    for form in [FormChoice::Springs, FormChoice::Threads] {
+        for bending in [Bending::SecondDifference, Bending::Flexion] {
+            let (mut solver, pins) = busy(form, bending);
+            let gravity = Vec3::NEG_Y * 9.81;
+            let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders };
+            // The first tick too, another length of tick, and another gravity.
+            assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, first tick");
+            for _ in 0..20 {
+                assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}");
+            }
+            let other = StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, ..input };
+            assert_eq!(allocations(|| solver.tick(&other)), 0, "{form:?} {bending:?}, other tick");
+            assert_eq!(allocations(|| solver.begin_tick(&input)), 0);
+            for _ in 0..5 {
+                assert_eq!(allocations(|| solver.accumulate_forces(&input)), 0);
+                assert_eq!(allocations(|| solver.integrate(&input)), 0);
+                assert_eq!(allocations(|| solver.correct()), 0);
+                assert_eq!(allocations(|| solver.collide(&input)), 0);
+            }
+            assert_eq!(allocations(|| solver.end_tick()), 0);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! The solver, held to closed forms, reference tables and invariants. Each module says which.
+//!
+//! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
+
+mod bending;
+mod common;
+mod contact;
+mod determinism;
+mod free_flight;
+mod hanging;
+mod limit;
+mod momentum;
+mod refusals;
+mod spring;
+mod stability;
+mod survival;
+mod symmetry;
+mod tethers;
