@@ -197,11 +197,12 @@ impl ClothSolver {
         };
         // From the middle of the last substep to the middle of this one.
         let kick = Kick::new(self.material.drag, 0.5 * (self.state.last_step + plan.step));
+        self.state.response = kick.gain * plan.step;
         self.isa.run(Integrate {
             layout: self.lattice.layout,
             acceleration,
             keep: kick.decay * (plan.step / self.state.unit),
-            gain: kick.gain * plan.step,
+            gain: self.state.response,
             longest: self.settings.max_speed * plan.step,
             inverse_mass: &self.held.inverse_mass,
             d: &mut self.state.d,
@@ -243,9 +244,9 @@ impl ClothSolver {
     }
 
     fn correct_shear(&mut self) {
-        let Plan { step, shear_stiffness, .. } = self.plan;
-        if shear_stiffness > 0.0 {
-            let compliance = 1.0 / (shear_stiffness * step * step);
+        let stiffness = self.plan.shear_stiffness;
+        if stiffness > 0.0 {
+            let compliance = 1.0 / (stiffness * self.state.response);
             self.correct_springs(Rule::Shear { compliance, limit: self.limit() });
         }
     }
@@ -274,12 +275,12 @@ impl ClothSolver {
 
     /// Weft threads, then warp threads.
     fn solve_threads(&mut self) {
-        let Plan { step, thread_stiffness, .. } = self.plan;
-        if thread_stiffness <= 0.0 {
+        let stiffness = self.plan.thread_stiffness;
+        if stiffness <= 0.0 {
             return;
         }
         let isa = self.isa;
-        let compliance = 1.0 / (thread_stiffness * step * step);
+        let compliance = 1.0 / (stiffness * self.state.response);
         let layout = self.lattice.layout;
         let State { x, d, .. } = &mut self.state;
         let Scratch { strip, line, .. } = &mut self.scratch;

@@ -284,8 +284,9 @@ impl Bound {
         });
         Self::Uniform {
             inverse_mass,
-            weft: largest(&lattice.weft.shape),
-            warp: largest(&lattice.warp.shape),
+            // Of an inner spring: in a sheet of two rows all are on the border.
+            weft: b / a,
+            warp: a / b,
             shear: largest(&lattice.diagonal.shape),
             bend,
             flexion: [b / (a * a * a * a * a), a / (b * b * b * b * b)],
@@ -342,13 +343,14 @@ impl Bound {
     }
 
     /// Lowers the constants until the bound is at most `stable`: bending and shear to their share,
-    /// each by itself, and the threads to what is left.
+    /// each by itself, and the threads to what is left. Bending alone may take all.
     fn clamp(&self, asked: Constants, stable: f32) -> Constants {
         if self.rate(&asked) <= stable {
             return asked;
         }
         let none = Constants::default();
-        let share = |only: Constants| (SHARE * stable / self.rate(&only)).min(1.0);
+        let part = if asked.thread + asked.shear > 0.0 { SHARE } else { 1.0 };
+        let share = |only: Constants| (part * stable / self.rate(&only)).min(1.0);
         let bending = share(Constants { bend: asked.bend, flexion: asked.flexion, ..none });
         let shear = share(Constants { shear: asked.shear, ..none });
         let mut used = Constants {

@@ -25,6 +25,9 @@ pub(crate) struct State {
     /// Length of the last substep \[s\]; 0 before the first. A velocity is half a substep behind its
     /// position, so that the next kick lasts half of both substeps.
     pub last_step: f32,
+    /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
+    /// substep, less what drag takes. Corrections with a compliance answer forces through it.
+    pub response: f32,
 }
 
 impl State {
@@ -40,7 +43,15 @@ impl State {
         for (slot, &p) in layout.slots().zip(positions) {
             x.set(slot, p - origin);
         }
-        Self { origin, d: Soa::zeros(layout.len()), unit: 1.0, start: x.clone(), x, last_step: 0.0 }
+        Self {
+            origin,
+            d: Soa::zeros(layout.len()),
+            unit: 1.0,
+            start: x.clone(),
+            x,
+            last_step: 0.0,
+            response: 0.0,
+        }
     }
 
     /// Moves the origin to a cloth that has left it. The shift is exact in f32.

@@ -3,7 +3,8 @@
 //! The distance constraints along a line couple only neighbours, so that their matrix is
 //! tridiagonal: `w_j + w_(j+1) + compliance` on the diagonal and `-w_(j+1) n_j . n_(j+1)` beside it.
 //! One forward and one backward pass solve it, [`LANES`] lines side by side. The compliance is the
-//! spring's own, `1 / (k h^2)` (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18), so that a thread
+//! spring's own, `1 / (k h^2)` (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18; with drag, what a
+//! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
 
 use super::isa::Kernel;
