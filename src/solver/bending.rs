@@ -100,21 +100,23 @@ pub(super) struct HingeForces<'a> {
 }
 
 impl HingeForces<'_> {
-    /// Adds the forces of the three hinges that a particle takes part in: its own, whose middle it is,
-    /// and those of its neighbours.
+    /// Forces of the three hinges that a particle takes part in: its own, whose middle it is, and those
+    /// of its neighbours.
     #[inline(always)]
-    pub fn add(&self, slot: usize, force: &mut Block3) {
+    pub fn forces(&self, slot: usize) -> Block3 {
         let step = self.hinges.step;
         let own = self.moments(slot);
         let before = self.moments(slot - step);
         let after = self.moments(slot + step);
         let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
         let in_after = Block::load(&self.hinges.inverse_rest, slot);
+        let mut force = Block3::ZERO;
         for i in 0..LANES {
-            let added = (own.at(i) - before.at(i)) * in_before.0[i]
+            let sum = (own.at(i) - before.at(i)) * in_before.0[i]
                 + (own.at(i) - after.at(i)) * in_after.0[i];
-            force.set(i, force.at(i) + added);
+            force.set(i, sum);
         }
+        force
     }
 
     /// Moments `K D` of the hinges in the middle of which these particles are.

@@ -50,10 +50,7 @@ impl Kernel for AccumulateForces<'_> {
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
-                let mut force = self.force(slot, Block3::load(self.x, slot));
-                for hinges in self.hinges.iter().flatten() {
-                    hinges.add(slot, &mut force);
-                }
+                let force = self.force(slot, Block3::load(self.x, slot));
                 let w = Block::load(self.inverse_mass, slot);
                 let mut a = Block3::ZERO;
                 for i in 0..LANES {
@@ -69,26 +66,33 @@ impl Kernel for AccumulateForces<'_> {
 impl AccumulateForces<'_> {
     #[inline(always)]
     fn force(&self, slot: usize, here: Block3) -> Block3 {
-        let mut force = Block3::ZERO;
+        let mut pairs = [Block3::ZERO; 4];
         let (thread, shear) = (self.constants.thread, self.constants.shear);
-        for spring in directions(self.lattice, thread, shear).into_iter().flatten() {
-            let rest = Block::load(spring.rest, slot - spring.back);
-            let shape = Block::load(spring.shape, slot - spring.back);
-            let there = Block3::load(self.x, spring.neighbour(slot));
-            for i in 0..LANES {
-                let d = there.at(i) - here.at(i);
-                force.set(i, force.at(i) + pull(d, rest.0[i], shape.0[i] * spring.constant));
+        for (pair, springs) in pairs.iter_mut().zip(directions(self.lattice, thread, shear)) {
+            for spring in springs.into_iter().flatten() {
+                let rest = Block::load(spring.rest, slot - spring.back);
+                let shape = Block::load(spring.shape, slot - spring.back);
+                let there = Block3::load(self.x, spring.neighbour(slot));
+                for i in 0..LANES {
+                    let d = there.at(i) - here.at(i);
+                    pair.set(i, pair.at(i) + pull(d, rest.0[i], shape.0[i] * spring.constant));
+                }
             }
         }
+        let mut force = sum_of_pairs(&pairs);
         if self.constants.flexion > 0.0 {
-            self.add_flexion(slot, here, &self.lattice.weft, 1, &mut force);
-            self.add_flexion(
-                slot,
-                here,
-                &self.lattice.warp,
-                self.lattice.layout.stride,
-                &mut force,
-            );
+            let stride = self.lattice.layout.stride;
+            let weft = self.flexion(slot, here, &self.lattice.weft, 1);
+            let warp = self.flexion(slot, here, &self.lattice.warp, stride);
+            for i in 0..LANES {
+                force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
+            }
+        }
+        if let Some([weft, warp]) = &self.hinges {
+            let (weft, warp) = (weft.forces(slot), warp.forces(slot));
+            for i in 0..LANES {
+                force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
+            }
         }
         force
     }
@@ -97,24 +101,19 @@ impl AccumulateForces<'_> {
     /// `flexion * shape / a^4` for cells of side a, and their rest length that of the two springs
     /// they span.
     #[inline(always)]
-    fn add_flexion(
-        &self,
-        slot: usize,
-        here: Block3,
-        springs: &Family,
-        step: usize,
-        force: &mut Block3,
-    ) {
+    fn flexion(&self, slot: usize, here: Block3, springs: &Family, step: usize) -> Block3 {
+        let mut force = Block3::ZERO;
         for (first, neighbour) in [(slot, slot + 2 * step), (slot - 2 * step, slot - 2 * step)] {
             let l1 = Block::load(&springs.rest, first);
             let l2 = Block::load(&springs.rest, first + step);
-            let shape = Block::load(&springs.shape, first);
+            let s1 = Block::load(&springs.shape, first);
+            let s2 = Block::load(&springs.shape, first + step);
             let there = Block3::load(self.x, neighbour);
             for i in 0..LANES {
                 let cell = l1.0[i] * l2.0[i];
                 // Zero where one of the two springs does not exist.
                 let constant = if cell > 0.0 {
-                    shape.0[i] * self.constants.flexion / (cell * cell)
+                    0.5 * (s1.0[i] + s2.0[i]) * self.constants.flexion / (cell * cell)
                 } else {
                     0.0
                 };
@@ -122,6 +121,7 @@ impl AccumulateForces<'_> {
                 force.set(i, force.at(i) + pull(d, l1.0[i] + l2.0[i], constant));
             }
         }
+        force
     }
 }
 
@@ -149,9 +149,10 @@ impl Direction<'_> {
     }
 }
 
-/// The directions of a particle's structural and shear springs whose constants are not zero.
+/// The directions of a particle's structural and shear springs whose constants are not zero, in pairs
+/// of opposite ones: weft, warp, both diagonals.
 #[inline(always)]
-fn directions(lattice: &Lattice, thread: f32, shear: f32) -> [Option<Direction<'_>>; 8] {
+fn directions(lattice: &Lattice, thread: f32, shear: f32) -> [[Option<Direction<'_>>; 2]; 4] {
     let s = lattice.layout.stride;
     let (weft, warp, diagonal) = (&lattice.weft, &lattice.warp, &lattice.diagonal);
     let antidiagonal = &lattice.antidiagonal_rest;
@@ -159,16 +160,37 @@ fn directions(lattice: &Lattice, thread: f32, shear: f32) -> [Option<Direction<'
         (constant > 0.0).then_some(Direction { rest, shape, constant, back, on })
     };
     [
-        spring(&weft.rest, &weft.shape, thread, 0, 1),
-        spring(&weft.rest, &weft.shape, thread, 1, 0),
-        spring(&warp.rest, &warp.shape, thread, 0, s),
-        spring(&warp.rest, &warp.shape, thread, s, 0),
-        spring(&diagonal.rest, &diagonal.shape, shear, 0, s + 1),
-        spring(&diagonal.rest, &diagonal.shape, shear, s + 1, 0),
+        [
+            spring(&weft.rest, &weft.shape, thread, 0, 1),
+            spring(&weft.rest, &weft.shape, thread, 1, 0),
+        ],
+        [
+            spring(&warp.rest, &warp.shape, thread, 0, s),
+            spring(&warp.rest, &warp.shape, thread, s, 0),
+        ],
+        [
+            spring(&diagonal.rest, &diagonal.shape, shear, 0, s + 1),
+            spring(&diagonal.rest, &diagonal.shape, shear, s + 1, 0),
+        ],
         // Stored at the cell: its ends are one column on, and one row on.
-        spring(antidiagonal, &diagonal.shape, shear, 1, s),
-        spring(antidiagonal, &diagonal.shape, shear, s, 1),
+        [
+            spring(antidiagonal, &diagonal.shape, shear, 1, s),
+            spring(antidiagonal, &diagonal.shape, shear, s, 1),
+        ],
     ]
+}
+
+/// Adds up in an order that a mirrored sheet shares: a sum of two does not depend on their order, and
+/// mirroring exchanges the two of a pair, or the two pairs of diagonals.
+#[inline(always)]
+fn sum_of_pairs(pairs: &[Block3; 4]) -> Block3 {
+    let mut sum = Block3::ZERO;
+    for i in 0..LANES {
+        let threads = pairs[0].at(i) + pairs[1].at(i);
+        let diagonals = pairs[2].at(i) + pairs[3].at(i);
+        sum.set(i, threads + diagonals);
+    }
+    sum
 }
 
 /// Works out the damping force `D`, `F_i = C (v_j - v_i)` for each spring or its part along the spring,
@@ -247,32 +269,47 @@ impl DampedSprings<'_> {
     fn force(&self, slot: usize, displacements: &Soa, here_d: Block3) -> Block3 {
         let shear = if self.shear { self.damping } else { 0.0 };
         let here = Block3::load(self.x, slot);
-        let mut force = Block3::ZERO;
-        for spring in directions(self.lattice, self.damping, shear).into_iter().flatten() {
-            let shape = Block::load(spring.shape, slot - spring.back);
-            let neighbour = spring.neighbour(slot);
-            let there_d = Block3::load(displacements, neighbour);
-            match self.form {
-                DampingForm::Relative => {
-                    for i in 0..LANES {
-                        let relative = there_d.at(i) - here_d.at(i);
-                        let constant = shape.0[i] * spring.constant;
-                        force.set(i, force.at(i) + relative * constant);
-                    }
+        let mut pairs = [Block3::ZERO; 4];
+        for (pair, springs) in pairs.iter_mut().zip(directions(self.lattice, self.damping, shear)) {
+            for spring in springs.into_iter().flatten() {
+                self.add(&spring, slot, displacements, here, here_d, pair);
+            }
+        }
+        sum_of_pairs(&pairs)
+    }
+
+    #[inline(always)]
+    fn add(
+        &self,
+        spring: &Direction<'_>,
+        slot: usize,
+        displacements: &Soa,
+        here: Block3,
+        here_d: Block3,
+        force: &mut Block3,
+    ) {
+        let shape = Block::load(spring.shape, slot - spring.back);
+        let neighbour = spring.neighbour(slot);
+        let there_d = Block3::load(displacements, neighbour);
+        match self.form {
+            DampingForm::Relative => {
+                for i in 0..LANES {
+                    let relative = there_d.at(i) - here_d.at(i);
+                    let constant = shape.0[i] * spring.constant;
+                    force.set(i, force.at(i) + relative * constant);
                 }
-                DampingForm::Axial => {
-                    let there = Block3::load(self.x, neighbour);
-                    for i in 0..LANES {
-                        let relative = there_d.at(i) - here_d.at(i);
-                        let span = there.at(i) - here.at(i);
-                        let square = larger(span.dot(span), LEAST_LENGTH * LEAST_LENGTH);
-                        let constant = shape.0[i] * spring.constant;
-                        let pull = constant * relative.dot(span) / square;
-                        force.set(i, force.at(i) + span * pull);
-                    }
+            }
+            DampingForm::Axial => {
+                let there = Block3::load(self.x, neighbour);
+                for i in 0..LANES {
+                    let relative = there_d.at(i) - here_d.at(i);
+                    let span = there.at(i) - here.at(i);
+                    let square = larger(span.dot(span), LEAST_LENGTH * LEAST_LENGTH);
+                    let constant = shape.0[i] * spring.constant;
+                    let pull = constant * relative.dot(span) / square;
+                    force.set(i, force.at(i) + span * pull);
                 }
             }
         }
-        force
     }
 }

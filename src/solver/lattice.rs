@@ -229,7 +229,10 @@ impl Lattice {
         lumping: MassLumping,
     ) -> Result<Self, LatticeError> {
         check_count(rows, columns)?;
-        let along = |i: usize, n: usize, length: f32| length * (i as f32 / (n - 1) as f32 - 0.5);
+        // In halves of a cell from the middle, so that both sides are mirror images to the bit.
+        let along = |i: usize, n: usize, length: f32| {
+            0.5 * length * ((2 * i) as f32 - (n - 1) as f32) / (n - 1) as f32
+        };
         let positions: Vec<_> = (0..rows)
             .flat_map(|r| (0..columns).map(move |c| (r, c)))
             .map(|(r, c)| Vec3::new(along(c, columns, size.x), 0.0, along(r, rows, size.y)))

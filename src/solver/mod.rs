@@ -77,9 +77,6 @@ use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, SolveWarp, SolveWeft};
 
-/// Part of the strain limit from which the thread form starts to watch it.
-const WATCH: f32 = 0.8;
-
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
 pub struct ClothSolver {
@@ -227,8 +224,7 @@ impl ClothSolver {
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();
-                self.solve_threads();
-                if self.survey.max_strain > WATCH * self.material.max_strain {
+                if self.solve_threads() {
                     self.limit_strain();
                 }
                 self.pull_tethers();
@@ -252,7 +248,9 @@ impl ClothSolver {
     }
 
     fn limit_strain(&mut self) {
-        let (limit, shear) = (self.limit(), self.material.shear_stiffness > 0.0);
+        // The thread form holds shear springs to the limit where it corrects them.
+        let shear = self.plan.form == Form::Springs && self.material.shear_stiffness > 0.0;
+        let limit = self.limit();
         for _ in 0..self.settings.provot_passes {
             self.correct_springs(Rule::Limit { limit, shear });
         }
@@ -273,12 +271,14 @@ impl ClothSolver {
         });
     }
 
-    /// Weft threads, then warp threads.
-    fn solve_threads(&mut self) {
+    /// Weft threads, then warp threads. Tells whether any spring came to them beyond its limit: where
+    /// none did, none has to be held to it.
+    fn solve_threads(&mut self) -> bool {
         let stiffness = self.plan.thread_stiffness;
         if stiffness <= 0.0 {
-            return;
+            return true;
         }
+        let limit = self.limit();
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
         let layout = self.lattice.layout;
@@ -289,17 +289,20 @@ impl ClothSolver {
             springs: &self.lattice.weft_transposed,
             compliance,
             inverse_mass: &self.held.inverse_mass_transposed,
+            limit,
             line,
         };
-        isa.run(SolveWeft { layout, lines: weft, x, d, strip });
+        let weft_beyond = isa.run(SolveWeft { layout, lines: weft, x, d, strip });
         let warp = Lines {
             layout,
             springs: &self.lattice.warp,
             compliance,
             inverse_mass: &self.held.inverse_mass,
+            limit,
             line,
         };
-        isa.run(SolveWarp { layout, lines: warp, x, d });
+        let warp_beyond = isa.run(SolveWarp { layout, lines: warp, x, d });
+        weft_beyond || warp_beyond
     }
 
     fn pull_tethers(&mut self) {

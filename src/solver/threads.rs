@@ -48,37 +48,45 @@ pub(super) struct Lines<'a> {
     /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
     pub compliance: f32,
     pub inverse_mass: &'a [f32],
+    /// Longest that a spring may be, in rest lengths.
+    pub limit: f32,
     /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
 }
 
+/// Tells whether any spring was longer than its limit before it was corrected.
 impl Kernel for SolveWarp<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self) -> bool {
+        let mut excess = Block::ZERO;
         for column in (0..self.layout.columns).step_by(LANES) {
             let first = self.layout.slot(0, column);
             let stride = self.layout.stride;
             let mut ends = InPlace { x: self.x, d: self.d, first, stride };
-            self.lines.eliminate(column, &ends);
+            self.lines.eliminate(column, &ends, &mut excess);
             self.lines.substitute(column, &mut ends);
         }
+        excess.largest() > 0.0
     }
 }
 
+/// Tells the same as [`SolveWarp`].
 impl Kernel for SolveWeft<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self) -> bool {
+        let mut excess = Block::ZERO;
         for row in (0..self.layout.rows).step_by(LANES) {
             self.fill_strip(row);
             let mut ends = Strip(self.strip);
-            self.lines.eliminate(row, &ends);
+            self.lines.eliminate(row, &ends, &mut excess);
             self.lines.substitute(row, &mut ends);
             self.add_strip(row);
         }
+        excess.largest() > 0.0
     }
 }
 
@@ -188,7 +196,7 @@ impl Ends for Strip<'_> {
 impl Lines<'_> {
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
-    fn eliminate(&mut self, thread: usize, ends: &impl Ends) {
+    fn eliminate(&mut self, thread: usize, ends: &impl Ends, excess: &mut Block) {
         let mut x0 = ends.positions(0);
         let mut w0 = Block::load(self.inverse_mass, self.layout.slot(0, thread));
         let mut last = Pivot::default();
@@ -203,6 +211,7 @@ impl Lines<'_> {
                 let span = x1.at(i) - x0.at(i);
                 // Not `Vec3::length`, whose square root may be a call.
                 let length = span.dot(span).sqrt();
+                excess.0[i] = larger(length - rest.0[i] * self.limit, excess.0[i]);
                 let n = span * (1.0 / larger(length, LEAST_LENGTH));
                 let diagonal = w0.0[i] + w1.0[i];
                 // In this order the larger of the two is a number even where the first is NaN.
