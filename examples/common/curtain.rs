@@ -29,6 +29,8 @@ pub fn add_curtain(world: &mut World, particles: u32) {
     world.spawn((
         Cloth::sheet(side, UVec2::splat(particles)),
         ClothMaterial { drag: 1.0, damping: 0.002, ..default() },
+        // All of its weight pulls at two threads: more substeps than usual hold the strain there.
+        ClothSettings { substeps: Substeps::Automatic { budget: 30 }, ..default() },
         ClothPins::vertices([0])
             .anchored_to(left)
             .and(ClothPins::vertices([particles - 1]).anchored_to(right)),

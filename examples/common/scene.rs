@@ -86,13 +86,13 @@ pub fn spawn_sheet(
     place: Vec3,
     color: Srgba,
     material: ClothMaterial,
-) {
+) -> EntityWorldMut<'_> {
     world.spawn((
         Cloth::sheet(Vec2::splat(side), UVec2::splat(particles)),
         material,
         Transform::from_translation(place),
         linen(color),
-    ));
+    ))
 }
 
 /// A solid and its mesh.

@@ -8,7 +8,7 @@
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
 use super::lanes::{Block, Block3, LANES, Soa, larger};
-use super::lattice::{Family, Lattice};
+use super::lattice::{Family, Lattice, Layout};
 
 /// Turns below this count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;
@@ -91,61 +91,108 @@ fn rest_turn(lattice: &Lattice, slot: usize, step: usize, l1: f32, l2: f32) -> f
     if turn > FLAT { turn } else { 0.0 }
 }
 
-/// Forces of one family of hinges on a block of particles.
-pub(super) struct HingeForces<'a> {
-    pub hinges: &'a Hinges,
-    /// Flexural rigidity \[N m\].
-    pub rigidity: f32,
-    pub x: &'a Soa,
+/// Moments of the hinges that the present row of particles takes part in. They are worked out a row
+/// at a time, so that they stay in the nearest cache and none is worked out twice.
+#[derive(Clone, Debug)]
+pub(super) struct Moments {
+    /// Slots of a row, with a block of zeros on both sides.
+    width: usize,
+    /// Hinges along weft threads: of this row.
+    weft: Soa,
+    /// Hinges along warp threads: of this row, the one before and the one after, in turn.
+    warp: Soa,
 }
 
-impl HingeForces<'_> {
-    /// Forces of the three hinges that a particle takes part in: its own, whose middle it is, and those
-    /// of its neighbours.
+impl Moments {
+    pub fn new(layout: Layout) -> Self {
+        let width = layout.stride + 2 * LANES;
+        Self { width, weft: Soa::zeros(width), warp: Soa::zeros(3 * width) }
+    }
+
+    fn warp_row(&self, row: usize) -> usize {
+        row % 3 * self.width + LANES
+    }
+}
+
+/// The hinges of both families, for the forces of a row of particles.
+pub(super) struct Bend<'a> {
+    pub hinges: &'a [Hinges; 2],
+    /// Flexural rigidity \[N m\].
+    pub rigidity: f32,
+    pub layout: Layout,
+    pub x: &'a Soa,
+    pub moments: &'a mut Moments,
+}
+
+impl Bend<'_> {
+    /// Works out the moments that a row needs. Rows are taken in their order, from the first.
     #[inline(always)]
-    pub fn forces(&self, slot: usize) -> Block3 {
-        let step = self.hinges.step;
-        let own = self.moments(slot);
-        let before = self.moments(slot - step);
-        let after = self.moments(slot + step);
-        let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
-        let in_after = Block::load(&self.hinges.inverse_rest, slot);
+    pub fn begin_row(&mut self, row: usize) {
+        if row == 0 {
+            // Before the first row there are no hinges.
+            self.moments.warp.clear();
+            self.bend_warp(0);
+        }
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let moments = self.moments_at(&self.hinges[0], self.layout.slot(row, column));
+            moments.store(&mut self.moments.weft, LANES + column);
+        }
+        self.bend_warp(row + 1);
+    }
+
+    #[inline(always)]
+    fn bend_warp(&mut self, row: usize) {
+        let at = self.moments.warp_row(row);
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let moments = self.moments_at(&self.hinges[1], self.layout.slot(row, column));
+            moments.store(&mut self.moments.warp, at + column);
+        }
+    }
+
+    /// Forces on a block of the row: each particle is the middle of a hinge along both of its threads,
+    /// and an end of those of its neighbours.
+    #[inline(always)]
+    pub fn forces(&self, row: usize, column: usize) -> Block3 {
+        let slot = self.layout.slot(row, column);
+        let at = LANES + column;
+        let weft = hinge_forces(&self.hinges[0], slot, &self.moments.weft, [at - 1, at, at + 1]);
+        // One row before the first stands where the third does.
+        let rows = [row + 2, row, row + 1].map(|row| self.moments.warp_row(row) + column);
+        let warp = hinge_forces(&self.hinges[1], slot, &self.moments.warp, rows);
         let mut force = Block3::ZERO;
         for i in 0..LANES {
-            let sum = (own.at(i) - before.at(i)) * in_before.0[i]
-                + (own.at(i) - after.at(i)) * in_after.0[i];
-            force.set(i, sum);
+            force.set(i, weft.at(i) + warp.at(i));
         }
         force
     }
 
     /// Moments `K D` of the hinges in the middle of which these particles are.
     #[inline(always)]
-    fn moments(&self, slot: usize) -> Block3 {
-        let step = self.hinges.step;
+    fn moments_at(&self, hinges: &Hinges, slot: usize) -> Block3 {
+        let step = hinges.step;
         let x = Block3::load(self.x, slot);
         let before = Block3::load(self.x, slot - step);
         let after = Block3::load(self.x, slot + step);
-        let in_before = Block::load(&self.hinges.inverse_rest, slot - step);
-        let in_after = Block::load(&self.hinges.inverse_rest, slot);
-        let shape = Block::load(&self.hinges.shape, slot);
+        let in_before = Block::load(&hinges.inverse_rest, slot - step);
+        let in_after = Block::load(&hinges.inverse_rest, slot);
+        let shape = Block::load(&hinges.shape, slot);
         let mut moment = Block3::ZERO;
         for i in 0..LANES {
             let turn =
                 (after.at(i) - x.at(i)) * in_after.0[i] - (x.at(i) - before.at(i)) * in_before.0[i];
             moment.set(i, turn * (shape.0[i] * self.rigidity));
         }
-        if !self.hinges.turn.is_empty() {
-            self.take_off_rest_turn(slot, &mut moment);
+        if !hinges.turn.is_empty() {
+            self.take_off_rest_turn(hinges, slot, &mut moment);
         }
         moment
     }
 
     /// `K D` becomes `K (D - D0 D / |D|)`.
     #[inline(always)]
-    fn take_off_rest_turn(&self, slot: usize, moment: &mut Block3) {
-        let turn = Block::load(&self.hinges.turn, slot);
-        let shape = Block::load(&self.hinges.shape, slot);
+    fn take_off_rest_turn(&self, hinges: &Hinges, slot: usize, moment: &mut Block3) {
+        let turn = Block::load(&hinges.turn, slot);
+        let shape = Block::load(&hinges.shape, slot);
         for i in 0..LANES {
             let m = moment.at(i);
             let at_rest = shape.0[i] * self.rigidity * turn.0[i];
@@ -154,4 +201,22 @@ impl HingeForces<'_> {
             moment.set(i, m * (1.0 - part));
         }
     }
+}
+
+/// Forces of the hinges of one family, from the moments of those before, at and after each particle.
+#[inline(always)]
+fn hinge_forces(hinges: &Hinges, slot: usize, moments: &Soa, at: [usize; 3]) -> Block3 {
+    // Not a `map` over the three: the compiler would go through memory for it.
+    let before = Block3::load(moments, at[0]);
+    let own = Block3::load(moments, at[1]);
+    let after = Block3::load(moments, at[2]);
+    let in_before = Block::load(&hinges.inverse_rest, slot - hinges.step);
+    let in_after = Block::load(&hinges.inverse_rest, slot);
+    let mut force = Block3::ZERO;
+    for i in 0..LANES {
+        let sum =
+            (own.at(i) - before.at(i)) * in_before.0[i] + (own.at(i) - after.at(i)) * in_after.0[i];
+        force.set(i, sum);
+    }
+    force
 }

@@ -12,6 +12,8 @@ use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Layout;
 use crate::sdf::{PointBlock, SampleBlock, SignedDistance};
 
+/// Colliders that there is room for from the start.
+const FEW: usize = 8;
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
 
@@ -181,10 +183,40 @@ pub(super) struct ResolveContacts<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// How far the particles of each block may yet move before any can touch \[m\].
-    pub clearance: &'a mut [f32],
-    /// Room for the least gap of each block that is looked at \[m\].
-    pub gaps: &'a mut [f32],
+    pub room: &'a mut ContactRoom,
+}
+
+/// What contact remembers from substep to substep of a tick, by blocks of particles.
+#[derive(Clone, Debug)]
+pub(super) struct ContactRoom {
+    blocks: usize,
+    /// How far the particles of a block may yet move before any can touch a collider \[m\]: for
+    /// each collider, all blocks.
+    clearance: Vec<f32>,
+    /// How far the particles of a block have moved in the substep at most \[m\].
+    moved: Vec<f32>,
+    /// How far contact has pushed them \[m\], since `moved` was taken.
+    pushed: Vec<f32>,
+}
+
+impl ContactRoom {
+    pub fn new(layout: Layout) -> Self {
+        let blocks = layout.len() / LANES;
+        Self {
+            blocks,
+            clearance: Vec::with_capacity(FEW * blocks),
+            moved: vec![0.0; blocks],
+            pushed: vec![0.0; blocks],
+        }
+    }
+
+    /// Forgets what is known: colliders may have come, or been put elsewhere, since the last tick.
+    /// Allocates where there are more of them than ever before, and more than a few.
+    pub fn begin_tick(&mut self, colliders: usize) {
+        self.clearance.clear();
+        self.clearance.resize(colliders * self.blocks, 0.0);
+        self.pushed.fill(0.0);
+    }
 }
 
 impl Kernel for ResolveContacts<'_> {
@@ -192,25 +224,32 @@ impl Kernel for ResolveContacts<'_> {
 
     #[inline(always)]
     fn run(mut self) -> u32 {
-        self.spend_clearance();
+        // The field of a collider may have been loaded since the tick began.
+        if self.room.clearance.len() != self.colliders.len() * self.room.blocks {
+            self.room.begin_tick(self.colliders.len());
+        }
+        self.look_at_moves();
         let mut touching = 0;
-        for collider in self.colliders {
+        for (k, collider) in self.colliders.iter().enumerate() {
             let motion = self.motion(collider);
             for row in 0..self.layout.rows {
                 for column in (0..self.layout.columns).step_by(LANES) {
                     let slot = self.layout.slot(row, column);
                     let block = slot / LANES;
-                    if self.clearance[block] > 0.0 {
+                    let known = k * self.room.blocks + block;
+                    let spent = self.room.moved[block] + self.room.pushed[block] + motion.reach;
+                    let left = self.room.clearance[known] - spent;
+                    self.room.clearance[known] = left;
+                    if left > 0.0 {
                         continue;
                     }
                     let (gap, count) = self.resolve(slot, &motion);
                     touching += count;
-                    let safe = if count > 0 { 0.0 } else { gap };
-                    self.gaps[block] = self.gaps[block].min(safe);
+                    self.room.clearance[known] = larger(gap, 0.0);
+                    self.room.pushed[block] += larger(-gap, 0.0);
                 }
             }
         }
-        self.renew_clearance();
         touching
     }
 }
@@ -220,11 +259,10 @@ impl<'a> ResolveContacts<'a> {
         Motion::new(collider, self.origin, self.friction, self.span.from, self.span.to)
     }
 
-    /// Takes from each block's clearance what its particles and the surfaces have moved. A block
-    /// that has none left is looked at anew.
+    /// Takes how far the particles of each block have moved since contact last looked at them: by
+    /// their displacements, and by what it pushed them itself.
     #[inline(always)]
-    fn spend_clearance(&mut self) {
-        let furthest = self.colliders.iter().map(|c| self.motion(c).reach).fold(0.0, f32::max);
+    fn look_at_moves(&mut self) {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
@@ -233,25 +271,15 @@ impl<'a> ResolveContacts<'a> {
                 for i in 0..LANES {
                     square.0[i] = d.at(i).dot(d.at(i));
                 }
-                let moved = square.largest().sqrt() + furthest;
                 let block = slot / LANES;
-                self.clearance[block] = (self.clearance[block] - moved).max(0.0);
-                self.gaps[block] = f32::INFINITY;
+                self.room.moved[block] = square.largest().sqrt() + self.room.pushed[block];
+                self.room.pushed[block] = 0.0;
             }
         }
     }
 
-    /// Gives the blocks that were looked at their new clearance.
-    #[inline(always)]
-    fn renew_clearance(&mut self) {
-        for (clearance, &gap) in self.clearance.iter_mut().zip(&*self.gaps) {
-            if *clearance <= 0.0 {
-                *clearance = gap;
-            }
-        }
-    }
-
-    /// Holds one block out of one collider; returns the least gap above epsilon and the contacts.
+    /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
+    /// particle was pushed) and the contacts.
     #[inline(always)]
     fn resolve(&mut self, slot: usize, motion: &Motion<'_>) -> (f32, u32) {
         let w = Block::load(self.inverse_mass, slot);

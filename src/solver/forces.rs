@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3;
 
-use super::bending::HingeForces;
+use super::bending::Bend;
 use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Lattice};
@@ -34,7 +34,7 @@ pub(super) struct AccumulateForces<'a> {
     pub lattice: &'a Lattice,
     pub constants: SpringConstants,
     /// The hinges of both families, where they have any rigidity.
-    pub hinges: Option<[HingeForces<'a>; 2]>,
+    pub bend: Option<Bend<'a>>,
     pub gravity: Vec3,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
@@ -45,12 +45,25 @@ impl Kernel for AccumulateForces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         let layout = self.lattice.layout;
+        let pulls = !self.constants.is_zero();
         for row in 0..layout.rows {
+            if let Some(bend) = &mut self.bend {
+                bend.begin_row(row);
+            }
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
-                let force = self.force(slot, Block3::load(self.x, slot));
+                let mut force = Block3::ZERO;
+                if pulls {
+                    force = self.force(slot, Block3::load(self.x, slot));
+                }
+                if let Some(bend) = &self.bend {
+                    let bending = bend.forces(row, column);
+                    for i in 0..LANES {
+                        force.set(i, force.at(i) + bending.at(i));
+                    }
+                }
                 let w = Block::load(self.inverse_mass, slot);
                 let mut a = Block3::ZERO;
                 for i in 0..LANES {
@@ -84,12 +97,6 @@ impl AccumulateForces<'_> {
             let stride = self.lattice.layout.stride;
             let weft = self.flexion(slot, here, &self.lattice.weft, 1);
             let warp = self.flexion(slot, here, &self.lattice.warp, stride);
-            for i in 0..LANES {
-                force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
-            }
-        }
-        if let Some([weft, warp]) = &self.hinges {
-            let (weft, warp) = (weft.forces(slot), warp.forces(slot));
             for i in 0..LANES {
                 force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
             }

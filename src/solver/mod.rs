@@ -64,7 +64,7 @@ pub use parameters::{
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
 
-use bending::HingeForces;
+use bending::Bend;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Span};
 use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
@@ -133,8 +133,7 @@ impl ClothSolver {
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.lattice.layout, centre);
         self.state.start.copy_from(&self.state.x);
-        // Colliders may have come, or been put elsewhere, since the last tick.
-        self.scratch.clearance.fill(0.0);
+        self.scratch.contact.begin_tick(input.colliders.len());
         self.done = 0;
         Ok(self.plan.substeps)
     }
@@ -147,17 +146,17 @@ impl ClothSolver {
         }
         let plan = self.plan;
         let x = &self.state.x;
-        let rigidity = plan.hinge_rigidity;
-        let hinge_forces =
-            || self.held.hinges.each_ref().map(|hinges| HingeForces { hinges, rigidity, x });
+        let layout = self.lattice.layout;
+        let Scratch { a, moments, .. } = &mut self.scratch;
+        let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
         self.isa.run(AccumulateForces {
             lattice: &self.lattice,
             constants: plan.explicit,
-            hinges: (rigidity > 0.0).then(hinge_forces),
+            bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x, moments }),
             gravity: input.gravity,
             inverse_mass: &self.held.inverse_mass,
             x,
-            a: &mut self.scratch.a,
+            a,
         });
         if plan.damping > 0.0 {
             self.add_damping();
@@ -335,8 +334,7 @@ impl ClothSolver {
                 inverse_mass: &self.held.inverse_mass,
                 x: &mut self.state.x,
                 d: &mut self.state.d,
-                clearance: &mut self.scratch.clearance,
-                gaps: &mut self.scratch.gaps,
+                room: &mut self.scratch.contact,
             });
         }
         let State { x, d, .. } = &mut self.state;

@@ -2,6 +2,8 @@
 
 use bevy::math::Vec3;
 
+use super::bending::Moments;
+use super::contact::ContactRoom;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
 
@@ -72,22 +74,21 @@ fn on_grid(p: Vec3) -> Vec3 {
     (p / State::GRID).round() * State::GRID
 }
 
-/// Room that the stages work in; nothing in it outlives a substep but `clearance`, which outlives
-/// none of the ticks.
+/// Room that the stages work in; nothing in it outlives a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
+    /// Moments of the hinges.
+    pub moments: Moments,
     /// Displacements predicted for the damping.
     pub b: Soa,
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
     /// The unknowns of a block of threads.
     pub line: Line,
-    /// How far the particles of a block may yet move before they can touch a collider \[m\].
-    pub clearance: Vec<f32>,
-    /// The least gap of each block that is looked at \[m\].
-    pub gaps: Vec<f32>,
+    /// What contact remembers within a tick.
+    pub contact: ContactRoom,
 }
 
 /// Directions, inverse pivots and right-hand sides of [`LANES`] threads solved side by side.
@@ -105,14 +106,14 @@ impl Scratch {
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
+            moments: Moments::new(layout),
             strip: Soa::zeros(layout.columns.next_multiple_of(LANES) * LANES),
             line: Line {
                 direction: Soa::zeros(longest),
                 inverse_pivot: Array::zeros(longest),
                 residual: Array::zeros(longest),
             },
-            clearance: vec![0.0; len / LANES],
-            gaps: vec![0.0; len / LANES],
+            contact: ContactRoom::new(layout),
         }
     }
 }
