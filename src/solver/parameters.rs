@@ -74,7 +74,7 @@ pub enum Substeps {
 
 impl Default for Substeps {
     fn default() -> Self {
-        Self::Automatic { budget: 18 }
+        Self::Automatic { budget: 20 }
     }
 }
 
