@@ -8,6 +8,7 @@ use super::{
 };
 use bevy::{
     app::{TaskPoolOptions, TaskPoolPlugin},
+    ecs::schedule::SingleThreadedExecutor,
     mesh::MeshPlugin,
     prelude::*,
     time::TimeUpdateStrategy,
@@ -36,6 +37,12 @@ pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
         ClothPlugin::default(),
     ))
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    if threads == 1 {
+        // Systems as tasks for the one thread of a pool would cost more than most of them do.
+        app.edit_schedule(FixedPostUpdate, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    }
     scene.add_to(&mut app, particles);
     watch(&mut app);
     app.finish();
