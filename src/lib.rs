@@ -97,3 +97,8 @@ pub mod prelude {
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };
 }
+
+/// The README's snippets compile.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
