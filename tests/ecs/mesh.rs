@@ -182,7 +182,10 @@ fn all_else_of_the_mesh_stays() {
     assert_eq!(mesh.indices().cloned(), indices);
     assert_eq!(mesh.count_vertices(), 20);
     let same = |which, values: VertexAttributeValues| {
-        assert_eq!(mesh.attribute(which).map(|v| v.get_bytes()), Some(values.get_bytes()));
+        assert_eq!(
+            mesh.attribute(which).map(VertexAttributeValues::get_bytes),
+            Some(values.get_bytes())
+        );
     };
     same(Mesh::ATTRIBUTE_COLOR, colors.into());
     same(Mesh::ATTRIBUTE_UV_1, uvs.into());

@@ -1,7 +1,11 @@
 //! From components to a running cloth.
 
 use crate::common::*;
-use bevy::{camera::primitives::Aabb, prelude::*};
+use bevy::{
+    camera::primitives::Aabb,
+    mesh::{Indices, VertexAttributeValues},
+    prelude::*,
+};
 use bevy_drape::{prelude::*, solver::MassLumping};
 use std::sync::Arc;
 
@@ -22,8 +26,8 @@ fn a_sheet_alone_is_set_up_and_drawn_in_the_frame_that_spawns_it() {
         assert!(position(&app, entity, i).distance(expected(i) + Vec3::new(10.0, 2.0, 0.0)) < 1e-6);
     }
     assert!(attribute(mesh, Mesh::ATTRIBUTE_NORMAL).iter().all(|n| *n == Vec3::Y));
-    assert_eq!(mesh.attribute(Mesh::ATTRIBUTE_UV_0).map(|uv| uv.len()), Some(12));
-    assert_eq!(mesh.indices().map(|indices| indices.len()), Some(36));
+    assert_eq!(mesh.attribute(Mesh::ATTRIBUTE_UV_0).map(VertexAttributeValues::len), Some(12));
+    assert_eq!(mesh.indices().map(Indices::len), Some(36));
     let aabb = app.world().get::<Aabb>(entity).expect("it has bounds");
     assert!(Vec3::from(aabb.half_extents).distance(Vec3::new(1.5, 0.0, 0.5)) < 1e-6);
 }

@@ -203,7 +203,7 @@ fn the_extremes_of_every_number_stay_finite() {
         ("no strain", |m| m.max_strain = 0.0),
         ("light and stiff", |m| {
             (m.area_density, m.thread_stiffness, m.shear_stiffness, m.damping) =
-                (1e-6, 1e15, 1e15, 1e9)
+                (1e-6, 1e15, 1e15, 1e9);
         }),
     ];
     for (what, change) in extremes {
