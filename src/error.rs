@@ -166,7 +166,7 @@ impl Failures<'_, '_> {
         if self.known.get(entity).is_ok_and(|known| known.error.to_string() == message) {
             return;
         }
-        error!("{message}");
+        tracing::error!("{message}");
         self.commands.entity(entity).try_insert(ClothFailure { error });
     }
 

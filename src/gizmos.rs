@@ -47,7 +47,9 @@ impl Plugin for ClothGizmosPlugin {
     fn finish(&self, app: &mut App) {
         // Bevy's own plugin draws them; the default plugins have it.
         if !app.is_plugin_added::<GizmoPlugin>() {
-            warn!("ClothGizmosPlugin draws nothing without Bevy's GizmoPlugin: add DefaultPlugins");
+            tracing::warn!(
+                "ClothGizmosPlugin draws nothing without Bevy's GizmoPlugin: add DefaultPlugins"
+            );
         }
     }
 }
