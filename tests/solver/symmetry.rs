@@ -1,7 +1,7 @@
 //! Symmetric scenes stay symmetric as long as nothing is done in an order (Provot's passes and the
 //! shear of the thread form are); plane scenes stay plane, to the bit.
 
-use bevy::math::{Vec2, Vec3, primitives::Sphere};
+use bevy::math::{Vec2, Vec3, Vec3Swizzles, primitives::Sphere};
 use bevy_drape::solver::{
     Bending, ClothSolver, Collider, DampingForm, FormChoice, MassLumping, Material, Pose, Settings,
 };
@@ -41,17 +41,9 @@ fn mirror_asymmetry(solver: &ClothSolver) -> f64 {
 /// The same, with rows and columns exchanged too.
 fn asymmetry(solver: &ClothSolver) -> f64 {
     let at = |r: usize, c: usize| solver.position(r * SIDE + c).as_dvec3();
-    let mut worst = 0.0_f64;
-    for r in 0..SIDE {
-        for c in 0..SIDE {
-            let p = at(r, c);
-            let (across, along) = (at(r, SIDE - 1 - c), at(SIDE - 1 - r, c));
-            worst = worst.max((across - bevy::math::DVec3::new(-p.x, p.y, p.z)).length());
-            worst = worst.max((along - bevy::math::DVec3::new(p.x, p.y, -p.z)).length());
-            worst = worst.max((at(c, r) - bevy::math::DVec3::new(p.z, p.y, p.x)).length());
-        }
-    }
-    worst
+    let exchanged = |r, c| (at(c, r) - at(r, c).zyx()).length();
+    let cells = (0..SIDE).flat_map(|r| (0..SIDE).map(move |c| (r, c)));
+    cells.map(|(r, c)| exchanged(r, c)).fold(mirror_asymmetry(solver), f64::max)
 }
 
 fn all() -> Material {
