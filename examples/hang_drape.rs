@@ -94,7 +94,7 @@ fn run(scene: Scene, n: usize, substeps: Substeps, exact: &Motion) -> Result<Run
     let pin = |&particle: &u32| PinMotion::still(cloth.position(particle as usize));
     let pins: Vec<_> = cloth.pins().iter().map(pin).collect();
     let (shape, still) = (&Sphere::new(RADIUS), Pose::IDENTITY);
-    let ball = [Collider { shape, start: still, end: still, friction: 0.5 }];
+    let ball = [Collider::new(shape, still)];
     let colliders: &[_] = if scene == Scene::Drape { &ball } else { &[] };
     let gravity = Vec3::new(0.0, -9.81, 0.0);
     let input = StepInput { dt: FRAME, gravity, pins: &pins, colliders };

@@ -101,12 +101,11 @@ impl ColliderSnapshot {
     ) -> Vec<solver::Collider<'a>> {
         let mut colliders = room.reuse();
         colliders.extend(self.0.iter().filter_map(|collider| {
-            Some(solver::Collider {
-                shape: collider.shape.get(fields)?,
-                start: collider.start,
-                end: collider.end,
-                friction: collider.friction,
-            })
+            Some(
+                solver::Collider::new(collider.shape.get(fields)?, collider.start)
+                    .moving_to(collider.end)
+                    .with_friction(collider.friction),
+            )
         }));
         colliders
     }
@@ -222,7 +221,7 @@ mod tests {
     fn the_room_for_colliders_is_kept() {
         let sphere = Sphere::new(1.0);
         let pose = Pose::IDENTITY;
-        let collider = solver::Collider { shape: &sphere, start: pose, end: pose, friction: 0.5 };
+        let collider = solver::Collider::new(&sphere, pose);
         let used = vec![collider; 10];
         let at = used.as_ptr().addr();
         let again = ColliderRoom::keep(used).reuse();

@@ -87,7 +87,7 @@ fn a_tick_and_its_stages_do_not_allocate() {
     let ball = Sphere::new(0.3);
     let (from, to) =
         (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
-    let colliders = [Collider { shape: &ball, start: from, end: to, friction: 0.5 }; 2];
+    let colliders = [Collider::new(&ball, from).moving_to(to); 2];
     for form in [FormChoice::Springs, FormChoice::Threads] {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let (mut solver, pins) = busy(form, bending);

@@ -23,6 +23,12 @@ pub struct ClothSettings {
     /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no
     /// higher.
     pub max_speed: f32,
+    /// Speed at which particles that are inside a collider are pushed out [m/s]. Higher frees a cloth
+    /// sooner that was spawned inside one.
+    pub max_push_speed: f32,
+    /// The layers of colliders that it meets, a bit each: those of which
+    /// [`SdfCollider::layers`](crate::SdfCollider::layers) shares one.
+    pub layers: u32,
 }
 
 impl Default for ClothSettings {
@@ -41,6 +47,8 @@ impl From<Settings> for ClothSettings {
             bending: settings.bending,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
+            max_push_speed: settings.max_push_speed,
+            layers: settings.layers,
         }
     }
 }
@@ -55,6 +63,8 @@ impl From<ClothSettings> for Settings {
             bending: settings.bending,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
+            max_push_speed: settings.max_push_speed,
+            layers: settings.layers,
         }
     }
 }

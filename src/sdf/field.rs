@@ -1,6 +1,6 @@
 //! What a distance field is: a grid of distances and the facts known about it.
 
-use super::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance, lookup};
+use super::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance, lookup};
 use bevy::{
     asset::Asset,
     math::{UVec3, Vec3, bounding::Aabb3d},
@@ -103,6 +103,10 @@ impl SignedDistance for DistanceField {
     #[inline]
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         lookup::field_distance_block(self, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Field(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

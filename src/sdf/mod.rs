@@ -13,10 +13,6 @@
 //! only, never a fused or a transcendental operation, so it gives the same bits wherever it runs, one
 //! point at a time or [`LANES`] at once.
 //!
-//! [`Sphere`]: bevy::math::primitives::Sphere
-//! [`Cuboid`]: bevy::math::primitives::Cuboid
-//! [`Capsule3d`]: bevy::math::primitives::Capsule3d
-//! [`InfinitePlane3d`]: bevy::math::primitives::InfinitePlane3d
 //! [`Cylinder`]: bevy::math::primitives::Cylinder
 //! [`Torus`]: bevy::math::primitives::Torus
 //! [`Cone`]: bevy::math::primitives::Cone
@@ -32,7 +28,11 @@ pub use bake::{BakeError, BakeSettings, MAX_NODES};
 pub use field::DistanceField;
 pub use lookup::{field_block, field_distance_block};
 
-use bevy::math::{Vec3, bounding::Aabb3d};
+use bevy::math::{
+    Vec3,
+    bounding::Aabb3d,
+    primitives::{Capsule3d, Cuboid, InfinitePlane3d, Sphere},
+};
 
 /// Number of points in a block.
 ///
@@ -133,11 +133,46 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
     /// Smallest box around the surface \[m\], or `None` where there is none (a half-space).
     fn bounds(&self) -> Option<Aabb3d>;
 
+    /// Which of the known solids this is. Code that is compiled for an instruction set of its own can
+    /// call their `*_block` functions, which are inlined into it.
+    fn known(&self) -> Option<KnownShape<'_>> {
+        None
+    }
+
     /// How far [`distance`](Self::distance) may exceed the true distance, at most \[m\].
     ///
     /// Zero for a shape that is computed exactly (up to the rounding of `f32`). What skips points or
     /// traces rays by the distance subtracts this first.
     fn overestimate(&self) -> f32 {
         0.0
+    }
+}
+
+/// A solid whose block functions are inlined where they are called.
+#[derive(Clone, Copy, Debug)]
+pub enum KnownShape<'a> {
+    /// [`shapes::sphere_block`].
+    Sphere(&'a Sphere),
+    /// [`shapes::half_space_block`].
+    HalfSpace(&'a InfinitePlane3d),
+    /// [`shapes::capsule_block`].
+    Capsule(&'a Capsule3d),
+    /// [`shapes::cuboid_block`].
+    Cuboid(&'a Cuboid),
+    /// [`field_block`].
+    Field(&'a DistanceField),
+}
+
+impl KnownShape<'_> {
+    /// [`sample_block`](SignedDistance::sample_block) of the shape, inlined.
+    #[inline(always)]
+    pub fn sample_block(self, points: &PointBlock, out: &mut SampleBlock) {
+        match self {
+            Self::Sphere(s) => shapes::sphere_block(s.radius, points, out),
+            Self::HalfSpace(s) => shapes::half_space_block(s.normal.as_vec3(), points, out),
+            Self::Capsule(s) => shapes::capsule_block(s.radius, s.half_length, points, out),
+            Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
+            Self::Field(field) => field_block(field, points, out),
+        }
     }
 }

@@ -85,7 +85,11 @@ impl ClothSolver {
     pub fn set_position(&mut self, particle: usize, position: Vec3) -> Result<(), SolverError> {
         self.check_particle(particle, "position", position)?;
         let slot = self.slot(particle);
-        self.state.x.set(slot, position - self.state.origin);
+        let local = position - self.state.origin;
+        self.state.x.set(slot, local);
+        // Contact looks for colliders within these.
+        self.survey.min = self.survey.min.min(local);
+        self.survey.max = self.survey.max.max(local);
         Ok(())
     }
 

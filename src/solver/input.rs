@@ -64,10 +64,7 @@ impl StepInput<'_> {
         if let Some(pin) = self.pins.iter().position(|p| !(is_near(p.start) && is_near(p.end))) {
             return Err(SolverError::PinTarget(pin));
         }
-        let usable = |c: &Collider<'_>| {
-            c.start.is_valid() && c.end.is_valid() && c.friction >= 0.0 && c.friction <= 1e3
-        };
-        match self.colliders.iter().position(|c| !usable(c)) {
+        match self.colliders.iter().position(|c| !c.is_usable()) {
             Some(collider) => Err(SolverError::Collider(collider)),
             None => Ok(()),
         }

@@ -66,7 +66,7 @@ pub use plan::{Clamped, Form, Plan, PlanReason};
 
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
-use contact::{ResolveContacts, Span};
+use contact::{ResolveContacts, Skin, Span};
 use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
 use held::Held;
 use input::is_near;
@@ -76,6 +76,7 @@ use plan::Bound;
 use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, SolveWarp, SolveWeft};
+use transpose::Transpose;
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
@@ -130,10 +131,11 @@ impl ClothSolver {
             }
             self.tethered_under = Some(input.gravity);
         }
+        let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.lattice.layout, centre);
         self.state.start.copy_from(&self.state.x);
-        self.scratch.contact.begin_tick(input.colliders.len());
+        self.scratch.contact.begin_tick(low, high, input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)
     }
@@ -291,7 +293,8 @@ impl ClothSolver {
             limit,
             line,
         };
-        let weft_beyond = isa.run(SolveWeft { layout, lines: weft, x, d, strip });
+        let weft_beyond =
+            isa.run(SolveWeft { layout, lines: weft, x, d, strip, transpose: Transpose::new(isa) });
         let warp = Lines {
             layout,
             springs: &self.lattice.warp,
@@ -329,8 +332,13 @@ impl ClothSolver {
                 colliders: input.colliders,
                 origin: self.state.origin,
                 span: self.span(),
-                epsilon: self.material.thickness,
-                friction: self.material.friction,
+                skin: Skin {
+                    epsilon: self.material.thickness,
+                    friction: self.material.friction,
+                    layers: self.settings.layers,
+                    most_push: self.settings.max_push_speed * self.plan.step,
+                    step: self.plan.step,
+                },
                 inverse_mass: &self.held.inverse_mass,
                 x: &mut self.state.x,
                 d: &mut self.state.d,
@@ -340,6 +348,12 @@ impl ClothSolver {
         let State { x, d, .. } = &mut self.state;
         self.isa.run(Displace { layout: self.lattice.layout, x, d });
         self.done += 1;
+    }
+
+    /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
+    /// the input; zero where it was not asked to be [`measured`](Collider::measured).
+    pub fn impulse(&self, collider: usize) -> Vec3 {
+        self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
     }
 
     /// Ends the tick.

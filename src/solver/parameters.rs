@@ -95,6 +95,10 @@ pub struct Settings {
     pub tethers: bool,
     /// Speed that no particle exceeds \[m/s\].
     pub max_speed: f32,
+    /// Speed at which particles inside a collider are pushed out \[m/s\].
+    pub max_push_speed: f32,
+    /// The layers of colliders that it meets, a bit each.
+    pub layers: u32,
 }
 
 impl Default for Settings {
@@ -107,6 +111,8 @@ impl Default for Settings {
             bending: Bending::SecondDifference,
             tethers: true,
             max_speed: 100.0,
+            max_push_speed: 2.0,
+            layers: u32::MAX,
         }
     }
 }
@@ -158,7 +164,8 @@ impl Settings {
         check("substeps", count as f32, 1.0, limit, "from 1 to 4096")?;
         check("provot_passes", self.provot_passes as f32, 0.0, 1000.0, "from 0 to 1000")?;
         let range = "positive and at most 1e5 m/s";
-        check("max_speed", self.max_speed, 1e-3, 1e5, range)
+        check("max_speed", self.max_speed, 1e-3, 1e5, range)?;
+        check("max_push_speed", self.max_push_speed, 1e-3, 1e5, range)
     }
 }
 

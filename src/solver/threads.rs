@@ -11,7 +11,7 @@ use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
-use super::transpose::transposed;
+use super::transpose::Transpose;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
 /// held at both ends has one constraint too many; this keeps its matrix far enough from singular
@@ -39,6 +39,7 @@ pub(super) struct SolveWeft<'a> {
     pub d: &'a mut Soa,
     /// Positions of a strip, then its corrections.
     pub strip: &'a mut Soa,
+    pub transpose: Transpose,
 }
 
 /// What the threads of one direction are made of, in the layout whose rows they run across.
@@ -96,9 +97,10 @@ impl SolveWeft<'_> {
         for column in (0..self.layout.columns).step_by(LANES) {
             let slot = self.layout.slot(row, column);
             let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
-            fill_tile(&x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
-            fill_tile(&x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
-            fill_tile(&x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
+            let t = self.transpose;
+            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
+            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
+            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
         }
     }
 
@@ -107,16 +109,25 @@ impl SolveWeft<'_> {
         for column in (0..self.layout.columns).step_by(LANES) {
             let slot = self.layout.slot(row, column);
             let (d, strip) = (&mut *self.d, &*self.strip);
-            add_tile(&strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
-            add_tile(&strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
-            add_tile(&strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
+            let t = self.transpose;
+            add_tile(t, &strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
+            add_tile(t, &strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
+            add_tile(t, &strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
         }
     }
 }
 
 /// Writes the sums of two arrays in a tile to a strip.
 #[inline(always)]
-fn fill_tile(x: &[f32], d: &[f32], slot: usize, stride: usize, strip: &mut [f32], at: usize) {
+fn fill_tile(
+    t: Transpose,
+    x: &[f32],
+    d: &[f32],
+    slot: usize,
+    stride: usize,
+    strip: &mut [f32],
+    at: usize,
+) {
     let mut tile = [Block::ZERO; LANES];
     for (i, line) in tile.iter_mut().enumerate() {
         let (x, d) = (Block::load(x, slot + i * stride), Block::load(d, slot + i * stride));
@@ -124,19 +135,19 @@ fn fill_tile(x: &[f32], d: &[f32], slot: usize, stride: usize, strip: &mut [f32]
             line.0[j] = x.0[j] + d.0[j];
         }
     }
-    for (j, line) in transposed(&tile).into_iter().enumerate() {
+    for (j, line) in t.tile(&tile).into_iter().enumerate() {
         line.store(strip, at + j * LANES);
     }
 }
 
 /// Adds a part of a strip to a tile.
 #[inline(always)]
-fn add_tile(strip: &[f32], at: usize, d: &mut [f32], slot: usize, stride: usize) {
+fn add_tile(t: Transpose, strip: &[f32], at: usize, d: &mut [f32], slot: usize, stride: usize) {
     let mut tile = [Block::ZERO; LANES];
     for (j, line) in tile.iter_mut().enumerate() {
         *line = Block::load(strip, at + j * LANES);
     }
-    for (i, line) in transposed(&tile).into_iter().enumerate() {
+    for (i, line) in t.tile(&tile).into_iter().enumerate() {
         let mut new = Block::load(d, slot + i * stride);
         for j in 0..LANES {
             new.0[j] += line.0[j];

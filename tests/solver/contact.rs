@@ -13,7 +13,7 @@ use bevy_drape::solver::{
 use super::common::*;
 
 fn fixed<'a>(shape: &'a dyn SignedDistance, pose: Pose, friction: f32) -> Collider<'a> {
-    Collider { shape, start: pose, end: pose, friction }
+    Collider::new(shape, pose).with_friction(friction)
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn a_moving_collider_carries_the_cloth() {
         for tick in 0..64 {
             let at = |tick: i32| Pose::from_translation(speed * (tick as f32 * TICK));
             let collider =
-                Collider { shape: &floor, start: at(tick), end: at(tick + 1), friction: 0.8 };
+                Collider::new(&floor, at(tick)).moving_to(at(tick + 1)).with_friction(0.8);
             run(&mut solver, 1, GRAVITY, &[collider]);
             let height = at(tick + 1).translation.y;
             let low = positions(&solver).iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
@@ -198,8 +198,7 @@ fn a_turning_collider_carries_the_cloth_round() {
             rotation: Quat::from_rotation_y(tick as f32 * TICK),
             ..Pose::IDENTITY
         };
-        let collider =
-            Collider { shape: &floor, start: at(tick), end: at(tick + 1), friction: 0.8 };
+        let collider = Collider::new(&floor, at(tick)).moving_to(at(tick + 1)).with_friction(0.8);
         run(&mut solver, 1, GRAVITY, &[collider]);
     }
     let expected = Quat::from_rotation_y(1.0) * offset;

@@ -66,8 +66,8 @@ fn bits_of(mut solver: ClothSolver, staged: bool) -> Vec<Vec<[u32; 6]>> {
     for tick in 0..24 {
         let [(s0, e0), (s1, e1)] = surroundings(tick);
         let colliders = [
-            Collider { shape: &ball, start: s0, end: e0, friction: 0.5 },
-            Collider { shape: &Waves, start: s1, end: e1, friction: 0.2 },
+            Collider::new(&ball, s0).moving_to(e0),
+            Collider::new(&Waves, s1).moving_to(e1).with_friction(0.2),
         ];
         let at = |tick: i32, p: Vec3| p + Vec3::Y * 0.1 * tick as f32 * TICK;
         let pins: Vec<_> =

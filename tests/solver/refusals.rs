@@ -145,9 +145,10 @@ fn a_tick_with_bad_input_does_not_begin() {
 fn bad_colliders_are_refused_by_number() {
     let ball = Sphere::new(1.0);
     let far = Pose::from_translation(Vec3::X * 100.0);
-    let fine = Collider { shape: &ball, start: far, end: far, friction: 0.5 };
-    let with =
-        |start: Pose, end: Pose, friction: f32| Collider { shape: &ball, start, end, friction };
+    let fine = Collider::new(&ball, far);
+    let with = |start: Pose, end: Pose, friction: f32| {
+        Collider::new(&ball, start).moving_to(end).with_friction(friction)
+    };
     let pins = [PinMotion::still(Vec3::ZERO), PinMotion::still(Vec3::X)];
     let scaled = |scale| Pose { scale, ..far };
     let turned = |rotation| Pose { rotation, ..far };

@@ -18,7 +18,7 @@ fn held_at_corners(material: Material, settings: Settings) -> ClothSolver {
     solver.set_pins(&[0, n - 1, n * (n - 1), n * n - 1]).unwrap();
     let ball = Sphere::new(0.2);
     let pose = Pose::from_translation(Vec3::new(0.0, -0.3, 0.0));
-    let ball = Collider { shape: &ball, start: pose, end: pose, friction: 0.3 };
+    let ball = Collider::new(&ball, pose).with_friction(0.3);
     run(&mut solver, 32, GRAVITY, &[ball]);
     solver
 }

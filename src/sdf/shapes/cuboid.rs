@@ -1,7 +1,7 @@
 //! Cuboid: the distance to a face, an edge or a corner, whichever is nearest.
 
 use super::{Kernel, centred, larger, length_and_direction, smaller, to_sample};
-use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy::math::{Vec3, bounding::Aabb3d, primitives::Cuboid};
 
 #[inline(always)]
@@ -56,6 +56,10 @@ impl SignedDistance for Cuboid {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         cuboid_distance_block(self.half_size, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Cuboid(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

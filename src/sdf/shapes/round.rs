@@ -1,7 +1,7 @@
 //! Sphere, capsule and half-space: the distance to a point, a segment and a plane.
 
 use super::{Kernel, centred, larger, length_and_direction, smaller, to_sample};
-use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy::math::{
     Vec3,
     bounding::Aabb3d,
@@ -99,6 +99,10 @@ impl SignedDistance for Sphere {
         sphere_distance_block(self.radius, points, out);
     }
 
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Sphere(self))
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         centred(Vec3::splat(self.radius))
     }
@@ -115,6 +119,10 @@ impl SignedDistance for Capsule3d {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         capsule_distance_block(self.radius, self.half_length, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Capsule(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
@@ -134,6 +142,10 @@ impl SignedDistance for InfinitePlane3d {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         half_space_distance_block(self.normal.as_vec3(), points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::HalfSpace(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

@@ -1,0 +1,241 @@
+//! Contact with signed distance fields: particles are held `epsilon` outside, with friction.
+//!
+//! A particle nearer than epsilon is moved out along the gradient. Its displacement, and so its
+//! velocity, loses the approach that this undoes and no more: being moved out of a collider gives no
+//! speed. Coulomb's friction acts on the displacement relative to the collider's surface, with the
+//! impulse of that same undoing.
+//!
+//! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
+//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`).
+
+mod collider;
+mod room;
+mod sweep;
+
+use bevy::math::Vec3;
+
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::Layout;
+use crate::sdf::{PointBlock, SampleBlock};
+
+pub use collider::{Collider, Pose};
+pub(super) use room::ContactRoom;
+
+use collider::Motion;
+use room::Awake;
+use sweep::Sweep;
+
+/// Least way of sliding that has a direction \[m\].
+const LEAST_SLIDING: f32 = 1e-20;
+
+/// The part of a tick that a substep covers, from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub from: f32,
+    pub to: f32,
+}
+
+/// What a cloth is to colliders.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skin {
+    /// Distance at which particles are held \[m\].
+    pub epsilon: f32,
+    /// The cloth's coefficient of friction.
+    pub friction: f32,
+    /// The layers that it is in, a bit each.
+    pub layers: u32,
+    /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
+    pub most_push: f32,
+    /// Length of the substep \[s\].
+    pub step: f32,
+}
+
+/// Moves particles out of all colliders, in their order, and returns how many touched one.
+pub(super) struct ResolveContacts<'a> {
+    pub layout: Layout,
+    pub colliders: &'a [Collider<'a>],
+    pub origin: Vec3,
+    pub span: Span,
+    pub skin: Skin,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    pub room: &'a mut ContactRoom,
+}
+
+impl Kernel for ResolveContacts<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(mut self) -> u32 {
+        let way = self.look_at_moves();
+        let Skin { epsilon, layers, .. } = self.skin;
+        self.room.wake(way, epsilon, layers, self.x, self.layout, self.origin, self.colliders);
+        let mut touching = 0;
+        for k in 0..self.room.awake.len() {
+            touching += self.meet(self.room.awake[k]);
+        }
+        touching
+    }
+}
+
+impl ResolveContacts<'_> {
+    /// Takes how far the particles of each block move in this substep: by their displacements, and
+    /// by what contact pushed them in the last one. Returns the furthest.
+    #[inline(always)]
+    fn look_at_moves(&mut self) -> f32 {
+        let mut furthest = 0.0;
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let d = Block3::load(self.d, slot);
+                let mut square = Block::ZERO;
+                for i in 0..LANES {
+                    square.0[i] = d.at(i).dot(d.at(i));
+                }
+                let block = slot / LANES;
+                let moved = square.largest().sqrt() + self.room.pushed[block];
+                self.room.moved[block] = moved;
+                self.room.pushed[block] = 0.0;
+                furthest = larger(moved, furthest);
+            }
+        }
+        furthest
+    }
+
+    /// Holds all particles out of one collider, and returns how many touched it.
+    #[inline(always)]
+    fn meet(&mut self, awake: Awake) -> u32 {
+        let collider = &self.colliders[awake.collider];
+        let (from, to) = (self.span.from, self.span.to);
+        let motion = Motion::new(collider, self.origin, self.skin.friction, from, to);
+        let mut touching = 0;
+        let mut given = Block3::ZERO;
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let block = slot / LANES;
+                let known = awake.clearances + block;
+                let way = self.room.moved[block] + self.room.pushed[block] + motion.reach;
+                let left = self.room.clearance[known] - way;
+                self.room.clearance[known] = left;
+                if left > 0.0 {
+                    continue;
+                }
+                if way > self.skin.epsilon {
+                    let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
+                    sweep.block(slot, self.inverse_mass, self.x, self.d, &mut given);
+                }
+                let (gap, count) = self.resolve(slot, &motion, &mut given);
+                touching += count;
+                self.room.clearance[known] = larger(gap, 0.0);
+                self.room.pushed[block] += larger(-gap, 0.0);
+            }
+        }
+        if motion.measured {
+            self.room.impulses[awake.collider] += sum(&given) / self.skin.step;
+        }
+        touching
+    }
+
+    /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
+    /// particle was pushed) and the contacts.
+    #[inline(always)]
+    fn resolve(&mut self, slot: usize, motion: &Motion<'_>, given: &mut Block3) -> (f32, u32) {
+        let w = Block::load(self.inverse_mass, slot);
+        let x = Block3::load_sum(self.x, self.d, slot);
+        let mut points = PointBlock::default();
+        for i in 0..LANES {
+            let local = motion.after.to_local(x.at(i));
+            (points.x[i], points.y[i], points.z[i]) = (local.x, local.y, local.z);
+        }
+        let mut samples = SampleBlock::default();
+        match motion.known {
+            Some(shape) => shape.sample_block(&points, &mut samples),
+            None => motion.shape.sample_block(&points, &mut samples),
+        }
+        let mut depth = Block::ZERO;
+        let mut gap = Block::ZERO;
+        for i in 0..LANES {
+            let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
+            gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
+            depth.0[i] = larger(-gap.0[i], 0.0);
+        }
+        let least = gap.smallest();
+        let nearest = least - motion.overestimate;
+        if least >= 0.0 {
+            return (nearest, 0);
+        }
+        let surface = surface_displacements(&points, &x, motion);
+        self.push_out(slot, &depth, &samples, &surface, motion, given);
+        (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
+    }
+
+    /// Moves particles out by their depth, and takes approach and friction from their displacements.
+    #[inline(always)]
+    fn push_out(
+        &mut self,
+        slot: usize,
+        depth: &Block,
+        samples: &SampleBlock,
+        surface: &Block3,
+        motion: &Motion<'_>,
+        given: &mut Block3,
+    ) {
+        let w = Block::load(self.inverse_mass, slot);
+        let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+        for i in 0..LANES {
+            let normal =
+                motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
+            let relative = d.at(i) - surface.at(i);
+            let approach = relative.dot(normal);
+            // What the push undoes of the approach belongs to the substep. The rest is a displacement
+            // without velocity: being pushed out gives no speed. It happens where a particle was
+            // inside before, and takes its time.
+            let push = depth.0[i];
+            let undone = larger(if push < -approach { push } else { -approach }, 0.0);
+            let rest = push - undone;
+            let rest = if rest < self.skin.most_push { rest } else { self.skin.most_push };
+            let tangential = relative - normal * approach;
+            let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
+            let part = motion.friction * undone / sliding;
+            let braked = tangential * if part < 1.0 { part } else { 1.0 };
+            let touching = push > 0.0;
+            let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
+            let into_x = if touching { normal * rest } else { Vec3::ZERO };
+            d.set(i, d.at(i) + into_d);
+            x.set(i, x.at(i) + into_x);
+            if motion.measured {
+                // Beside the sheet and where held, w is zero and nothing touches.
+                let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+                let part = if touching { into_d * mass } else { Vec3::ZERO };
+                given.set(i, given.at(i) - part);
+            }
+        }
+        d.store(self.d, slot);
+        x.store(self.x, slot);
+    }
+}
+
+/// The sum over the lanes, in their order.
+#[inline(always)]
+fn sum(block: &Block3) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for i in 0..LANES {
+        sum += block.at(i);
+    }
+    sum
+}
+
+/// How far the collider moves at the particles in the substep \[m\].
+#[inline(always)]
+fn surface_displacements(local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
+    let mut surface = Block3::ZERO;
+    if motion.moves {
+        for i in 0..LANES {
+            surface.set(i, x.at(i) - motion.before.to_world(local.point(i)));
+        }
+    }
+    surface
+}

@@ -1,0 +1,182 @@
+//! What contact remembers within a tick, so that it looks only at what may touch.
+//!
+//! Twice the same thought: something at a known distance cannot touch before that much way has been
+//! gone. A collider sleeps until the cloth has gone as far as there was between their boxes when the
+//! tick began; a block of particles is passed over until it has gone the clearance that it was last
+//! found to have.
+
+use bevy::math::{Vec3, bounding::Aabb3d};
+
+use super::super::isa::Kernel;
+use super::super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::super::lattice::Layout;
+use super::Collider;
+
+/// Colliders awake at once that there is room for from the start.
+const FEW: usize = 8;
+
+/// What contact remembers from substep to substep of a tick.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct ContactRoom {
+    blocks: usize,
+    /// The colliders that the cloth may have come to, in their order.
+    pub awake: Vec<Awake>,
+    /// How far the particles of a block may yet move before any can touch a collider \[m\]: for
+    /// each awake collider, all blocks.
+    pub clearance: Vec<f32>,
+    /// How far the particles of a block move in the substep at most \[m\], pushes of the last one
+    /// included.
+    pub moved: Vec<f32>,
+    /// How far contact has pushed them \[m\], since `moved` was taken.
+    pub pushed: Vec<f32>,
+    /// How far the cloth has gone since the tick began, at most \[m\].
+    gone: f32,
+    /// How far it may go before another collider wakes \[m\].
+    until_next: f32,
+    /// The cloth's box when the tick began, in world space.
+    low: Vec3,
+    high: Vec3,
+    /// What rounding may take off a distance in world space \[m\].
+    slack: f32,
+    /// Momentum that the cloth has given to each collider in the tick \[kg m/s\].
+    pub impulses: Vec<Vec3>,
+}
+
+/// A collider that the cloth may have come to.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solver) struct Awake {
+    /// Its index.
+    pub collider: usize,
+    /// Where its clearances begin.
+    pub clearances: usize,
+}
+
+impl ContactRoom {
+    pub fn new(layout: Layout) -> Self {
+        let blocks = layout.len() / LANES;
+        Self {
+            blocks,
+            awake: Vec::with_capacity(FEW),
+            clearance: Vec::with_capacity(FEW * blocks),
+            moved: vec![0.0; blocks],
+            pushed: vec![0.0; blocks],
+            gone: 0.0,
+            until_next: 0.0,
+            low: Vec3::ZERO,
+            high: Vec3::ZERO,
+            slack: 0.0,
+            impulses: Vec::new(),
+        }
+    }
+
+    /// Forgets what is known: colliders may have come, or been put elsewhere, since the last tick.
+    /// `low` and `high` are the corners of a box around the cloth in world space.
+    pub fn begin_tick(&mut self, low: Vec3, high: Vec3, colliders: &[Collider<'_>]) {
+        self.awake.clear();
+        self.clearance.clear();
+        self.pushed.fill(0.0);
+        self.gone = 0.0;
+        self.until_next = 0.0;
+        (self.low, self.high) = (low, high);
+        self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
+        self.impulses.clear();
+        if colliders.iter().any(|collider| collider.measured) {
+            self.impulses.resize(colliders.len(), Vec3::ZERO);
+        }
+    }
+
+    /// Adds the way of a substep, and wakes the colliders that the cloth may have come to. `epsilon`
+    /// is the distance at which it is held. Allocates where more of them are awake than ever before,
+    /// and more than a few.
+    pub fn wake(
+        &mut self,
+        way: f32,
+        epsilon: f32,
+        layers: u32,
+        x: &Soa,
+        layout: Layout,
+        origin: Vec3,
+        colliders: &[Collider<'_>],
+    ) {
+        self.gone += way;
+        if self.gone < self.until_next {
+            return;
+        }
+        self.until_next = f32::INFINITY;
+        let mut place = 0;
+        for (index, collider) in colliders.iter().enumerate() {
+            if self.awake.get(place).is_some_and(|awake| awake.collider == index) {
+                place += 1;
+                continue;
+            }
+            if collider.layers & layers == 0 {
+                continue;
+            }
+            let gap = collider
+                .bounds
+                .map_or(0.0, |bounds| box_gap(self.low, self.high, &bounds) - epsilon - self.slack);
+            if gap > self.gone {
+                self.until_next = self.until_next.min(gap);
+                continue;
+            }
+            let clearances = self.clearance.len();
+            self.clearance.resize(clearances + self.blocks, 0.0);
+            if let Some(bounds) = &collider.bounds {
+                let gaps = &mut self.clearance[clearances..];
+                let held = epsilon + self.slack;
+                BlockGaps { layout, x, origin, bounds, held, gaps }.run();
+            }
+            self.awake.insert(place, Awake { collider: index, clearances });
+            place += 1;
+        }
+    }
+}
+
+/// Distance between two boxes along the axis where they are furthest apart: not more than their
+/// distance.
+fn box_gap(low: Vec3, high: Vec3, other: &Aabb3d) -> f32 {
+    let (min, max) = (Vec3::from(other.min), Vec3::from(other.max));
+    (min - high).max(low - max).max_element()
+}
+
+/// Distances of the blocks' boxes to a collider's.
+struct BlockGaps<'a> {
+    layout: Layout,
+    x: &'a Soa,
+    origin: Vec3,
+    bounds: &'a Aabb3d,
+    /// What the cloth is held from, and the slack \[m\].
+    held: f32,
+    gaps: &'a mut [f32],
+}
+
+impl Kernel for BlockGaps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (min, max) =
+            (Vec3::from(self.bounds.min) - self.origin, Vec3::from(self.bounds.max) - self.origin);
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let inside = self.layout.columns - column;
+                let x = Block3::load(self.x, slot);
+                let mut gap = Block::ZERO;
+                for i in 0..LANES {
+                    let p = x.at(i);
+                    let along = |p: f32, min: f32, max: f32| larger(min - p, p - max);
+                    let (x, y, z) = (
+                        along(p.x, min.x, max.x),
+                        along(p.y, min.y, max.y),
+                        along(p.z, min.z, max.z),
+                    );
+                    // Padding is far from everything.
+                    let far = larger(larger(x, y), z) - self.held;
+                    gap.0[i] = if i < inside { far } else { f32::INFINITY };
+                }
+                self.gaps[slot / LANES] = larger(gap.smallest(), 0.0);
+            }
+        }
+    }
+}
