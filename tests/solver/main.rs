@@ -6,6 +6,7 @@ mod bending;
 mod common;
 mod contact;
 mod determinism;
+mod fast;
 mod free_flight;
 mod hanging;
 mod limit;

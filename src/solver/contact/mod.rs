@@ -112,6 +112,7 @@ impl ResolveContacts<'_> {
         let motion = Motion::new(collider, self.origin, self.skin.friction, from, to);
         let mut touching = 0;
         let mut given = Block3::ZERO;
+        let mut deepest = 0.0;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
@@ -131,12 +132,45 @@ impl ResolveContacts<'_> {
                 touching += count;
                 self.room.clearance[known] = larger(gap, 0.0);
                 self.room.pushed[block] += larger(-gap, 0.0);
+                deepest = larger(-gap, deepest);
             }
+        }
+        if deepest > self.skin.most_push + self.skin.epsilon + motion.overestimate + motion.reach {
+            self.calm(awake, &motion, deepest);
         }
         if motion.measured {
             self.room.impulses[awake.collider] += sum(&given) / self.skin.step;
         }
         touching
+    }
+
+    /// While particles are so deep inside that they take more than a substep to come out, what is as
+    /// near to the collider as they are deep, or twice, goes on at the speed allowed and no faster: the
+    /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
+    #[inline(never)]
+    fn calm(&mut self, awake: Awake, motion: &Motion<'_>, deepest: f32) {
+        let most = self.skin.most_push;
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                if self.room.clearance[awake.clearances + slot / LANES] > 2.0 * deepest {
+                    continue;
+                }
+                let w = Block::load(self.inverse_mass, slot);
+                let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+                for i in 0..LANES {
+                    let at = x.at(i) + d.at(i);
+                    let surface = at - motion.before.to_world(motion.after.to_local(at));
+                    let relative = d.at(i) - surface;
+                    let way = larger(relative.dot(relative).sqrt(), LEAST_SLIDING);
+                    let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
+                    d.set(i, d.at(i) - relative * beyond);
+                    x.set(i, x.at(i) + relative * beyond);
+                }
+                d.store(self.d, slot);
+                x.store(self.x, slot);
+            }
+        }
     }
 
     /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
@@ -191,17 +225,18 @@ impl ResolveContacts<'_> {
             let relative = d.at(i) - surface.at(i);
             let approach = relative.dot(normal);
             // What the push undoes of the approach belongs to the substep. The rest is a displacement
-            // without velocity: being pushed out gives no speed. It happens where a particle was
-            // inside before, and takes its time.
+            // without velocity: being pushed out gives no speed.
             let push = depth.0[i];
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
-            let rest = if rest < self.skin.most_push { rest } else { self.skin.most_push };
             let tangential = relative - normal * approach;
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
             let part = motion.friction * undone / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
             let touching = push > 0.0;
+            // Deep inside that takes more than a substep, at the speed allowed.
+            let allowed = larger(self.skin.most_push - larger(approach, 0.0), 0.0);
+            let rest = if rest < allowed { rest } else { allowed };
             let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
             let into_x = if touching { normal * rest } else { Vec3::ZERO };
             d.set(i, d.at(i) + into_d);
