@@ -109,6 +109,11 @@ impl SignedDistance for DistanceField {
         Some(KnownShape::Field(self))
     }
 
+    fn core_depth(&self) -> f32 {
+        // What is thinner than a cell is hardly in the field at all.
+        self.cell_size
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         Some(Aabb3d { min: self.surface_min.into(), max: self.surface_max.into() })
     }

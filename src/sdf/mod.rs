@@ -133,6 +133,14 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
     /// Smallest box around the surface \[m\], or `None` where there is none (a half-space).
     fn bounds(&self) -> Option<Aabb3d>;
 
+    /// How deep a point may be \[m\] for the nearest way out still to be on the side where it came in.
+    ///
+    /// What moves further than this in one step, and no more than that is thick, has its way looked at.
+    /// Zero, the default, is right for every shape; more saves work.
+    fn core_depth(&self) -> f32 {
+        0.0
+    }
+
     /// Which of the known solids this is. Code that is compiled for an instruction set of its own can
     /// call their `*_block` functions, which are inlined into it.
     fn known(&self) -> Option<KnownShape<'_>> {

@@ -62,6 +62,10 @@ impl SignedDistance for Cuboid {
         Some(KnownShape::Cuboid(self))
     }
 
+    fn core_depth(&self) -> f32 {
+        self.half_size.min_element()
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         centred(self.half_size)
     }

@@ -78,6 +78,10 @@ impl SignedDistance for Cylinder {
         revolve(point, |radius, height| cylinder(self, radius, height))
     }
 
+    fn core_depth(&self) -> f32 {
+        self.radius.min(self.half_height)
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         centred(Vec3::new(self.radius, self.half_height, self.radius))
     }
@@ -87,6 +91,10 @@ impl SignedDistance for Cylinder {
 impl SignedDistance for Torus {
     fn sample(&self, point: Vec3) -> SdfSample {
         revolve(point, |radius, height| torus(self, radius, height))
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.minor_radius
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

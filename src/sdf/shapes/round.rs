@@ -103,6 +103,10 @@ impl SignedDistance for Sphere {
         Some(KnownShape::Sphere(self))
     }
 
+    fn core_depth(&self) -> f32 {
+        self.radius
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         centred(Vec3::splat(self.radius))
     }
@@ -123,6 +127,10 @@ impl SignedDistance for Capsule3d {
 
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Capsule(self))
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.radius
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
@@ -146,6 +154,10 @@ impl SignedDistance for InfinitePlane3d {
 
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::HalfSpace(self))
+    }
+
+    fn core_depth(&self) -> f32 {
+        f32::INFINITY
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

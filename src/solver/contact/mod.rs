@@ -36,6 +36,14 @@ pub(super) struct Span {
     pub to: f32,
 }
 
+/// What the particles that met a collider in a substep came to, a lane each.
+struct Tally {
+    /// Momentum that they gave it, times the substep \[kg m\].
+    given: Block3,
+    /// How far they are still inside, as they may come out no faster \[m\].
+    left: Block,
+}
+
 /// What a cloth is to colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skin {
@@ -111,7 +119,7 @@ impl ResolveContacts<'_> {
         let (from, to) = (self.span.from, self.span.to);
         let motion = Motion::new(collider, self.origin, self.skin.friction, from, to);
         let mut touching = 0;
-        let mut given = Block3::ZERO;
+        let mut tally = Tally { given: Block3::ZERO, left: Block::ZERO };
         let mut deepest = 0.0;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
@@ -124,22 +132,22 @@ impl ResolveContacts<'_> {
                 if left > 0.0 {
                     continue;
                 }
-                if way > self.skin.epsilon {
+                if way > self.skin.epsilon + motion.fast {
                     let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
-                    sweep.block(slot, self.inverse_mass, self.x, self.d, &mut given);
+                    sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given);
                 }
-                let (gap, count) = self.resolve(slot, &motion, &mut given);
+                let (gap, count) = self.resolve(slot, &motion, &mut tally);
                 touching += count;
                 self.room.clearance[known] = larger(gap, 0.0);
                 self.room.pushed[block] += larger(-gap, 0.0);
                 deepest = larger(-gap, deepest);
             }
         }
-        if deepest > self.skin.most_push + self.skin.epsilon + motion.overestimate + motion.reach {
+        if tally.left.largest() > 0.0 {
             self.calm(awake, &motion, deepest);
         }
         if motion.measured {
-            self.room.impulses[awake.collider] += sum(&given) / self.skin.step;
+            self.room.impulses[awake.collider] += sum(&tally.given) / self.skin.step;
         }
         touching
     }
@@ -176,7 +184,7 @@ impl ResolveContacts<'_> {
     /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
     /// particle was pushed) and the contacts.
     #[inline(always)]
-    fn resolve(&mut self, slot: usize, motion: &Motion<'_>, given: &mut Block3) -> (f32, u32) {
+    fn resolve(&mut self, slot: usize, motion: &Motion<'_>, tally: &mut Tally) -> (f32, u32) {
         let w = Block::load(self.inverse_mass, slot);
         let x = Block3::load_sum(self.x, self.d, slot);
         let mut points = PointBlock::default();
@@ -202,7 +210,7 @@ impl ResolveContacts<'_> {
             return (nearest, 0);
         }
         let surface = surface_displacements(&points, &x, motion);
-        self.push_out(slot, &depth, &samples, &surface, motion, given);
+        self.push_out(slot, &depth, &samples, &surface, motion, tally);
         (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
     }
 
@@ -215,7 +223,7 @@ impl ResolveContacts<'_> {
         samples: &SampleBlock,
         surface: &Block3,
         motion: &Motion<'_>,
-        given: &mut Block3,
+        tally: &mut Tally,
     ) {
         let w = Block::load(self.inverse_mass, slot);
         let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
@@ -236,16 +244,17 @@ impl ResolveContacts<'_> {
             let touching = push > 0.0;
             // Deep inside that takes more than a substep, at the speed allowed.
             let allowed = larger(self.skin.most_push - larger(approach, 0.0), 0.0);
-            let rest = if rest < allowed { rest } else { allowed };
+            let moved = if rest < allowed { rest } else { allowed };
+            tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
             let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
-            let into_x = if touching { normal * rest } else { Vec3::ZERO };
+            let into_x = if touching { normal * moved } else { Vec3::ZERO };
             d.set(i, d.at(i) + into_d);
             x.set(i, x.at(i) + into_x);
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
                 let part = if touching { into_d * mass } else { Vec3::ZERO };
-                given.set(i, given.at(i) - part);
+                tally.given.set(i, tally.given.at(i) - part);
             }
         }
         d.store(self.d, slot);
