@@ -1,12 +1,15 @@
 //! What cloths collide with, and where it is in each tick.
 
 mod bake;
+mod load;
 mod shape;
 
 pub use bake::{BakeSdf, SdfCells};
+pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
 
 pub(crate) use bake::{finish_bakes, start_bakes};
+pub(crate) use load::FieldSource;
 
 use crate::{
     cloth::{
@@ -53,7 +56,8 @@ impl SdfCollider {
         Self { shape: shape.into(), friction: 0.5, enabled: true }
     }
 
-    /// A collider of a baked field, see [`BakeSdf`].
+    /// A collider of a field that is baked (see also [`BakeSdf`]) or loaded from an `.sdf` file. It is
+    /// waited for as long as it loads.
     pub fn field(field: Handle<DistanceField>) -> Self {
         Self::new(field)
     }
@@ -151,12 +155,13 @@ pub(crate) fn note_collider(
 pub(crate) fn gather_colliders(
     mut colliders: Query<(Entity, &SdfCollider, &mut ColliderPose)>,
     transforms: TransformHelper,
+    fields: FieldSource,
     mut snapshot: ResMut<ColliderSnapshot>,
     mut failures: Failures,
 ) {
     snapshot.0.clear();
     for (entity, collider, mut pose) in &mut colliders {
-        match gather(entity, collider, &mut pose, &transforms) {
+        match gather(entity, collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
                 snapshot.0.extend(gathered);
                 failures.clear(entity, Blame::Collider);
@@ -173,6 +178,7 @@ fn gather(
     collider: &SdfCollider,
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
+    fields: &FieldSource,
 ) -> Result<Option<Gathered>, ClothError> {
     let friction = collider.friction;
     if !(0.0..=1e3).contains(&friction) {
@@ -188,6 +194,7 @@ fn gather(
         }
     };
     let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
+    fields.check(entity, &collider.shape)?;
     let shape = collider.shape.clone();
     Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
 }

@@ -8,7 +8,8 @@ use crate::{
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderSnapshot, SdfCollider, finish_bakes, gather_colliders, start_bakes,
+        BakeSdf, ColliderSnapshot, DistanceFieldLoader, SdfCollider, finish_bakes,
+        gather_colliders, start_bakes,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -191,13 +192,13 @@ impl Plugin for ClothPlugin {
     }
 }
 
-/// Makes distance fields assets, in an app that has assets.
+/// Makes distance fields assets that can be loaded, in an app that has assets.
 fn register_fields(app: &mut App) {
     let world = app.world();
     if world.contains_resource::<AssetServer>()
         && !world.contains_resource::<Assets<DistanceField>>()
     {
-        app.init_asset::<DistanceField>();
+        app.init_asset::<DistanceField>().register_asset_loader(DistanceFieldLoader);
     }
 }
 

@@ -121,7 +121,7 @@ fn flawed_meshes_are_refused() {
     sheet.indices.extend([0, 2, 1]);
     expect(&sheet, BakeError::NoVolume, "thickness");
 
-    for cell_size in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-42] {
+    for cell_size in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-42, 1e-10, 1e10] {
         let found = refusal(&sound, BakeSettings { cell_size, margin: 0.1 });
         assert!(matches!(found, BakeError::CellSize { .. }), "{found}");
     }
@@ -131,7 +131,7 @@ fn flawed_meshes_are_refused() {
     }
     for settings in [
         BakeSettings { cell_size: 1e-4, margin: 0.1 },
-        BakeSettings { cell_size: 1e-30, margin: 1e30 },
+        BakeSettings { cell_size: 1e-9, margin: f32::MAX },
     ] {
         let found = refusal(&sound, settings);
         assert!(matches!(found, BakeError::TooLarge { .. }), "{found}");
