@@ -1,6 +1,7 @@
 //! What cloths collide with, and where it is in each tick.
 
 mod bake;
+mod check;
 mod load;
 mod shape;
 
@@ -18,7 +19,7 @@ use crate::{
     },
     error::{Blame, ClothError, Failures},
     sdf::{DistanceField, SignedDistance},
-    solver::{self, ParameterError, Pose},
+    solver::{self, Pose},
 };
 use bevy::prelude::*;
 use std::sync::Arc;
@@ -181,10 +182,11 @@ fn gather(
     fields: &FieldSource,
 ) -> Result<Option<Gathered>, ClothError> {
     let friction = collider.friction;
-    if !(0.0..=1e3).contains(&friction) {
-        let problem = ParameterError { name: "friction", value: friction, range: "from 0 to 1000" };
-        return Err(ClothError::Parameter { entity, component: "SdfCollider", problem });
-    }
+    collider.check().map_err(|problem| ClothError::Parameter {
+        entity,
+        component: "SdfCollider",
+        problem,
+    })?;
     let now = match pose_now(transforms, entity) {
         Ok(now) => now,
         Err(error) => {
