@@ -9,7 +9,7 @@ pub use bake::{BakeSdf, SdfCells};
 pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
 
-pub(crate) use bake::{finish_bakes, start_bakes};
+pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
 pub(crate) use load::FieldSource;
 
 use crate::{
@@ -26,9 +26,10 @@ use std::sync::Arc;
 
 /// A rigid solid that all cloths collide with.
 ///
-/// It follows its entity, which may be scaled alike along all axes; another scale is refused with a
-/// [`ClothError`], and the collider is left out as long. May be moved in the fixed schedule
-/// or once a frame, and changed at any time.
+/// It follows its entity, which may be scaled alike along all axes; another scale, a length of the shape
+/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`], and
+/// the collider is left out as long. May be moved in the fixed schedule or once a frame, and changed at
+/// any time.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -168,7 +169,11 @@ pub(crate) fn gather_colliders(
                 failures.clear(entity, Blame::Collider);
                 failures.clear(entity, Blame::Pose);
             }
-            Err(error) => failures.report(entity, error),
+            Err(error) => {
+                // What comes back later has not moved from where it was lost.
+                pose.0 = None;
+                failures.report(entity, error);
+            }
         }
     }
     snapshot.0.sort_unstable_by_key(|collider| collider.entity);
@@ -187,18 +192,16 @@ fn gather(
         component: "SdfCollider",
         problem,
     })?;
-    let now = match pose_now(transforms, entity) {
-        Ok(now) => now,
-        Err(error) => {
-            // What comes back later has not moved from where it was lost.
-            pose.0 = None;
-            return Err(pose_error(entity, error));
-        }
-    };
+    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
     let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
     fields.check(entity, &collider.shape)?;
     let shape = collider.shape.clone();
     Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
+}
+
+/// What is a collider no longer has no error as one.
+pub(crate) fn forget_collider(removed: On<Remove, SdfCollider>, mut failures: Failures) {
+    failures.clear(removed.entity, Blame::Collider);
 }
 
 #[cfg(test)]

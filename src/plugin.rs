@@ -8,8 +8,8 @@ use crate::{
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderSnapshot, DistanceFieldLoader, SdfCollider, finish_bakes,
-        gather_colliders, start_bakes,
+        BakeSdf, ColliderSnapshot, DistanceFieldLoader, SdfCollider, cancel_bake, finish_bakes,
+        forget_collider, gather_colliders, start_bakes,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -114,7 +114,9 @@ impl Plugin for ClothPlugin {
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
             .init_resource::<Runner>()
-            .add_observer(tear_down);
+            .add_observer(tear_down)
+            .add_observer(forget_collider)
+            .add_observer(cancel_bake);
         register_fields(app);
 
         // Once a frame, before its ticks: note where things are.

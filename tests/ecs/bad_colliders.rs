@@ -225,6 +225,52 @@ fn solids_of_ones_own_that_cannot_be_trusted_are_refused() {
     }
 }
 
+/// What a collider did while it was refused is not made up for afterwards.
+#[test]
+fn a_mended_collider_has_not_moved() {
+    let after = |way: f32| {
+        let mut app = app();
+        let floor = SdfCollider::from(InfinitePlane3d::default()).with_friction(1.0);
+        let floor = spawn(&mut app, floor);
+        let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(0.0, 0.006, 0.0)));
+        updates(&mut app, 10);
+        for friction in [f32::NAN, 1.0] {
+            app.world_mut().get_mut::<SdfCollider>(floor).unwrap().friction = friction;
+            transform(&mut app, floor).translation.x += way;
+            app.update();
+        }
+        assert_eq!(failure(&app, floor), None);
+        bits(&app, cloth)
+    };
+    assert!(after(1.0) == after(0.0), "it was dragged along");
+}
+
+/// The error goes with what it was about.
+#[test]
+fn an_error_does_not_outlive_its_collider() {
+    let mut app = app();
+    let collider = SdfCollider::from(Sphere { radius: f32::NAN });
+    let collider = spawn(&mut app, collider);
+    updates(&mut app, 2);
+    assert!(failure(&app, collider).is_some());
+    app.world_mut().entity_mut(collider).remove::<SdfCollider>();
+    app.update();
+    assert_eq!(failure(&app, collider), None);
+
+    let open = Mesh3d(add_mesh(&mut app, broken_box(|_, indices| indices.truncate(33))));
+    let open = spawn(&mut app, (BakeSdf::with_cells(4), open));
+    let sound = Mesh3d(add_mesh(&mut app, box_mesh(0.3)));
+    let cancelled = spawn(&mut app, (BakeSdf::with_cells(24), sound.clone()));
+    app.update();
+    app.world_mut().entity_mut(cancelled).remove::<BakeSdf>();
+    wait(&mut app, |app| failure(app, open).is_some());
+    app.world_mut().entity_mut(open).remove::<BakeSdf>();
+    let other = spawn(&mut app, (BakeSdf::with_cells(32), sound));
+    wait(&mut app, |app| app.world().get::<SdfCollider>(other).is_some());
+    assert_eq!(failure(&app, open), None);
+    assert!(app.world().get::<SdfCollider>(cancelled).is_none());
+}
+
 fn give(app: &mut App, collider: Entity, shape: impl Into<SdfShape>) {
     app.world_mut().get_mut::<SdfCollider>(collider).unwrap().shape = shape.into();
 }
