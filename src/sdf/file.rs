@@ -77,7 +77,7 @@ pub enum SavedFieldError {
         part: &'static str,
     },
     /// Its checksums are right, but it says what no field can be.
-    #[error("its {what} cannot be those of a distance field: bake it again")]
+    #[error("no distance field has such {what}: bake it again")]
     Impossible {
         /// What is wrong.
         what: &'static str,
@@ -170,7 +170,7 @@ impl Header {
             return Err(SavedFieldError::Version { version, known: VERSION });
         }
         if length != HEADER {
-            return Err(SavedFieldError::Impossible { what: "header's length" });
+            return Err(SavedFieldError::Impossible { what: "a header" });
         }
         Ok(Self {
             dims: UVec3::from_array(core::array::from_fn(|_| numbers.whole())),

@@ -201,7 +201,7 @@ fn impossible_headers_are_refused() {
         ("distances", HEADER, real(&[nan])),
         ("distances", HEADER + 40, real(&[inf])),
         ("distances", HEADER + 4, real(&[-1e30])),
-        ("header's length", LENGTH, vec![76]),
+        ("a header", LENGTH, vec![76]),
     ];
     for (what, at, words) in table {
         let mut bytes = forged(at, &words);
