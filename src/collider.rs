@@ -1,12 +1,16 @@
 //! What cloths collide with, and where it is in each tick.
 
 mod bake;
+mod check;
+mod load;
 mod shape;
 
 pub use bake::{BakeSdf, SdfCells};
+pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
 
-pub(crate) use bake::{finish_bakes, start_bakes};
+pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
+pub(crate) use load::FieldSource;
 
 use crate::{
     cloth::{
@@ -15,16 +19,17 @@ use crate::{
     },
     error::{Blame, ClothError, Failures},
     sdf::{DistanceField, SignedDistance},
-    solver::{self, ParameterError, Pose},
+    solver::{self, Pose},
 };
 use bevy::prelude::*;
 use std::sync::Arc;
 
 /// A rigid solid that all cloths collide with.
 ///
-/// It follows its entity, which may be scaled alike along all axes; another scale is refused with a
-/// [`ClothError`], and the collider is left out as long. May be moved in the fixed schedule
-/// or once a frame, and changed at any time.
+/// It follows its entity, which may be scaled alike along all axes; another scale, a length of the shape
+/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`], and
+/// the collider is left out as long. May be moved in the fixed schedule or once a frame, and changed at
+/// any time.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -53,7 +58,8 @@ impl SdfCollider {
         Self { shape: shape.into(), friction: 0.5, enabled: true }
     }
 
-    /// A collider of a baked field, see [`BakeSdf`].
+    /// A collider of a field that is baked (see also [`BakeSdf`]) or loaded from an `.sdf` file. It is
+    /// waited for as long as it loads.
     pub fn field(field: Handle<DistanceField>) -> Self {
         Self::new(field)
     }
@@ -150,18 +156,23 @@ pub(crate) fn note_collider(
 pub(crate) fn gather_colliders(
     mut colliders: Query<(Entity, &SdfCollider, &mut ColliderPose)>,
     transforms: TransformHelper,
+    fields: FieldSource,
     mut snapshot: ResMut<ColliderSnapshot>,
     mut failures: Failures,
 ) {
     snapshot.0.clear();
     for (entity, collider, mut pose) in &mut colliders {
-        match gather(entity, collider, &mut pose, &transforms) {
+        match gather(entity, collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
                 snapshot.0.extend(gathered);
                 failures.clear(entity, Blame::Collider);
                 failures.clear(entity, Blame::Pose);
             }
-            Err(error) => failures.report(entity, error),
+            Err(error) => {
+                // What comes back later has not moved from where it was lost.
+                pose.0 = None;
+                failures.report(entity, error);
+            }
         }
     }
     snapshot.0.sort_unstable_by_key(|collider| collider.entity);
@@ -172,23 +183,24 @@ fn gather(
     collider: &SdfCollider,
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
+    fields: &FieldSource,
 ) -> Result<Option<Gathered>, ClothError> {
     let friction = collider.friction;
-    if !(0.0..=1e3).contains(&friction) {
-        let problem = ParameterError { name: "friction", value: friction, range: "from 0 to 1000" };
-        return Err(ClothError::Parameter { entity, component: "SdfCollider", problem });
-    }
-    let now = match pose_now(transforms, entity) {
-        Ok(now) => now,
-        Err(error) => {
-            // What comes back later has not moved from where it was lost.
-            pose.0 = None;
-            return Err(pose_error(entity, error));
-        }
-    };
+    collider.check().map_err(|problem| ClothError::Parameter {
+        entity,
+        component: "SdfCollider",
+        problem,
+    })?;
+    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
     let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
+    fields.check(entity, &collider.shape)?;
     let shape = collider.shape.clone();
     Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
+}
+
+/// What is a collider no longer has no error as one.
+pub(crate) fn forget_collider(removed: On<Remove, SdfCollider>, mut failures: Failures) {
+    failures.clear(removed.entity, Blame::Collider);
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::{
     cloth::PinProblem,
+    collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
     solver::{LatticeError, ParameterError, SolverError},
@@ -106,6 +107,14 @@ pub enum ClothError {
         /// What is wrong with its mesh.
         problem: MeshProblem,
     },
+    /// The collider's distance field is not there and not coming. The collider is left out until it is.
+    #[error("collider {entity}: {problem}")]
+    Field {
+        /// The collider.
+        entity: Entity,
+        /// What is wrong with its field.
+        problem: FieldProblem,
+    },
 }
 
 /// Is on an entity as long as something is wrong with its cloth or collider.
@@ -138,7 +147,9 @@ impl ClothError {
             Self::Mesh { .. } | Self::Shape { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
-            Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
+            Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {
+                Blame::Collider
+            }
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }

@@ -78,7 +78,10 @@ pub use cloth::{
     Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
     ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
 };
-pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
+pub use collider::{
+    BakeSdf, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError, SdfCells, SdfCollider,
+    SdfShape,
+};
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin};

@@ -8,7 +8,8 @@ use crate::{
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderSnapshot, SdfCollider, finish_bakes, gather_colliders, start_bakes,
+        BakeSdf, ColliderSnapshot, DistanceFieldLoader, SdfCollider, cancel_bake, finish_bakes,
+        forget_collider, gather_colliders, start_bakes,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -113,7 +114,9 @@ impl Plugin for ClothPlugin {
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
             .init_resource::<Runner>()
-            .add_observer(tear_down);
+            .add_observer(tear_down)
+            .add_observer(forget_collider)
+            .add_observer(cancel_bake);
         register_fields(app);
 
         // Once a frame, before its ticks: note where things are.
@@ -191,13 +194,13 @@ impl Plugin for ClothPlugin {
     }
 }
 
-/// Makes distance fields assets, in an app that has assets.
+/// Makes distance fields assets that can be loaded, in an app that has assets.
 fn register_fields(app: &mut App) {
     let world = app.world();
     if world.contains_resource::<AssetServer>()
         && !world.contains_resource::<Assets<DistanceField>>()
     {
-        app.init_asset::<DistanceField>();
+        app.init_asset::<DistanceField>().register_asset_loader(DistanceFieldLoader);
     }
 }
 

@@ -1,12 +1,18 @@
 //! Each example's scene, run headless, held to what a cloth must do: it stays finite, in its box and
-//! above the ground, out of the solids, and within its strain limit.
+//! above the ground, out of the solids, and within its strain limit. What `bake` writes is held to the
+//! field that the mesh bakes to.
 
+#[path = "../examples/bake.rs"]
+#[allow(dead_code)]
+mod bake;
 #[path = "../examples/common/mod.rs"]
 mod common;
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, sdf::BakeSettings};
+use clap::Parser;
 use common::{check::check, headless, report::Report, scene::Scene};
+use std::{fs, path::Path};
 
 fn run(scene: Scene, seconds: f32) -> (App, Report) {
     let mut app = headless::app(scene, 64, 1);
@@ -70,4 +76,58 @@ fn the_check_sees_what_is_wrong() {
         .insert(Transform::from_scale(Vec3::new(1.0, 2.0, 1.0)));
     headless::simulate(&mut app, 0.3).unwrap();
     assert!(check(app.world_mut()).unwrap_err().contains("scale"));
+}
+
+fn run_bake(arguments: &[&str]) -> Result<(), String> {
+    let cli = bake::Cli::try_parse_from([&["bake"], arguments].concat());
+    bake::run(&cli.map_err(|error| error.to_string())?).map_err(|error| error.to_string())
+}
+
+#[test]
+fn bake_writes_the_field_of_a_mesh() {
+    let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
+    let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bunny.sdf");
+    let name = output.to_str().unwrap();
+    run_bake(&[bunny, name, "--cells", "12"]).unwrap();
+    let field = DistanceField::from_bytes(&fs::read(&output).unwrap()).unwrap();
+    let (models, _) = tobj::load_obj(bunny, &tobj::GPU_LOAD_OPTIONS).unwrap();
+    let mesh = &models[0].mesh;
+    let positions: Vec<_> = mesh.positions.as_chunks().0.iter().map(|p| Vec3::from(*p)).collect();
+    let settings = BakeSettings::for_mesh(&positions, 12);
+    assert_eq!(DistanceField::bake(&positions, &mesh.indices, &settings), Ok(field));
+
+    run_bake(&[bunny, name, "--cell-size", "0.1", "--margin", "0.35"]).unwrap();
+    let field = DistanceField::from_bytes(&fs::read(&output).unwrap()).unwrap();
+    assert_eq!(field.cell_size(), 0.1);
+    let bounds = field.bounds().unwrap();
+    assert!((bounds.min - field.grid_bounds().min).min_element() >= 0.35);
+}
+
+#[test]
+fn bake_says_why_it_cannot() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let open = folder.join("open.obj");
+    fs::write(&open, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let empty = folder.join("empty.obj");
+    fs::write(&empty, "").unwrap();
+    let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
+    let out = folder.join("refused.sdf");
+    let _ = fs::remove_file(&out);
+    let out = out.to_str().unwrap();
+    for (arguments, reason) in [
+        (&[open.to_str().unwrap(), out][..], "not closed"),
+        (&[empty.to_str().unwrap(), out], "no triangles"),
+        (&["nowhere.obj", out], "nowhere.obj"),
+        (&[bunny, "bunny.obj"], ".sdf"),
+        (&[bunny, "nowhere/at/all.sdf", "-c", "4"], "nowhere"),
+        (&[bunny, out, "-s", "-1"], "cell size of -1"),
+        (&[bunny, out, "-s", "1e-5"], "larger cells"),
+        (&[bunny, out, "-m", "nan"], "margin"),
+        (&[bunny, out, "-c", "0"], "0 is not in"),
+        (&[bunny, out, "-c", "8", "-s", "0.1"], "cannot be used with"),
+    ] {
+        let error = run_bake(arguments).unwrap_err();
+        assert!(error.contains(reason), "{arguments:?}: {error}");
+    }
+    assert!(!Path::new(out).exists());
 }

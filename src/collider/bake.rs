@@ -145,3 +145,13 @@ pub(crate) fn finish_bakes(
         }
     }
 }
+
+/// What is to be baked no longer is not, and has no error from it. A finished field stays.
+pub(crate) fn cancel_bake(
+    removed: On<Remove, BakeSdf>,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    commands.entity(removed.entity).try_remove::<(Baking, Baked)>();
+    failures.clear(removed.entity, Blame::Bake);
+}

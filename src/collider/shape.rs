@@ -25,7 +25,8 @@ pub enum SdfShape {
     Torus(Torus),
     /// A cone along y.
     Cone(Cone),
-    /// A mesh, baked to a field. Left out until it is loaded.
+    /// A mesh, baked to a field; `asset_server.load("rock.sdf")` loads a saved one. Left out until it is
+    /// there.
     Field(Handle<DistanceField>),
     /// Anything else.
     Custom(CustomSdf),

@@ -10,7 +10,8 @@ use core::fmt;
 
 /// Signed distances to a closed triangle mesh, at the nodes of a regular grid.
 ///
-/// Made by [`bake`](Self::bake). Every node holds the exact distance to the mesh; between nodes it is
+/// Made by [`bake`](Self::bake), saved by [`to_bytes`](Self::to_bytes) and read by
+/// [`from_bytes`](Self::from_bytes). Every node holds the exact distance to the mesh; between nodes it is
 /// interpolated trilinearly, so a smooth surface of radius `r` is met within `h^2 / (4 r)` and an edge or
 /// a corner within about 0.4 `h`, `h` the cell size. The normal is the interpolant's own gradient,
 /// normalised.

@@ -7,7 +7,8 @@
 //!   [`Capsule3d`], [`InfinitePlane3d`], [`Cylinder`], [`Torus`], [`Cone`]); the trait is implemented on them
 //!   directly.
 //! - [`DistanceField`]: a grid of distances to a closed triangle mesh, made once by
-//!   [`DistanceField::bake`] and looked up with trilinear interpolation.
+//!   [`DistanceField::bake`], or read from a file ([`DistanceField::from_bytes`]), and looked up with
+//!   trilinear interpolation.
 //!
 //! Points are in the collider's own frame, lengths in metres. Sampling uses `+ - * /` and square roots
 //! only, never a fused or a transcendental operation, so it gives the same bits wherever it runs, one
@@ -21,11 +22,13 @@
 
 mod bake;
 mod field;
+mod file;
 mod lookup;
 pub mod shapes;
 
 pub use bake::{BakeError, BakeSettings, MAX_NODES};
 pub use field::DistanceField;
+pub use file::SavedFieldError;
 pub use lookup::{field_block, field_distance_block};
 
 use bevy::math::{

@@ -7,7 +7,6 @@ use bevy_drape::{
     prelude::*,
     sdf::{BakeError, SdfSample},
 };
-use std::time::{Duration, Instant};
 
 fn lowest(app: &App, cloth: Entity) -> f32 {
     positions(app, cloth).iter().map(|p| p.y).fold(f32::INFINITY, f32::min)
@@ -196,16 +195,6 @@ fn a_solid_may_be_ones_own() {
     let cloth = above(&mut app, 0.15);
     updates(&mut app, 30);
     assert!((lowest(&app, cloth) - 0.105).abs() < 1e-3);
-}
-
-/// Runs frames until something holds, at most for ten seconds.
-fn wait(app: &mut App, done: impl Fn(&App) -> bool) {
-    let start = Instant::now();
-    while !done(app) {
-        app.update();
-        std::thread::sleep(Duration::from_millis(1));
-        assert!(start.elapsed() < Duration::from_secs(10), "waited in vain");
-    }
 }
 
 #[test]

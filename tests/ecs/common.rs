@@ -9,7 +9,10 @@ use bevy::{
     transform::TransformPlugin,
 };
 use bevy_drape::prelude::*;
-use std::time::Duration;
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 /// Set to run every test in the staged form.
 pub const STAGED: &str = "BEVY_DRAPE_TEST_STAGED";
@@ -23,8 +26,18 @@ pub fn app() -> App {
 }
 
 pub fn app_with<M>(plugins: impl Plugins<M>) -> App {
+    app_of(AssetPlugin::default(), plugins)
+}
+
+/// An app that reads its assets from a folder.
+pub fn app_in(folder: &Path) -> App {
+    let file_path = folder.to_str().expect("the path is Unicode").into();
+    app_of(AssetPlugin { file_path, ..default() }, ClothPlugin::default())
+}
+
+fn app_of<M>(assets: AssetPlugin, plugins: impl Plugins<M>) -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, TransformPlugin))
+    app.add_plugins((MinimalPlugins, assets, MeshPlugin, TransformPlugin))
         .add_plugins(plugins)
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .init_resource::<Assets<Image>>();
@@ -45,6 +58,16 @@ pub fn set_frame(app: &mut App, frame: Duration) {
 pub fn updates(app: &mut App, count: usize) {
     for _ in 0..count {
         app.update();
+    }
+}
+
+/// Runs frames until something holds, at most for ten seconds.
+pub fn wait(app: &mut App, done: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    while !done(app) {
+        app.update();
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(start.elapsed() < Duration::from_secs(10), "waited in vain");
     }
 }
 

@@ -4,9 +4,11 @@
 //! events; sampled points for contact; and that what is refused is told to its own entity alone.
 
 mod app;
+mod bad_colliders;
 mod colliders;
 mod common;
 mod execution;
+mod fields;
 mod mesh;
 mod pins;
 mod refusals;

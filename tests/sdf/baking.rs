@@ -2,7 +2,7 @@
 
 use crate::{meshes::*, random::*};
 use bevy::math::{DVec3, UVec3, Vec3};
-use bevy_drape::sdf::{BakeError, BakeSettings, DistanceField};
+use bevy_drape::sdf::{BakeError, BakeSettings, DistanceField, SignedDistance};
 
 /// A mesh that is inside out is turned, and triangles without area change nothing.
 #[test]
@@ -121,7 +121,7 @@ fn flawed_meshes_are_refused() {
     sheet.indices.extend([0, 2, 1]);
     expect(&sheet, BakeError::NoVolume, "thickness");
 
-    for cell_size in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-42] {
+    for cell_size in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-42, 1e-10, 1e10] {
         let found = refusal(&sound, BakeSettings { cell_size, margin: 0.1 });
         assert!(matches!(found, BakeError::CellSize { .. }), "{found}");
     }
@@ -131,7 +131,7 @@ fn flawed_meshes_are_refused() {
     }
     for settings in [
         BakeSettings { cell_size: 1e-4, margin: 0.1 },
-        BakeSettings { cell_size: 1e-30, margin: 1e30 },
+        BakeSettings { cell_size: 1e-9, margin: f32::MAX },
     ] {
         let found = refusal(&sound, settings);
         assert!(matches!(found, BakeError::TooLarge { .. }), "{found}");
@@ -139,4 +139,26 @@ fn flawed_meshes_are_refused() {
     }
     let nowhere = BakeSettings::for_mesh(&[], 32);
     assert_eq!(refusal(&empty, nowhere), BakeError::Empty);
+}
+
+/// Cells as small and as large as may be still have their normals, and distances without overflow.
+#[test]
+fn fields_of_any_allowed_size_work() {
+    for scale in [0.9e-8, 0.89e10] {
+        let mut mesh = sphere_mesh(6, 0.5);
+        for p in &mut mesh.positions {
+            *p = (*p - SHIFT.as_vec3()) * scale;
+        }
+        let field = bake(&mesh, 0.112 * scale, 0.25 * scale);
+        let mut random = Random(12);
+        for _ in 0..500 {
+            let direction = random.direction();
+            let share = random.between(0.2, 3.0);
+            let found = field.sample((direction * share).as_vec3() * scale);
+            assert!((found.normal.as_dvec3() - direction).length() < 0.3, "{found:?}");
+            let error = f64::from(found.distance / scale) - (share - 0.5);
+            assert!(error < 0.05 && (share > 0.7 || error > -0.05), "{found:?} at {share}");
+        }
+        assert_eq!(DistanceField::from_bytes(&field.to_bytes()), Ok(field));
+    }
 }

@@ -2,6 +2,7 @@
 //!
 //! - Shapes: points made by parametrising their surfaces, with their normals; the least distance to a cloud
 //!   of such points; inside and outside by the shape's inequality; central differences for the normal.
+//! - Saved fields: bit equality, and a checksum written out by its definition.
 //! - Blocks: the single point's bits.
 //! - Baked fields: a table of the errors that exact samples make (`data/sdf_error.csv`), analytic
 //!   distances in `f64`, and on the bunny the least distance to all triangles and the winding number.
@@ -10,4 +11,5 @@ mod baking;
 mod fields;
 mod meshes;
 mod random;
+mod saved;
 mod shapes;

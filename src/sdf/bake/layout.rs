@@ -3,6 +3,12 @@
 use super::{BakeError, BakeSettings, MAX_NODES};
 use bevy::math::{DVec3, UVec3, Vec3};
 
+/// Whether squares of lengths in a grid of such cells, and of differences in one cell, stay well within
+/// `f32`.
+pub(in crate::sdf) fn is_usable_cell_size(cell_size: f32) -> bool {
+    (1e-9..=1e9).contains(&cell_size)
+}
+
 /// The grid's place and size.
 pub(super) struct Layout {
     pub(super) origin: Vec3,
@@ -15,7 +21,7 @@ impl Layout {
     /// a mesh moved by whole cells keeps its field.
     pub(super) fn new(min: Vec3, max: Vec3, settings: &BakeSettings) -> Result<Self, BakeError> {
         let BakeSettings { cell_size, margin } = *settings;
-        if !(cell_size.is_normal() && cell_size > 0.0 && cell_size.recip().is_normal()) {
+        if !is_usable_cell_size(cell_size) {
             return Err(BakeError::CellSize { cell_size });
         }
         if !(margin.is_finite() && margin >= 0.0) {

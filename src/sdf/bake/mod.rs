@@ -22,6 +22,8 @@ mod sweep;
 mod tree;
 mod triangle;
 
+pub(super) use layout::is_usable_cell_size;
+
 use super::DistanceField;
 use bevy::math::Vec3;
 use layout::Layout;
@@ -116,8 +118,8 @@ pub enum BakeError {
     /// The mesh encloses nothing.
     #[error("the mesh encloses no volume: give it a thickness")]
     NoVolume,
-    /// The cell size is not a positive finite length.
-    #[error("a cell size of {cell_size} m cannot be used: give a positive length")]
+    /// The cell size is not from 1e-9 to 1e9 m.
+    #[error("a cell size of {cell_size} m cannot be used: give a length from 1e-9 to 1e9 m")]
     CellSize {
         /// The size asked for \[m\].
         cell_size: f32,

@@ -1,0 +1,127 @@
+//! Loads saved distance fields, and says which will never come.
+
+use super::SdfShape;
+use crate::{
+    error::ClothError,
+    sdf::{DistanceField, SavedFieldError},
+};
+use bevy::{
+    asset::{AssetLoadError, AssetLoader, LoadContext, LoadState, io::Reader},
+    ecs::system::SystemParam,
+    prelude::*,
+};
+use std::io;
+
+/// Loads `.sdf` files, which [`DistanceField::to_bytes`] makes; [`ClothPlugin`](crate::ClothPlugin)
+/// registers it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+/// commands.spawn(SdfCollider::field(assets.load("rock.sdf")));
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, Default, TypePath)]
+pub struct DistanceFieldLoader;
+
+/// Why an `.sdf` file could not be loaded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadFieldError {
+    /// The file cannot be read.
+    #[error("it cannot be read: {0}")]
+    Read(#[from] io::Error),
+    /// It holds no distance field.
+    #[error(transparent)]
+    Content(#[from] SavedFieldError),
+}
+
+impl AssetLoader for DistanceFieldLoader {
+    type Asset = DistanceField;
+    type Settings = ();
+    type Error = LoadFieldError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _: &(),
+        _: &mut LoadContext<'_>,
+    ) -> Result<DistanceField, LoadFieldError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        Ok(DistanceField::from_bytes(&bytes)?)
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["sdf"]
+    }
+}
+
+/// Why a collider's distance field is not there.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldProblem {
+    /// Its file holds no field.
+    #[error("the distance field `{path}` cannot be used: {problem}")]
+    Content {
+        /// The file, as it was asked for.
+        path: String,
+        /// What is wrong with it.
+        problem: SavedFieldError,
+    },
+    /// Its file cannot be loaded.
+    #[error("the distance field `{path}` cannot be loaded: {reason}")]
+    LoadFailed {
+        /// The file, as it was asked for.
+        path: String,
+        /// What the asset server says.
+        reason: String,
+    },
+    /// Nothing loads it, and it is not among the app's assets.
+    #[error(
+        "its distance field is not among `Assets<DistanceField>`, and nothing loads it: add it there, or load it \
+         with the `AssetServer`"
+    )]
+    Missing,
+}
+
+/// The app's distance fields, where it has any.
+#[derive(SystemParam)]
+pub(crate) struct FieldSource<'w> {
+    fields: Option<Res<'w, Assets<DistanceField>>>,
+    server: Option<Res<'w, AssetServer>>,
+}
+
+impl FieldSource<'_> {
+    /// Whether the shape's field, if it is one, is there or may still come.
+    pub fn check(&self, entity: Entity, shape: &SdfShape) -> Result<(), ClothError> {
+        let SdfShape::Field(handle) = shape else {
+            return Ok(());
+        };
+        if self.fields.as_ref().is_some_and(|fields| fields.contains(handle)) {
+            return Ok(());
+        }
+        let problem = match self.server.as_ref().and_then(|server| server.get_load_state(handle)) {
+            Some(LoadState::Loading) => return Ok(()),
+            Some(LoadState::Failed(error)) => load_problem(handle, &error),
+            _ => FieldProblem::Missing,
+        };
+        Err(ClothError::Field { entity, problem })
+    }
+}
+
+/// What a failed load comes to.
+fn load_problem(handle: &Handle<DistanceField>, error: &AssetLoadError) -> FieldProblem {
+    let path = handle.path().map(ToString::to_string).unwrap_or_default();
+    let content = match error {
+        AssetLoadError::AssetLoaderError(error) => error.error().downcast_ref(),
+        _ => None,
+    };
+    match content {
+        Some(LoadFieldError::Content(problem)) => {
+            FieldProblem::Content { path, problem: problem.clone() }
+        }
+        _ => FieldProblem::LoadFailed { path, reason: error.to_string() },
+    }
+}
