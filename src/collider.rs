@@ -2,25 +2,25 @@
 
 mod bake;
 mod check;
+mod impulse;
 mod load;
 mod shape;
+mod snapshot;
 
 pub use bake::{BakeSdf, SdfCells};
+pub use impulse::ColliderImpulse;
 pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
 
 pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
+pub(crate) use impulse::sum_impulses;
 pub(crate) use load::FieldSource;
-
-use crate::{
-    cloth::{
-        pose::{MovingPose, pose_now},
-        setup::pose_error,
-    },
-    error::{Blame, ClothError, Failures},
-    sdf::{DistanceField, SignedDistance},
-    solver::{self, Pose},
+pub(crate) use snapshot::{
+    ColliderPose, ColliderRoom, ColliderSnapshot, Moves, forget_collider, gather_colliders,
+    note_colliders,
 };
+
+use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
 use bevy::prelude::*;
 use std::sync::Arc;
 
@@ -50,12 +50,15 @@ pub struct SdfCollider {
     pub friction: f32,
     /// Whether cloths see it.
     pub enabled: bool,
+    /// The layers that it is in, a bit each. A cloth passes through unless
+    /// [`ClothSettings::layers`](crate::ClothSettings::layers) shares one.
+    pub layers: u32,
 }
 
 impl SdfCollider {
     /// A collider with a friction of 0.5.
     pub fn new(shape: impl Into<SdfShape>) -> Self {
-        Self { shape: shape.into(), friction: 0.5, enabled: true }
+        Self { shape: shape.into(), friction: 0.5, enabled: true, layers: u32::MAX }
     }
 
     /// A collider of a field that is baked (see also [`BakeSdf`]) or loaded from an `.sdf` file. It is
@@ -69,6 +72,17 @@ impl SdfCollider {
         Self::new(SdfShape::Custom(CustomSdf(Arc::new(shape))))
     }
 
+    /// A capsule between two points of the entity's frame \[m\]: on the joint of a skinned character, the
+    /// bone from it to the next.
+    pub fn capsule_between(from: Vec3, to: Vec3, radius: f32) -> Self {
+        Self::new(CapsuleBetween { from, to, radius })
+    }
+
+    /// In these layers alone, a bit each.
+    pub fn in_layers(self, layers: u32) -> Self {
+        Self { layers, ..self }
+    }
+
     /// With another coefficient of friction \[1\]. Higher holds better.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
@@ -78,166 +92,5 @@ impl SdfCollider {
 impl<S: Into<SdfShape>> From<S> for SdfCollider {
     fn from(shape: S) -> Self {
         Self::new(shape)
-    }
-}
-
-/// Where a collider was, is and goes.
-#[derive(Component, Default)]
-pub(crate) struct ColliderPose(Option<MovingPose>);
-
-/// All colliders of a tick, in the order of their entities.
-#[derive(Resource, Default)]
-pub(crate) struct ColliderSnapshot(Vec<Gathered>);
-
-struct Gathered {
-    entity: Entity,
-    shape: SdfShape,
-    start: Pose,
-    end: Pose,
-    friction: f32,
-}
-
-impl ColliderSnapshot {
-    /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
-    /// left out.
-    pub fn colliders<'a>(
-        &'a self,
-        fields: Option<&'a Assets<DistanceField>>,
-        room: ColliderRoom,
-    ) -> Vec<solver::Collider<'a>> {
-        let mut colliders = room.reuse();
-        colliders.extend(self.0.iter().filter_map(|collider| {
-            Some(
-                solver::Collider::new(collider.shape.get(fields)?, collider.start)
-                    .moving_to(collider.end)
-                    .with_friction(collider.friction),
-            )
-        }));
-        colliders
-    }
-}
-
-/// Memory for the solver's colliders, kept from tick to tick.
-#[derive(Default)]
-pub(crate) struct ColliderRoom(Vec<solver::Collider<'static>>);
-
-impl ColliderRoom {
-    /// Empties `used` and keeps its memory.
-    pub fn keep(used: Vec<solver::Collider<'_>>) -> Self {
-        Self(retype(used))
-    }
-
-    fn reuse<'a>(self) -> Vec<solver::Collider<'a>> {
-        retype(self.0)
-    }
-}
-
-/// The same memory for another lifetime: collecting into equal elements is done in place.
-fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> {
-    used.clear();
-    used.into_iter().map_while(|_| None).collect()
-}
-
-/// Notes where all colliders are before a frame's ticks.
-pub(crate) fn note_collider(
-    entity: Entity,
-    pose: &mut ColliderPose,
-    transforms: &TransformHelper,
-    ticks: u32,
-) {
-    if let Some(pose) = &mut pose.0
-        && let Ok(now) = pose_now(transforms, entity)
-    {
-        pose.begin_frame(now, ticks);
-    }
-}
-
-/// Takes the poses of all colliders through the tick.
-pub(crate) fn gather_colliders(
-    mut colliders: Query<(Entity, &SdfCollider, &mut ColliderPose)>,
-    transforms: TransformHelper,
-    fields: FieldSource,
-    mut snapshot: ResMut<ColliderSnapshot>,
-    mut failures: Failures,
-) {
-    snapshot.0.clear();
-    for (entity, collider, mut pose) in &mut colliders {
-        match gather(entity, collider, &mut pose, &transforms, &fields) {
-            Ok(gathered) => {
-                snapshot.0.extend(gathered);
-                failures.clear(entity, Blame::Collider);
-                failures.clear(entity, Blame::Pose);
-            }
-            Err(error) => {
-                // What comes back later has not moved from where it was lost.
-                pose.0 = None;
-                failures.report(entity, error);
-            }
-        }
-    }
-    snapshot.0.sort_unstable_by_key(|collider| collider.entity);
-}
-
-fn gather(
-    entity: Entity,
-    collider: &SdfCollider,
-    pose: &mut ColliderPose,
-    transforms: &TransformHelper,
-    fields: &FieldSource,
-) -> Result<Option<Gathered>, ClothError> {
-    let friction = collider.friction;
-    collider.check().map_err(|problem| ClothError::Parameter {
-        entity,
-        component: "SdfCollider",
-        problem,
-    })?;
-    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
-    let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
-    fields.check(entity, &collider.shape)?;
-    let shape = collider.shape.clone();
-    Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
-}
-
-/// What is a collider no longer has no error as one.
-pub(crate) fn forget_collider(removed: On<Remove, SdfCollider>, mut failures: Failures) {
-    failures.clear(removed.entity, Blame::Collider);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::ecs::system::RunSystemOnce;
-
-    #[derive(Component)]
-    struct Other;
-
-    #[test]
-    fn colliders_are_in_the_order_of_their_entities() {
-        let mut world = World::new();
-        world.init_resource::<ColliderSnapshot>();
-        let entities: Vec<_> =
-            (0..6).map(|_| world.spawn(SdfCollider::from(Sphere::default())).id()).collect();
-        // Another archetype, which Bevy visits later.
-        for entity in &entities[2..4] {
-            world.entity_mut(*entity).insert(Other);
-        }
-        world.run_system_once(gather_colliders).unwrap();
-        let gathered: Vec<_> =
-            world.resource::<ColliderSnapshot>().0.iter().map(|collider| collider.entity).collect();
-        let mut sorted = gathered.clone();
-        sorted.sort_unstable();
-        assert_eq!((gathered.len(), &gathered), (6, &sorted));
-    }
-
-    #[test]
-    fn the_room_for_colliders_is_kept() {
-        let sphere = Sphere::new(1.0);
-        let pose = Pose::IDENTITY;
-        let collider = solver::Collider::new(&sphere, pose);
-        let used = vec![collider; 10];
-        let at = used.as_ptr().addr();
-        let again = ColliderRoom::keep(used).reuse();
-        assert_eq!((again.len(), again.as_ptr().addr()), (0, at));
-        assert!(again.capacity() >= 10);
     }
 }

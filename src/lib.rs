@@ -79,8 +79,8 @@ pub use cloth::{
     ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
 };
 pub use collider::{
-    BakeSdf, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError, SdfCells, SdfCollider,
-    SdfShape,
+    BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
+    SdfCells, SdfCollider, SdfShape,
 };
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
@@ -95,7 +95,7 @@ pub mod prelude {
         BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
         ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
         ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
+        ClothSystems, ColliderImpulse, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
         sdf::{DistanceField, SignedDistance},
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };

@@ -8,8 +8,8 @@ use crate::{
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderSnapshot, DistanceFieldLoader, SdfCollider, cancel_bake, finish_bakes,
-        forget_collider, gather_colliders, start_bakes,
+        BakeSdf, ColliderImpulse, ColliderSnapshot, DistanceFieldLoader, SdfCollider, cancel_bake,
+        finish_bakes, forget_collider, gather_colliders, start_bakes, sum_impulses,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -108,6 +108,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothExecution>()
             .register_type::<SdfCollider>()
+            .register_type::<ColliderImpulse>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothExecution>()
@@ -147,7 +148,7 @@ impl Plugin for ClothPlugin {
                     )
                         .chain()
                         .in_set(Solve),
-                    finish_tick.in_set(Finish),
+                    (sum_impulses, finish_tick).chain().in_set(Finish),
                 ),
             );
 

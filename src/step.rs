@@ -6,7 +6,7 @@ use crate::{
         attachment::{Attachments, note_pins},
         setup::solver_error,
     },
-    collider::{ColliderPose, ColliderRoom, ColliderSnapshot, note_collider},
+    collider::{ColliderPose, ColliderRoom, ColliderSnapshot, Moves, note_colliders},
     error::{Blame, ClothError, Failures},
     plugin::ClothSubstep,
     sdf::DistanceField,
@@ -95,6 +95,7 @@ pub(crate) fn refuse_variable_step(
 pub(crate) fn note_poses(
     mut colliders: Query<(Entity, &mut ColliderPose)>,
     mut cloths: Query<&mut ClothSimulation>,
+    mut moves: Moves,
     transforms: TransformHelper,
     fixed: Option<Res<Time<Fixed>>>,
     time: Option<Res<Time<Virtual>>>,
@@ -104,11 +105,9 @@ pub(crate) fn note_poses(
     };
     let ticks = (fixed.overstep() + time.delta()).as_nanos() / fixed.timestep().as_nanos();
     let ticks = u32::try_from(ticks).unwrap_or(u32::MAX);
+    note_colliders(&mut colliders, &mut moves, &transforms, ticks);
     if ticks == 0 {
         return;
-    }
-    for (entity, mut pose) in &mut colliders {
-        note_collider(entity, &mut pose, &transforms, ticks);
     }
     for mut cloth in &mut cloths {
         note_pins(&mut cloth, &transforms, ticks);

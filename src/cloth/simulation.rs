@@ -52,6 +52,11 @@ impl ClothSimulation {
         self.last_tick.as_ref()
     }
 
+    /// Whether it took this tick, until that has been looked at.
+    pub(crate) fn ran(&self) -> bool {
+        matches!(self.outcome, Some(Ok(_)))
+    }
+
     /// Ticks simulated so far.
     pub fn tick_count(&self) -> u64 {
         self.tick_count

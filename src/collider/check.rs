@@ -30,6 +30,11 @@ impl SdfShape {
                 length("the capsule's radius", capsule.radius)?;
                 length_or_zero("the capsule's half length", capsule.half_length)
             }
+            Self::CapsuleBetween(capsule) => {
+                length("the capsule's radius", capsule.radius)?;
+                place("the capsule's first end", capsule.from)?;
+                place("the capsule's second end", capsule.to)
+            }
             Self::InfinitePlane3d(plane) => {
                 let value = plane.normal.length();
                 let range = "1, a direction";
@@ -69,6 +74,12 @@ fn check_custom(shape: &dyn SignedDistance) -> Result<(), ParameterError> {
 
 fn length(name: &'static str, value: f32) -> Result<(), ParameterError> {
     check(name, value, LENGTHS.contains(&value), "from 1e-6 to 1e7 m")
+}
+
+fn place(name: &'static str, value: Vec3) -> Result<(), ParameterError> {
+    // The first coordinate that is out of range, or not a number.
+    let out = value.to_array().into_iter().find(|c| !(c.abs() <= *LENGTHS.end()));
+    check(name, out.unwrap_or_default(), out.is_none(), "within 1e7 m of the entity")
 }
 
 fn length_or_zero(name: &'static str, value: f32) -> Result<(), ParameterError> {

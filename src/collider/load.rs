@@ -94,6 +94,11 @@ pub(crate) struct FieldSource<'w> {
 }
 
 impl FieldSource<'_> {
+    /// The fields that are there.
+    pub fn assets(&self) -> Option<&Assets<DistanceField>> {
+        self.fields.as_deref()
+    }
+
     /// Whether the shape's field, if it is one, is there or may still come.
     pub fn check(&self, entity: Entity, shape: &SdfShape) -> Result<(), ClothError> {
         let SdfShape::Field(handle) = shape else {

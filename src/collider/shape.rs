@@ -1,6 +1,6 @@
 //! The solids that a collider can be.
 
-use crate::sdf::{DistanceField, SignedDistance};
+use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
 use bevy::{
     math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus},
     prelude::*,
@@ -17,6 +17,8 @@ pub enum SdfShape {
     Cuboid(Cuboid),
     /// A capsule along y.
     Capsule3d(Capsule3d),
+    /// A capsule between any two points, such as the ends of a bone.
+    CapsuleBetween(CapsuleBetween),
     /// The half-space below a plane.
     InfinitePlane3d(InfinitePlane3d),
     /// A cylinder along y.
@@ -47,6 +49,7 @@ impl SdfShape {
             Self::Sphere(shape) => shape,
             Self::Cuboid(shape) => shape,
             Self::Capsule3d(shape) => shape,
+            Self::CapsuleBetween(shape) => shape,
             Self::InfinitePlane3d(shape) => shape,
             Self::Cylinder(shape) => shape,
             Self::Torus(shape) => shape,
@@ -71,6 +74,7 @@ from_shapes!(
     Sphere(Sphere),
     Cuboid(Cuboid),
     Capsule3d(Capsule3d),
+    CapsuleBetween(CapsuleBetween),
     InfinitePlane3d(InfinitePlane3d),
     Cylinder(Cylinder),
     Torus(Torus),

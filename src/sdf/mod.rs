@@ -168,6 +168,8 @@ pub enum KnownShape<'a> {
     HalfSpace(&'a InfinitePlane3d),
     /// [`shapes::capsule_block`].
     Capsule(&'a Capsule3d),
+    /// [`shapes::capsule_between_block`].
+    CapsuleBetween(&'a shapes::CapsuleBetween),
     /// [`shapes::cuboid_block`].
     Cuboid(&'a Cuboid),
     /// [`field_block`].
@@ -182,6 +184,7 @@ impl KnownShape<'_> {
             Self::Sphere(s) => shapes::sphere_block(s.radius, points, out),
             Self::HalfSpace(s) => shapes::half_space_block(s.normal.as_vec3(), points, out),
             Self::Capsule(s) => shapes::capsule_block(s.radius, s.half_length, points, out),
+            Self::CapsuleBetween(s) => shapes::capsule_between_block(s, points, out),
             Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
             Self::Field(field) => field_block(field, points, out),
         }

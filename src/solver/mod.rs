@@ -52,7 +52,7 @@ use std::sync::Arc;
 
 use bevy::math::Vec3;
 
-pub use contact::{Collider, Pose};
+pub use contact::{Collider, ColliderMotion, Pose};
 pub use error::SolverError;
 pub use input::{PinMotion, StepInput, TickReport};
 pub use isa::Isa;

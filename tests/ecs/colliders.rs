@@ -248,3 +248,105 @@ fn meshes_that_are_no_solid_are_told_so() {
     wait(&mut app, |app| app.world().get::<SdfCollider>(open).is_some());
     assert_eq!(failure(&app, open), None);
 }
+
+#[test]
+fn layers_choose_who_meets_whom() {
+    let mut app = app();
+    spawn(&mut app, SdfCollider::from(Sphere::new(0.3)).in_layers(0b10));
+    let held = above(&mut app, 0.35);
+    let falls = above(&mut app, 0.35);
+    let settings = ClothSettings { layers: 0b101, ..default() };
+    app.world_mut().entity_mut(falls).insert(settings);
+    updates(&mut app, 40);
+    assert!(positions(&app, held).iter().any(|p| p.y > 0.25));
+    assert!(positions(&app, falls).iter().all(|p| p.y < -0.5));
+}
+
+#[test]
+fn a_collider_is_given_the_weight_that_rests_on_it() {
+    let mut app = app();
+    let plane = spawn(&mut app, SdfCollider::from(InfinitePlane3d::default()));
+    let cloth = above(&mut app, 0.006);
+    updates(&mut app, 32);
+    // Asked for after it stands still.
+    app.world_mut().entity_mut(plane).insert(ColliderImpulse::default());
+    updates(&mut app, 2);
+    let given = app.world().get::<ColliderImpulse>(plane).unwrap().0;
+    let solver_mass: f32 = {
+        let material = *app.world().get::<ClothMaterial>(cloth).unwrap();
+        material.area_density * 1.0
+    };
+    let expected = -9.81 * solver_mass / 64.0;
+    assert!((given.y - expected).abs() < 0.01 * -expected, "{given} for {expected}");
+    assert!(given.xz().length() < 0.01 * -expected, "{given}");
+}
+
+#[test]
+fn bones_push_with_one_component_each() {
+    let mut app = app();
+    // An upper arm and a forearm, the elbow bent by a right angle.
+    let shoulder = spawn(
+        &mut app,
+        (
+            SdfCollider::capsule_between(Vec3::ZERO, Vec3::X * 0.4, 0.08),
+            Transform::from_xyz(-0.2, 0.0, 0.0),
+        ),
+    );
+    let bend = Transform::from_xyz(0.4, 0.0, 0.0)
+        .with_rotation(Quat::from_rotation_y(core::f32::consts::FRAC_PI_2));
+    let forearm =
+        (SdfCollider::capsule_between(Vec3::ZERO, Vec3::X * 0.4, 0.06), bend, ChildOf(shoulder));
+    spawn(&mut app, forearm);
+    let cloth = above(&mut app, 0.2);
+    updates(&mut app, 40);
+    let to_segment = |p: Vec3, a: Vec3, b: Vec3| {
+        p.distance(a + (b - a) * ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0))
+    };
+    let elbow = Vec3::new(0.2, 0.0, 0.0);
+    for p in positions(&app, cloth) {
+        assert!(to_segment(p, Vec3::X * -0.2, elbow) > 0.085 - 1e-4, "{p} in the upper arm");
+        assert!(to_segment(p, elbow, elbow - Vec3::Z * 0.4) > 0.065 - 1e-4, "{p} in the forearm");
+    }
+    let held = positions(&app, cloth).iter().filter(|p| p.y > 0.0).count();
+    assert!(held > 0, "fell past both");
+}
+
+#[test]
+fn a_parent_that_moves_or_goes_moves_its_still_collider() {
+    for unparent in [false, true] {
+        let mut app = app();
+        let parent = spawn(&mut app, Transform::from_xyz(0.0, -10.0, 0.0));
+        let plane = (SdfCollider::from(InfinitePlane3d::default()), ChildOf(parent));
+        let plane = spawn(&mut app, plane);
+        let cloth = above(&mut app, 0.5);
+        updates(&mut app, 8);
+        if unparent {
+            app.world_mut().entity_mut(plane).remove::<ChildOf>();
+        } else {
+            app.world_mut().get_mut::<Transform>(parent).unwrap().translation.y = 0.0;
+        }
+        updates(&mut app, 64);
+        assert!(lowest(&app, cloth) > 0.0, "unparent {unparent}: {}", lowest(&app, cloth));
+    }
+}
+
+#[test]
+fn a_collider_that_is_taken_away_lets_go() {
+    let ways: [fn(&mut App, Entity); 3] = [
+        |app, it| app.world_mut().despawn(it).then_some(()).unwrap(),
+        |app, it| {
+            app.world_mut().entity_mut(it).remove::<SdfCollider>();
+        },
+        |app, it| app.world_mut().get_mut::<SdfCollider>(it).unwrap().enabled = false,
+    ];
+    for way in ways {
+        let mut app = app();
+        let plane = spawn(&mut app, SdfCollider::from(InfinitePlane3d::default()));
+        let cloth = above(&mut app, 0.02);
+        updates(&mut app, 32);
+        assert!(lowest(&app, cloth) > 0.0);
+        way(&mut app, plane);
+        updates(&mut app, 32);
+        assert!(lowest(&app, cloth) < -0.5);
+    }
+}

@@ -188,7 +188,7 @@ fn what_the_cloth_loses_the_collider_is_given() {
         };
         let before = momentum(&solver);
         let pose = Pose::from_translation(Vec3::new(0.05, -0.35, 0.02));
-        let colliders = [Collider::new(&ball, pose).measured(true)];
+        let colliders = [Collider::new(&ball, pose).measured()];
         let input = StepInput { dt: TICK, gravity: Vec3::ZERO, pins: &[], colliders: &colliders };
         let mut given = Vec3::ZERO;
         for _ in 0..32 {

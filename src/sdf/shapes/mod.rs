@@ -21,8 +21,8 @@ mod round;
 
 pub use cuboid::{cuboid_block, cuboid_distance_block};
 pub use round::{
-    capsule_block, capsule_distance_block, half_space_block, half_space_distance_block,
-    sphere_block, sphere_distance_block,
+    CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
+    half_space_distance_block, sphere_block, sphere_distance_block,
 };
 
 use super::SdfSample;

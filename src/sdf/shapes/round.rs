@@ -22,6 +22,65 @@ fn capsule(radius: f32, half_length: f32, x: f32, y: f32, z: f32) -> Kernel {
     (length - radius, normal)
 }
 
+/// A capsule between any two points of its frame, such as the ends of a bone.
+#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+pub struct CapsuleBetween {
+    /// Centre of one round end \[m\].
+    pub from: Vec3,
+    /// Centre of the other \[m\]; may be the same.
+    pub to: Vec3,
+    /// Distance of the surface from the line between them \[m\].
+    pub radius: f32,
+}
+
+impl CapsuleBetween {
+    #[inline(always)]
+    fn kernel(&self, p: Vec3) -> Kernel {
+        let (way, from) = (self.to - self.from, p - self.from);
+        let squared = larger(way.dot(way), f32::MIN_POSITIVE);
+        let part = smaller(larger(from.dot(way) / squared, 0.0), 1.0);
+        // On the line every way across is as short, and this one is across.
+        let across =
+            if way.x.abs() < way.y.abs() { [0.0, -way.z, way.y] } else { [-way.z, 0.0, way.x] };
+        let (_, across) = length_and_direction(across, [0.0, 1.0, 0.0]);
+        let (length, normal) = length_and_direction((from - way * part).to_array(), across);
+        (length - self.radius, normal)
+    }
+}
+
+impl SignedDistance for CapsuleBetween {
+    fn sample(&self, p: Vec3) -> SdfSample {
+        to_sample(self.kernel(p))
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        capsule_between_block(self, points, out);
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.radius
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::CapsuleBetween(self))
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        let (low, high) = (self.from.min(self.to), self.from.max(self.to));
+        let radius = Vec3::splat(self.radius.abs());
+        Some(Aabb3d { min: (low - radius).into(), max: (high + radius).into() })
+    }
+}
+
+/// [`CapsuleBetween`] at a block of points.
+#[inline(always)]
+pub fn capsule_between_block(shape: &CapsuleBetween, points: &PointBlock, out: &mut SampleBlock) {
+    for i in 0..LANES {
+        let (distance, normal) = shape.kernel(points.point(i));
+        out.set(i, distance, normal);
+    }
+}
+
 #[inline(always)]
 fn half_space(normal: [f32; 3], x: f32, y: f32, z: f32) -> Kernel {
     (normal[0] * x + normal[1] * y + normal[2] * z, normal)

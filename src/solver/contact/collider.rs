@@ -56,64 +56,91 @@ impl Pose {
     }
 }
 
+/// A collider's way through a tick: from pose to pose, evenly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColliderMotion {
+    start: Pose,
+    end: Pose,
+    /// A box around all places that the surface takes, in world space; `None` if unbounded.
+    bounds: Option<Aabb3d>,
+    valid: bool,
+}
+
+impl ColliderMotion {
+    /// The way of a shape between two poses in world space.
+    pub fn new(shape: &dyn SignedDistance, start: Pose, end: Pose) -> Self {
+        let bounds = shape.bounds().map(|shape| swept_box(&shape, &start, &end));
+        Self { start, end, bounds, valid: start.is_valid() && end.is_valid() }
+    }
+
+    /// Pose where the tick begins.
+    pub fn start(&self) -> Pose {
+        self.start
+    }
+
+    /// Pose where it ends.
+    pub fn end(&self) -> Pose {
+        self.end
+    }
+
+    /// A box around all places that the surface takes in the tick, in world space; `None` if it is
+    /// unbounded.
+    pub fn bounds(&self) -> Option<Aabb3d> {
+        self.bounds
+    }
+}
+
 /// A rigid shape that a cloth collides with, and its motion through a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Collider<'a> {
-    pub(super) shape: &'a dyn SignedDistance,
-    pub(super) start: Pose,
-    pub(super) end: Pose,
-    pub(super) friction: f32,
-    pub(super) layers: u32,
-    pub(super) measured: bool,
-    /// All places that its surface takes in the tick, in world space; `None` if unbounded.
-    pub(super) bounds: Option<Aabb3d>,
-    valid: bool,
+    /// The shape, in its own frame.
+    pub shape: &'a dyn SignedDistance,
+    /// Its motion.
+    pub motion: ColliderMotion,
+    /// Coulomb's coefficient; the pair's is the geometric mean with the cloth's.
+    pub friction: f32,
+    /// The layers that it is in, a bit each. A cloth that shares none passes through.
+    pub layers: u32,
+    /// Whether the impulse that the cloth gives it is asked for, see
+    /// [`ClothSolver::impulse`](crate::solver::ClothSolver::impulse).
+    pub measured: bool,
 }
 
 impl<'a> Collider<'a> {
     /// A collider that stays at a pose in world space, with a friction of 0.5, in all layers.
     pub fn new(shape: &'a dyn SignedDistance, pose: Pose) -> Self {
-        let new = Self {
-            shape,
-            start: pose,
-            end: pose,
-            friction: 0.5,
-            layers: u32::MAX,
-            measured: false,
-            bounds: None,
-            valid: false,
-        };
-        new.moving_to(pose)
+        let motion = ColliderMotion::new(shape, pose, pose);
+        Self { shape, motion, friction: 0.5, layers: u32::MAX, measured: false }
     }
 
-    /// Where it is at the tick's end; it moves evenly between.
-    pub fn moving_to(mut self, end: Pose) -> Self {
-        self.end = end;
-        self.valid = self.start.is_valid() && end.is_valid();
-        self.bounds = self.shape.bounds().map(|shape| swept_box(&shape, &self.start, &end));
-        self
+    /// The same between other poses.
+    pub fn between(self, start: Pose, end: Pose) -> Self {
+        Self { motion: ColliderMotion::new(self.shape, start, end), ..self }
     }
 
-    /// Another coefficient of friction (Coulomb's); the pair's is the geometric mean with the
-    /// cloth's.
+    /// Where it is at the tick's end.
+    pub fn moving_to(self, end: Pose) -> Self {
+        self.between(self.motion.start, end)
+    }
+
+    /// With another coefficient of friction.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
     }
 
-    /// The layers that it is in, a bit each. A cloth that shares none passes through.
+    /// In these layers, a bit each.
     pub fn in_layers(self, layers: u32) -> Self {
         Self { layers, ..self }
     }
 
-    /// Asks for the impulse that the cloth gives it in a tick, see
-    /// [`ClothSolver::impulse`](crate::solver::ClothSolver::impulse).
-    pub fn measured(self, measured: bool) -> Self {
-        Self { measured, ..self }
+    /// Asks for the impulse that the cloth gives it.
+    pub fn measured(self) -> Self {
+        Self { measured: true, ..self }
     }
 
     /// Whether every number can be used.
     pub(in crate::solver) fn is_usable(&self) -> bool {
-        self.valid && self.friction >= 0.0 && self.friction <= 1e3
+        self.motion.valid && self.friction >= 0.0 && self.friction <= 1e3
     }
 }
 
@@ -204,8 +231,8 @@ pub(super) struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// From part `from` of the tick to part `to`.
     pub fn new(collider: &Collider<'a>, origin: Vec3, friction: f32, from: f32, to: f32) -> Self {
-        let before = collider.start.interpolate(&collider.end, from);
-        let after = collider.start.interpolate(&collider.end, to);
+        let before = collider.motion.start.interpolate(&collider.motion.end, from);
+        let after = collider.motion.start.interpolate(&collider.motion.end, to);
         let moves = before != after;
         let reach = match collider.shape.bounds() {
             _ if !moves => 0.0,

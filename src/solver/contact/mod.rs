@@ -19,7 +19,7 @@ use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Layout;
 use crate::sdf::{PointBlock, SampleBlock};
 
-pub use collider::{Collider, Pose};
+pub use collider::{Collider, ColliderMotion, Pose};
 pub(super) use room::ContactRoom;
 
 use collider::Motion;

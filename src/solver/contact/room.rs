@@ -113,7 +113,8 @@ impl ContactRoom {
                 continue;
             }
             let gap = collider
-                .bounds
+                .motion
+                .bounds()
                 .map_or(0.0, |bounds| box_gap(self.low, self.high, &bounds) - epsilon - self.slack);
             if gap > self.gone {
                 self.until_next = self.until_next.min(gap);
@@ -121,7 +122,7 @@ impl ContactRoom {
             }
             let clearances = self.clearance.len();
             self.clearance.resize(clearances + self.blocks, 0.0);
-            if let Some(bounds) = &collider.bounds {
+            if let Some(bounds) = &collider.motion.bounds() {
                 let gaps = &mut self.clearance[clearances..];
                 let held = epsilon + self.slack;
                 BlockGaps { layout, x, origin, bounds, held, gaps }.run();

@@ -1,0 +1,268 @@
+//! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
+//! of them has changed.
+
+use super::{FieldSource, SdfCollider, SdfShape};
+use crate::{
+    cloth::{
+        pose::{MovingPose, pose_now},
+        setup::pose_error,
+    },
+    error::{Blame, ClothError, Failures},
+    sdf::DistanceField,
+    solver::{self, ColliderMotion},
+};
+use bevy::{ecs::system::SystemParam, prelude::*};
+
+/// Where a collider was, is and goes.
+#[derive(Component, Default)]
+pub(crate) struct ColliderPose {
+    moving: Option<MovingPose>,
+    /// It stood still in the last tick: as long as nothing of it changes there is nothing to do.
+    still: bool,
+    /// Whether its impulse was asked for.
+    measured: bool,
+}
+
+/// All colliders of a tick, in the order of their entities.
+#[derive(Resource, Default)]
+pub(crate) struct ColliderSnapshot(pub(super) Vec<Gathered>);
+
+/// A collider as it is in the tick.
+pub(super) struct Gathered {
+    pub entity: Entity,
+    pub shape: SdfShape,
+    /// `None` while its field is not there.
+    pub motion: Option<ColliderMotion>,
+    pub friction: f32,
+    pub layers: u32,
+    pub measured: bool,
+}
+
+impl ColliderSnapshot {
+    /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
+    /// left out.
+    pub fn colliders<'a>(
+        &'a self,
+        fields: Option<&'a Assets<DistanceField>>,
+        room: ColliderRoom,
+    ) -> Vec<solver::Collider<'a>> {
+        let mut colliders = room.reuse();
+        colliders.extend(self.present().filter_map(|(collider, motion)| {
+            Some(solver::Collider {
+                shape: collider.shape.get(fields)?,
+                motion,
+                friction: collider.friction,
+                layers: collider.layers,
+                measured: collider.measured,
+            })
+        }));
+        colliders
+    }
+
+    /// Those that are there, in the order in which the solver takes them.
+    pub(super) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
+        self.0.iter().filter_map(|collider| Some((collider, collider.motion?)))
+    }
+
+    /// Puts a collider in its place, in place of what was known of it; or takes it out.
+    fn put(&mut self, entity: Entity, gathered: Option<Gathered>) {
+        let place = self.0.binary_search_by_key(&entity, |collider| collider.entity);
+        match (place, gathered) {
+            (Ok(at), Some(gathered)) => self.0[at] = gathered,
+            (Err(at), Some(gathered)) => self.0.insert(at, gathered),
+            (Ok(at), None) => drop(self.0.remove(at)),
+            (Err(_), None) => {}
+        }
+    }
+}
+
+/// Memory for the solver's colliders, kept from tick to tick.
+#[derive(Default)]
+pub(crate) struct ColliderRoom(Vec<solver::Collider<'static>>);
+
+impl ColliderRoom {
+    /// Empties `used` and keeps its memory.
+    pub fn keep(used: Vec<solver::Collider<'_>>) -> Self {
+        Self(retype(used))
+    }
+
+    /// Takes the memory.
+    pub fn reuse<'a>(self) -> Vec<solver::Collider<'a>> {
+        retype(self.0)
+    }
+}
+
+/// The same memory for another lifetime: collecting into equal elements is done in place.
+fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> {
+    used.clear();
+    used.into_iter().map_while(|_| None).collect()
+}
+
+/// Tells which entities may be elsewhere than when the system last ran.
+#[derive(SystemParam)]
+pub(crate) struct Moves<'w, 's> {
+    places: Query<'w, 's, (Ref<'static, Transform>, Option<Ref<'static, ChildOf>>)>,
+    orphans: RemovedComponents<'w, 's, ChildOf>,
+}
+
+impl Moves<'_, '_> {
+    /// Whether any entity has lost its parent, and may have moved by that.
+    fn any_orphan(&mut self) -> bool {
+        self.orphans.read().count() > 0
+    }
+
+    /// Whether this entity or an ancestor was changed.
+    fn moved(&self, entity: Entity) -> bool {
+        let mut at = entity;
+        loop {
+            let Ok((place, parent)) = self.places.get(at) else {
+                return true;
+            };
+            if place.is_changed() {
+                return true;
+            }
+            match parent {
+                Some(parent) if parent.is_changed() => return true,
+                Some(parent) => at = parent.parent(),
+                None => return false,
+            }
+        }
+    }
+}
+
+/// Notes where colliders are before a frame's ticks.
+pub(crate) fn note_colliders(
+    colliders: &mut Query<(Entity, &mut ColliderPose)>,
+    moves: &mut Moves,
+    transforms: &TransformHelper,
+    ticks: u32,
+) {
+    let orphans = moves.any_orphan();
+    for (entity, mut pose) in colliders {
+        if pose.still && !orphans && !moves.moved(entity) {
+            continue;
+        }
+        pose.still = false;
+        if let Some(moving) = &mut pose.moving
+            && let Ok(now) = pose_now(transforms, entity)
+        {
+            moving.begin_frame(now, ticks);
+        }
+    }
+}
+
+/// Takes the poses of all colliders through the tick.
+pub(crate) fn gather_colliders(
+    mut colliders: Query<(
+        Entity,
+        Ref<SdfCollider>,
+        &mut ColliderPose,
+        Has<super::ColliderImpulse>,
+    )>,
+    mut moves: Moves,
+    transforms: TransformHelper,
+    fields: FieldSource,
+    mut snapshot: ResMut<ColliderSnapshot>,
+    mut failures: Failures,
+) {
+    let orphans = moves.any_orphan();
+    for (entity, collider, mut pose, measured) in &mut colliders {
+        let same = !orphans && !collider.is_changed() && measured == pose.measured;
+        if pose.still && same && !moves.moved(entity) {
+            continue;
+        }
+        pose.measured = measured;
+        let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
+            Ok(gathered) => {
+                failures.clear(entity, Blame::Collider);
+                failures.clear(entity, Blame::Pose);
+                gathered.map(|gathered| Gathered { measured, ..gathered })
+            }
+            Err(error) => {
+                // What comes back later has not moved from where it was lost.
+                *pose = ColliderPose::default();
+                failures.report(entity, error);
+                None
+            }
+        };
+        snapshot.put(entity, gathered);
+    }
+}
+
+fn gather(
+    entity: Entity,
+    collider: &SdfCollider,
+    pose: &mut ColliderPose,
+    transforms: &TransformHelper,
+    fields: &FieldSource,
+) -> Result<Option<Gathered>, ClothError> {
+    let &SdfCollider { friction, layers, enabled, .. } = collider;
+    collider.check().map_err(|problem| ClothError::Parameter {
+        entity,
+        component: "SdfCollider",
+        problem,
+    })?;
+    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
+    let (start, end) = pose.moving.get_or_insert(MovingPose::new(now)).advance(now);
+    // A field may yet come, or be changed.
+    pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
+    fields.check(entity, &collider.shape)?;
+    let motion =
+        collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));
+    let shape = collider.shape.clone();
+    let gathered = Gathered { entity, shape, motion, friction, layers, measured: false };
+    Ok(enabled.then_some(gathered))
+}
+
+/// What is a collider no longer is met no more, has no error as one, and has not moved if it becomes one
+/// again.
+pub(crate) fn forget_collider(
+    removed: On<Remove, SdfCollider>,
+    mut snapshot: ResMut<ColliderSnapshot>,
+    mut failures: Failures,
+    mut commands: Commands,
+) {
+    snapshot.put(removed.entity, None);
+    failures.clear(removed.entity, Blame::Collider);
+    commands.entity(removed.entity).try_remove::<ColliderPose>();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::Pose;
+    use bevy::ecs::system::RunSystemOnce;
+
+    #[derive(Component)]
+    struct Other;
+
+    #[test]
+    fn colliders_are_in_the_order_of_their_entities() {
+        let mut world = World::new();
+        world.init_resource::<ColliderSnapshot>();
+        let entities: Vec<_> =
+            (0..6).map(|_| world.spawn(SdfCollider::from(Sphere::default())).id()).collect();
+        // Another archetype, which Bevy visits later.
+        for entity in &entities[2..4] {
+            world.entity_mut(*entity).insert(Other);
+        }
+        world.run_system_once(gather_colliders).unwrap();
+        let gathered: Vec<_> =
+            world.resource::<ColliderSnapshot>().0.iter().map(|collider| collider.entity).collect();
+        let mut sorted = gathered.clone();
+        sorted.sort_unstable();
+        assert_eq!((gathered.len(), &gathered), (6, &sorted));
+    }
+
+    #[test]
+    fn the_room_for_colliders_is_kept() {
+        let sphere = Sphere::new(1.0);
+        let pose = Pose::IDENTITY;
+        let collider = solver::Collider::new(&sphere, pose);
+        let used = vec![collider; 10];
+        let at = used.as_ptr().addr();
+        let again = ColliderRoom::keep(used).reuse();
+        assert_eq!((again.len(), again.as_ptr().addr()), (0, at));
+        assert!(again.capacity() >= 10);
+    }
+}
