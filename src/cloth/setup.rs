@@ -8,7 +8,7 @@ use super::{
 use crate::{
     error::{Blame, ClothError, ClothFailure, Failures},
     mesh::{self, ClothMesh, MeshSource, RestShape},
-    solver::{ClothSolver, Graph, Lattice, LatticeError, MassLumping, Pose, SolverError, Topology},
+    solver::{ClothSolver, Lattice, LatticeError, MassLumping, Pose, SolverError, Topology},
     step::ClothStep,
 };
 use bevy::prelude::*;
@@ -253,10 +253,7 @@ fn with_masses(
             let new = Lattice::new(rows, columns, old.rest_positions(), settings.masses)?;
             Topology::from(Arc::new(new))
         }
-        Topology::Graph(old) => {
-            let new = Graph::new(old.rest_positions(), old.triangles(), settings.masses)?;
-            Topology::from(Arc::new(new))
-        }
+        Topology::Graph(old) => Topology::from(Arc::new(old.with_lumping(settings.masses)?)),
     };
     let positions: Vec<_> = cloth.positions().collect();
     let material = cloth.material.into();
