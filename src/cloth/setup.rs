@@ -8,7 +8,7 @@ use super::{
 use crate::{
     error::{Blame, ClothError, ClothFailure, Failures},
     mesh::{self, ClothMesh, MeshSource, RestShape},
-    solver::{ClothSolver, Lattice, LatticeError, MassLumping, Pose, SolverError},
+    solver::{ClothSolver, Lattice, LatticeError, MassLumping, Pose, SolverError, Topology},
     step::ClothStep,
 };
 use bevy::prelude::*;
@@ -242,16 +242,22 @@ fn apply_settings(
     Ok(())
 }
 
-/// The solver over a lattice of other masses, in the same place and motion.
+/// The solver over a rest shape of other masses, in the same place and motion.
 fn with_masses(
     cloth: &ClothSimulation,
     settings: ClothSettings,
 ) -> Result<ClothSolver, SolverError> {
-    let old = cloth.solver.lattice();
-    let lattice = Lattice::new(old.rows(), old.columns(), old.rest_positions(), settings.masses)?;
+    let topology = match cloth.solver.topology() {
+        Topology::Lattice(old) => {
+            let (rows, columns) = (old.rows(), old.columns());
+            let new = Lattice::new(rows, columns, old.rest_positions(), settings.masses)?;
+            Topology::from(Arc::new(new))
+        }
+        Topology::Graph(old) => Topology::from(Arc::new(old.with_lumping(settings.masses)?)),
+    };
     let positions: Vec<_> = cloth.positions().collect();
     let material = cloth.material.into();
-    let mut solver = ClothSolver::new(Arc::new(lattice), &positions, material, settings.into())?;
+    let mut solver = ClothSolver::new(topology, &positions, material, settings.into())?;
     for particle in 0..positions.len() {
         solver.set_velocity(particle, cloth.solver.velocity(particle))?;
     }

@@ -4,7 +4,9 @@ use super::{
     ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices,
 };
 use crate::{
-    solver::{ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport},
+    solver::{
+        ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
+    },
     step::ClothStep,
 };
 use bevy::prelude::*;
@@ -68,28 +70,33 @@ impl ClothSimulation {
     }
 
     /// The rest shape. Equal sheets share it.
-    pub fn lattice(&self) -> &Arc<Lattice> {
+    pub fn topology(&self) -> &Topology {
+        self.solver.topology()
+    }
+
+    /// The rest shape, where it is a lattice.
+    pub fn lattice(&self) -> Option<&Arc<Lattice>> {
         self.solver.lattice()
     }
 
-    /// Rows of particles.
+    /// Rows of particles; one where they are not in rows.
     pub fn rows(&self) -> usize {
-        self.solver.lattice().rows()
+        self.solver.lattice().map_or(1, |lattice| lattice.rows())
     }
 
-    /// Columns of particles.
+    /// Columns of particles; all of them where they are not in rows.
     pub fn columns(&self) -> usize {
-        self.solver.lattice().columns()
+        self.solver.lattice().map_or(self.particle_count(), |lattice| lattice.columns())
     }
 
     /// Number of particles.
     pub fn particle_count(&self) -> usize {
-        self.solver.lattice().particle_count()
+        self.solver.topology().particle_count()
     }
 
     /// Number of structural and shear springs.
     pub fn spring_count(&self) -> usize {
-        self.solver.lattice().spring_count()
+        self.solver.topology().spring_count()
     }
 
     /// The particle of a vertex of the mesh, `None` where there is no such vertex.
@@ -145,7 +152,7 @@ impl ClothSimulation {
             rows: self.rows(),
             columns: self.columns(),
             particle_of_vertex: self.particle_of_vertex.as_deref(),
-            rest: self.solver.lattice().rest_positions(),
+            rest: self.solver.topology().rest_positions(),
             inverse_scale: 1.0 / self.placed.scale,
         }
     }

@@ -18,7 +18,9 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `lattice` | the rest shape: immutable, shared by equal cloths |
+//! | `topology` | the rest shape: immutable, shared by equal cloths |
+//! | `lattice` | that of a rectangular sheet |
+//! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `state` | positions, displacements, working room |
 //! | `held` | what depends on the pins: inverse masses, tethers, clamped hinges |
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
@@ -33,6 +35,7 @@ mod constraint;
 mod contact;
 mod error;
 mod forces;
+mod graph;
 mod held;
 mod input;
 mod integrate;
@@ -46,14 +49,15 @@ mod setup;
 mod state;
 mod tethers;
 mod threads;
+mod topology;
 mod transpose;
-
-use std::sync::Arc;
+mod ways;
 
 use bevy::math::Vec3;
 
 pub use contact::{Collider, ColliderMotion, Pose};
 pub use error::SolverError;
+pub use graph::{Graph, GraphError, Weights};
 pub use input::{PinMotion, StepInput, TickReport};
 pub use isa::Isa;
 pub use lanes::LANES;
@@ -63,6 +67,7 @@ pub use parameters::{
     Bending, DampingForm, FormChoice, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use topology::Topology;
 
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
@@ -75,13 +80,13 @@ use measure::{Survey, TakeSurvey};
 use plan::Bound;
 use state::{Scratch, State};
 use tethers::PullTethers;
-use threads::{Lines, SolveWarp, SolveWeft};
+use threads::{Lines, Reach, SolveWarp, SolveWeft};
 use transpose::Transpose;
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
 pub struct ClothSolver {
-    lattice: Arc<Lattice>,
+    topology: Topology,
     material: Material,
     settings: Settings,
     isa: Isa,
@@ -123,17 +128,17 @@ impl ClothSolver {
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
         input.check(self.held.slots.len())?;
         if input.dt != self.plan.tick {
-            self.plan = Plan::new(&self.bound, &self.material, &self.settings, input.dt);
+            self.plan_ticks(input.dt);
         }
         if self.tethered_under != Some(input.gravity) {
             for set in &mut self.held.tethers {
-                set.set_limits(&self.lattice, &self.material, input.gravity);
+                set.set_limits(&self.topology, &self.material, input.gravity);
             }
             self.tethered_under = Some(input.gravity);
         }
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
-        self.state.follow(self.lattice.layout, centre);
+        self.state.follow(self.topology.layout(), centre);
         self.state.start.copy_from(&self.state.x);
         self.scratch.contact.begin_tick(low, high, input.colliders);
         self.done = 0;
@@ -146,13 +151,17 @@ impl ClothSolver {
         if !self.has_forces() {
             return;
         }
+        let Topology::Lattice(lattice) = &self.topology else {
+            self.accumulate_graph_forces(input);
+            return;
+        };
         let plan = self.plan;
         let x = &self.state.x;
-        let layout = self.lattice.layout;
+        let layout = lattice.layout;
         let Scratch { a, moments, .. } = &mut self.scratch;
         let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
         self.isa.run(AccumulateForces {
-            lattice: &self.lattice,
+            lattice,
             constants: plan.explicit,
             bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x, moments }),
             gravity: input.gravity,
@@ -168,10 +177,11 @@ impl ClothSolver {
     /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
     /// without which the whole scheme would be of first order.
     fn add_damping(&mut self) {
+        let Topology::Lattice(lattice) = &self.topology else { return };
         let Scratch { a, b, .. } = &mut self.scratch;
         let state = &self.state;
         let springs = DampedSprings {
-            lattice: &self.lattice,
+            lattice,
             damping: self.plan.damping / state.unit,
             form: self.material.damping_form,
             shear: self.plan.shear_stiffness > 0.0,
@@ -197,7 +207,7 @@ impl ClothSolver {
         let kick = Kick::new(self.material.drag, 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
         self.isa.run(Integrate {
-            layout: self.lattice.layout,
+            layout: self.topology.layout(),
             acceleration,
             keep: kick.decay * (plan.step / self.state.unit),
             gain: self.state.response,
@@ -222,21 +232,22 @@ impl ClothSolver {
 
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
+        self.fill_places();
+        // Springs that carry what was asked of them need no tethers.
+        let mut tethered = self.plan.clamped.thread;
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();
                 if self.solve_threads() {
                     self.limit_strain();
                 }
-                self.pull_tethers();
+                tethered = true;
             }
-            Form::Springs => {
-                self.limit_strain();
-                // Springs that carry what was asked of them need no help.
-                if self.plan.clamped.thread {
-                    self.pull_tethers();
-                }
-            }
+            Form::Springs => self.limit_strain(),
+        }
+        self.empty_places();
+        if tethered {
+            self.pull_tethers();
         }
     }
 
@@ -263,8 +274,12 @@ impl ClothSolver {
     }
 
     fn correct_springs(&mut self, rule: Rule) {
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+            room.correct_springs(self.isa, graph, rule);
+        }
+        let Topology::Lattice(lattice) = &self.topology else { return };
         self.isa.run(CorrectSprings {
-            lattice: &self.lattice,
+            lattice,
             inverse_mass: &self.held.inverse_mass,
             x: &self.state.x,
             d: &mut self.state.d,
@@ -279,28 +294,30 @@ impl ClothSolver {
         if stiffness <= 0.0 {
             return true;
         }
-        let limit = self.limit();
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
-        let layout = self.lattice.layout;
+        let reach = Reach { compliance, limit: self.limit() };
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+            return room.solve_chains(isa, graph, reach);
+        }
+        let Topology::Lattice(lattice) = &self.topology else { return false };
+        let layout = lattice.layout;
         let State { x, d, .. } = &mut self.state;
         let Scratch { strip, line, .. } = &mut self.scratch;
         let weft = Lines {
             layout: layout.transposed(),
-            springs: &self.lattice.weft_transposed,
-            compliance,
+            springs: &lattice.weft_transposed,
+            reach,
             inverse_mass: &self.held.inverse_mass_transposed,
-            limit,
             line,
         };
         let weft_beyond =
             isa.run(SolveWeft { layout, lines: weft, x, d, strip, transpose: Transpose::new(isa) });
         let warp = Lines {
             layout,
-            springs: &self.lattice.warp,
-            compliance,
+            springs: &lattice.warp,
+            reach,
             inverse_mass: &self.held.inverse_mass,
-            limit,
             line,
         };
         let warp_beyond = isa.run(SolveWarp { layout, lines: warp, x, d });
@@ -313,7 +330,7 @@ impl ClothSolver {
         }
         for set in &self.held.tethers {
             self.isa.run(PullTethers {
-                layout: self.lattice.layout,
+                layout: self.topology.layout(),
                 set,
                 inverse_mass: &self.held.inverse_mass,
                 x: &self.state.x,
@@ -328,7 +345,7 @@ impl ClothSolver {
             self.contact_count = 0;
         } else {
             self.contact_count = self.isa.run(ResolveContacts {
-                layout: self.lattice.layout,
+                layout: self.topology.layout(),
                 colliders: input.colliders,
                 origin: self.state.origin,
                 span: self.span(),
@@ -346,7 +363,7 @@ impl ClothSolver {
             });
         }
         let State { x, d, .. } = &mut self.state;
-        self.isa.run(Displace { layout: self.lattice.layout, x, d });
+        self.isa.run(Displace { layout: self.topology.layout(), x, d });
         self.done += 1;
     }
 
@@ -379,12 +396,17 @@ impl ClothSolver {
     }
 
     fn take_survey(&self) -> Survey {
-        self.isa.run(TakeSurvey {
-            lattice: &self.lattice,
+        let mut survey = self.isa.run(TakeSurvey {
+            layout: self.topology.layout(),
+            lattice: self.topology.as_lattice().map(|lattice| &**lattice),
             x: &self.state.x,
             d: &self.state.d,
             start: &self.state.start,
-        })
+        });
+        if let Topology::Graph(graph) = &self.topology {
+            survey.max_strain = graph::largest_strain(self.isa, graph, &self.state.x);
+        }
+        survey
     }
 
     fn has_forces(&self) -> bool {
@@ -396,5 +418,32 @@ impl ClothSolver {
     fn span(&self) -> Span {
         let n = self.plan.substeps as f32;
         Span { from: self.done as f32 / n, to: (self.done + 1) as f32 / n }
+    }
+
+    fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
+        self.fill_places();
+        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
+        else {
+            return;
+        };
+        let Scratch { a, b, graph: Some(room), .. } = &mut self.scratch else { return };
+        let (isa, plan) = (self.isa, &self.plan);
+        room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
+        if plan.damping > 0.0 {
+            room.add_damping(isa, graph, strengths, &self.material, &self.state, a, b);
+        }
+    }
+
+    /// A graph's particles are gathered from places; on a lattice there is nothing to do.
+    fn fill_places(&mut self) {
+        if let Some(room) = &mut self.scratch.graph {
+            room.fill(self.isa, &self.held.inverse_mass, &self.state);
+        }
+    }
+
+    fn empty_places(&mut self) {
+        if let Some(room) = &self.scratch.graph {
+            room.empty(self.isa, &mut self.state.d);
+        }
     }
 }

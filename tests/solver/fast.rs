@@ -25,7 +25,7 @@ fn deepest_way(
     ticks: usize,
 ) -> f32 {
     let pins: Vec<_> = still(solver);
-    let count = solver.lattice().particle_count();
+    let count = solver.topology().particle_count();
     let mut deepest = f32::NEG_INFINITY;
     for tick in 0..ticks {
         let (from, to) = (path(tick as f32 * TICK), path((tick + 1) as f32 * TICK));
