@@ -20,7 +20,8 @@
 //! | --- | --- |
 //! | `lattice` | the rest shape: immutable, shared by equal cloths |
 //! | `state` | positions, displacements, working room |
-//! | `held` | what depends on the pins: inverse masses, tethers, clamped hinges |
+//! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
+//! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
@@ -40,9 +41,11 @@ mod isa;
 mod lanes;
 mod lattice;
 mod measure;
+mod motion;
 mod parameters;
 mod plan;
 mod setup;
+mod soft;
 mod state;
 mod tethers;
 mod threads;
@@ -59,10 +62,14 @@ pub use isa::Isa;
 pub use lanes::LANES;
 pub use lattice::{Lattice, LatticeError, MassLumping};
 pub use measure::StrainReport;
+pub use motion::RigidMotion;
 pub use parameters::{
     Bending, DampingForm, FormChoice, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use soft::SoftPin;
+
+pub(crate) use soft::check_soft_pin;
 
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
@@ -85,6 +92,7 @@ pub struct ClothSolver {
     settings: Settings,
     isa: Isa,
     held: Held,
+    soft: Vec<soft::Spring>,
     bound: Bound,
     plan: Plan,
     /// Gravity that the tethers' bounds were made for \[m/s2\].
@@ -95,6 +103,8 @@ pub struct ClothSolver {
     done: u32,
     contact_count: u32,
     survey: Survey,
+    /// Particles were put elsewhere since the survey was taken.
+    surveyed_before: bool,
 }
 
 impl ClothSolver {
@@ -120,15 +130,18 @@ impl ClothSolver {
     /// # Errors
     /// As [`ClothSolver::tick`]; the tick has not begun then.
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
-        input.check(self.held.slots.len())?;
+        input.check(self.held.slots.len() + self.soft.len())?;
         if input.dt != self.plan.tick {
             self.plan = Plan::new(&self.bound, &self.material, &self.settings, input.dt);
         }
-        if self.tethered_under != Some(input.gravity) {
+        if !self.tethered_under.is_some_and(|known| is_as_strong(known, input.gravity)) {
             for set in &mut self.held.tethers {
                 set.set_limits(&self.lattice, &self.material, input.gravity);
             }
             self.tethered_under = Some(input.gravity);
+        }
+        if self.surveyed_before {
+            self.survey_anew();
         }
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.lattice.layout, centre);
@@ -206,6 +219,7 @@ impl ClothSolver {
         self.state.unit = plan.step;
         self.state.last_step = plan.step;
         self.move_pins(input);
+        self.pull_soft_pins(input);
     }
 
     fn move_pins(&mut self, input: &StepInput<'_>) {
@@ -220,6 +234,7 @@ impl ClothSolver {
 
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
+        self.weigh_soft_pins();
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();
@@ -236,6 +251,7 @@ impl ClothSolver {
                 }
             }
         }
+        self.unweigh_soft_pins();
     }
 
     fn correct_shear(&mut self) {
@@ -353,7 +369,7 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.state.d.clear();
             self.state.last_step = 0.0;
-            self.survey = self.take_survey();
+            self.survey_anew();
             return Err(SolverError::Diverged);
         }
         self.survey = survey;
@@ -373,6 +389,16 @@ impl ClothSolver {
         })
     }
 
+    fn survey_anew(&mut self) {
+        self.survey = self.take_survey();
+        self.surveyed_before = false;
+    }
+
+    /// The survey of where the particles are now.
+    fn survey(&self) -> Survey {
+        if self.surveyed_before { self.take_survey() } else { self.survey }
+    }
+
     fn has_forces(&self) -> bool {
         let plan = &self.plan;
         !plan.explicit.is_zero() || plan.hinge_rigidity > 0.0 || plan.damping > 0.0
@@ -383,4 +409,10 @@ impl ClothSolver {
         let n = self.plan.substeps as f32;
         Span { from: self.done as f32 / n, to: (self.done + 1) as f32 / n }
     }
+}
+
+/// Whether two gravities pull alike, in whatever direction, but for rounding: as they do in the frame of
+/// a cloth that turns.
+fn is_as_strong(a: Vec3, b: Vec3) -> bool {
+    a == b || (a.length_squared() - b.length_squared()).abs() <= 1e-4 * a.length_squared()
 }

@@ -52,6 +52,8 @@ impl ClothSolver {
             done: 0,
             contact_count: 0,
             survey: Survey::default(),
+            surveyed_before: false,
+            soft: Vec::new(),
             lattice,
             material,
             settings,
