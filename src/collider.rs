@@ -1,12 +1,14 @@
 //! What cloths collide with, and where it is in each tick.
 
 mod bake;
+mod disturbance;
 mod shape;
 
 pub use bake::{BakeSdf, SdfCells};
 pub use shape::{CustomSdf, SdfShape};
 
 pub(crate) use bake::{finish_bakes, start_bakes};
+pub(crate) use disturbance::{Disturbances, note_disturbances};
 
 use crate::{
     cloth::{
@@ -122,7 +124,8 @@ impl ColliderRoom {
         Self(retype(used))
     }
 
-    fn reuse<'a>(self) -> Vec<solver::Collider<'a>> {
+    /// Takes the memory.
+    pub fn reuse<'a>(self) -> Vec<solver::Collider<'a>> {
         retype(self.0)
     }
 }

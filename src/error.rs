@@ -130,6 +130,9 @@ pub(crate) enum Blame {
     Collider,
     Schedule,
     Bake,
+    Teleport,
+    Inertia,
+    Sleep,
 }
 
 impl ClothError {
@@ -139,6 +142,9 @@ impl ClothError {
             Self::Draw { .. } => Blame::Drawing,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
+            Self::Parameter { component: "ClothTeleport", .. } => Blame::Teleport,
+            Self::Parameter { component: "ClothInertia", .. } => Blame::Inertia,
+            Self::Parameter { component: "ClothSleep", .. } => Blame::Sleep,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }

@@ -75,8 +75,9 @@ pub mod solver;
 mod step;
 
 pub use cloth::{
-    Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
+    Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
+    ClothTeleport, GridProblem, Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth,
 };
 pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
 pub use error::{ClothError, ClothFailure};
@@ -89,10 +90,11 @@ pub use step::ClothExecution;
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
-        ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
-        ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
+        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothFrozen, ClothGravity,
+        ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
+        ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSubstep,
+        ClothSubstepSystems, ClothSystems, ClothTeleport, Pin, PinHold, PinSelection, ResetCloth,
+        SdfCells, SdfCollider, SdfShape, TeleportCloth,
         sdf::{DistanceField, SignedDistance},
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };

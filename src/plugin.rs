@@ -2,13 +2,17 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-        ClothSettings, ClothSimulation, LatticeCache,
+        Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
+        ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep, ClothTeleport,
+        LatticeCache,
         attachment::{apply_pins, gather_pins},
+        following::{ask_for_reset, ask_for_teleport},
+        rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderSnapshot, SdfCollider, finish_bakes, gather_colliders, start_bakes,
+        BakeSdf, ColliderSnapshot, Disturbances, SdfCollider, finish_bakes, gather_colliders,
+        note_disturbances, start_bakes,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -106,14 +110,21 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothExecution>()
+            .register_type::<ClothTeleport>()
+            .register_type::<ClothInertia>()
+            .register_type::<ClothSleep>()
+            .register_type::<ClothFrozen>()
             .register_type::<SdfCollider>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothExecution>()
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
+            .init_resource::<Disturbances>()
             .init_resource::<Runner>()
-            .add_observer(tear_down);
+            .add_observer(tear_down)
+            .add_observer(ask_for_teleport)
+            .add_observer(ask_for_reset);
         register_fields(app);
 
         // Once a frame, before its ticks: note where things are.
@@ -134,7 +145,9 @@ impl Plugin for ClothPlugin {
                 (
                     (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
-                    (gather_colliders, gather_pins, gather_step).chain().in_set(Gather),
+                    (gather_colliders, note_disturbances, gather_pins, gather_step, choose_steps)
+                        .chain()
+                        .in_set(Gather),
                     // The exclusive systems touch no more than their neighbours here, which are not
                     // exempt.
                     (

@@ -1,20 +1,24 @@
 //! What users spawn and tune: [`Cloth`] and the components beside it.
 
 pub(crate) mod attachment;
+pub(crate) mod following;
 mod gravity;
 pub(crate) mod grid;
 mod material;
 mod pins;
 pub(crate) mod pose;
+pub(crate) mod rest;
 mod settings;
 pub(crate) mod setup;
 mod sheet;
 mod simulation;
 
+pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;
 pub use material::ClothMaterial;
-pub use pins::{ClothPins, Pin, PinProblem, PinSelection};
+pub use pins::{ClothPins, Pin, PinHold, PinProblem, PinSelection};
+pub use rest::{ClothFrozen, ClothSleep};
 pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
 
