@@ -84,6 +84,8 @@ pub(crate) struct Attachments {
     pub attached: Vec<Attached>,
     /// In the order of its soft pins.
     pulled: Vec<Pulled>,
+    /// An anchor whose pose cannot be used at present: its pin holds nothing until it can.
+    awaited: Option<Entity>,
     /// The motion of each through the tick, hard pins first.
     pub motions: Vec<PinMotion>,
 }
@@ -154,19 +156,26 @@ pub(crate) fn apply_pins(
     for (entity, pins, mut cloth) in &mut cloths {
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
         let fresh = cloth.tick_count == 0;
-        if !fresh && !pins.is_changed() {
+        let awaited = cloth.attachments.awaited;
+        let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
+        if !(fresh || found || pins.is_changed()) {
             continue;
         }
         if fresh {
             cloth.attachments = Attachments::default();
-        } else if cloth.pins == *pins && !failures.blames(entity, Blame::Pins) {
+        } else if cloth.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
             continue;
         }
         cloth.pins.clone_from(&pins);
         let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         hold(&mut cloth, attachments);
         match problem {
-            None => failures.clear(entity, Blame::Pins),
+            None => {
+                failures.clear(entity, Blame::Pins);
+                if found {
+                    failures.clear(entity, Blame::Pose);
+                }
+            }
             Some((pin, problem)) => {
                 failures.report(entity, ClothError::Pin { entity, pin, problem });
             }
@@ -211,7 +220,11 @@ fn attach(
     for (_, pin) in holder_of.iter().flatten() {
         shares[*pin] += 1;
     }
-    let mut out = Attachments { own_entity: Some(entity), ..default() };
+    let awaited = match problem {
+        Some((_, PinProblem::AnchorScale(anchor))) => Some(anchor),
+        _ => None,
+    };
+    let mut out = Attachments { own_entity: Some(entity), awaited, ..default() };
     if let Some(own) = anchor(cloth, entity, entity, transforms) {
         out.slot(own);
     }
@@ -305,6 +318,7 @@ pub(crate) fn gather_pins(
         tell(entity, "ClothInertia", Blame::Inertia, outcome, &mut failures);
         let at_once = cloth.following.teleport_asked;
         match advance_anchors(&mut cloth.attachments, &transforms, at_once) {
+            None if cloth.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
             Some((anchor, PoseError::Scale(scale))) if anchor == entity => {
                 failures.report(entity, ClothError::Scale { entity, scale });
