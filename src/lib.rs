@@ -36,7 +36,9 @@
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
 //!   [`ClothSimulation`]; changed components change it.
-//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity.
+//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity. A cloth
+//!   whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen ([`ClothFrozen`])
+//!   or sleeps ([`ClothSleep`]) sits the tick out.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].

@@ -67,7 +67,8 @@ pub enum ClothSystems {
     /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
     /// so that a cloth is seen in the frame that spawned it.
     Setup,
-    /// Poses of colliders and pins through the tick, and gravity.
+    /// Poses of colliders and pins through the tick, and gravity; teleports and resets; who takes the
+    /// tick.
     Gather,
     /// The substeps.
     Solve,

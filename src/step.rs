@@ -294,10 +294,9 @@ pub(crate) fn finish_tick(
             Some(Ok(report)) => {
                 cloth.last_tick = Some(report);
                 cloth.tick_count += 1;
-                let moved = cloth.solver.largest_move();
-                cloth.stale |= moved > 0.0;
-                let dt = cloth.step.dt;
-                cloth.rest.note_tick(moved, dt);
+                cloth.stale |= cloth.solver.has_moved();
+                let ClothSimulation { rest, solver, step, .. } = &mut *cloth;
+                rest.note_tick(solver, step.dt);
                 failures.clear(entity, Blame::Motion);
                 failures.clear(entity, Blame::Schedule);
             }

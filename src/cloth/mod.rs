@@ -46,7 +46,8 @@ use bevy::prelude::*;
 /// ```
 ///
 /// The cloth is simulated in world space. It starts where the entity's transform puts its rest
-/// shape; afterwards moving the entity moves only the pins that follow it. The entity may be scaled
+/// shape; afterwards moving the entity moves only the pins that follow it, unless it jumps
+/// ([`ClothTeleport`]) or the cloth is to ride along ([`ClothInertia`]). The entity may be scaled
 /// alike along all axes: the cloth is that much larger when it is set up. Another scale is refused
 /// with a [`ClothError`](crate::ClothError).
 ///

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 ///
 /// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the
 /// entity's frame. A pin with an anchor keeps, in the anchor's frame, the place that it had when it
-/// was attached. What no pin holds any more is released and falls from where it is.
+/// was attached: a hand, a mast, or a joint of a character, as many as are wanted. Pins hold hard or by
+/// springs ([`PinHold`]). What no pin holds any more is released and goes on with the velocity it had.
 ///
 /// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once,
 /// as a [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.

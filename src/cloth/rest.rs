@@ -4,7 +4,7 @@ use super::{ClothSimulation, attachment::gather_motions};
 use crate::{
     collider::Disturbances,
     error::{Blame, ClothError, Failures},
-    solver::ParameterError,
+    solver::{ClothSolver, ParameterError},
 };
 use bevy::prelude::*;
 
@@ -14,31 +14,34 @@ use bevy::prelude::*;
 /// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
 /// that move, appear, change or vanish near it, teleports, resets, and
 /// [`ClothSimulation::wake`]. Cloth that nothing damps may swing for ever, and never sleeps.
+///
+/// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
+/// the end of a swing is not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothSleep {
-    /// Speed along any axis below which a particle is still [m/s], taken over a tick. Higher sleeps
-    /// sooner; 0 never. The default is 5 mm/s.
-    pub speed: f32,
-    /// Time for which all particles have to be still \[s\]. Higher sleeps later. The default of 0.5 s
-    /// is far longer than a swing takes to turn.
+    /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
+    /// sleeps sooner; 0 never. The default is 3 mm.
+    pub distance: f32,
+    /// Time for which all particles have to stay that near \[s\]. Higher sleeps later. The default is
+    /// 1 s, in which a small pendulum has been at both its ends.
     pub time: f32,
 }
 
 impl Default for ClothSleep {
     fn default() -> Self {
-        Self { speed: 0.005, time: 0.5 }
+        Self { distance: 0.003, time: 1.0 }
     }
 }
 
 impl ClothSleep {
     /// The cloth never sleeps.
-    pub const NEVER: Self = Self { speed: 0.0, time: 0.5 };
+    pub const NEVER: Self = Self { distance: 0.0, time: 1.0 };
 
     fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.speed >= 0.0 && self.speed.is_finite()) {
-            let range = "at least 0 m/s, and finite";
-            return Err(ParameterError { name: "speed", value: self.speed, range });
+        if !(self.distance >= 0.0 && self.distance.is_finite()) {
+            let range = "at least 0 m, and finite";
+            return Err(ParameterError { name: "distance", value: self.distance, range });
         }
         if !(self.time >= 0.0 && self.time.is_finite()) {
             let range = "at least 0 s, and finite";
@@ -72,7 +75,7 @@ pub struct ClothFrozen {
 #[derive(Default)]
 pub(crate) struct Rest {
     sleep: ClothSleep,
-    /// How long all particles have been still \[s\].
+    /// How long all particles have been near where they were marked \[s\].
     still: f32,
     asleep: bool,
     /// Something has happened that could move it.
@@ -93,10 +96,16 @@ impl Rest {
         self.asleep && !self.disturbed
     }
 
-    /// Notes how far the cloth moved in a tick of `dt` seconds.
-    pub fn note_tick(&mut self, largest_move: f32, dt: f32) {
-        let still = largest_move < self.sleep.speed * dt;
-        self.still = if still { self.still + dt } else { 0.0 };
+    /// Notes how far the cloth has gone in a tick of `dt` seconds.
+    pub fn note_tick(&mut self, solver: &mut ClothSolver, dt: f32) {
+        if self.sleep.distance == 0.0 {
+            self.still = 0.0;
+        } else if self.still == 0.0 || solver.distance_from_mark() > self.sleep.distance {
+            solver.mark();
+            self.still = dt;
+        } else {
+            self.still += dt;
+        }
     }
 
     fn set_sleep(&mut self, sleep: Option<&ClothSleep>) -> Result<(), ParameterError> {

@@ -25,7 +25,7 @@
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
-//! | `measure` | strain, bounds, whether all is finite |
+//! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 
 mod access;
@@ -47,6 +47,7 @@ mod plan;
 mod setup;
 mod soft;
 mod state;
+mod stillness;
 mod tethers;
 mod threads;
 mod transpose;
@@ -105,6 +106,7 @@ pub struct ClothSolver {
     survey: Survey,
     /// Particles were put elsewhere since the survey was taken.
     surveyed_before: bool,
+    mark: stillness::Mark,
 }
 
 impl ClothSolver {

@@ -14,6 +14,7 @@ use super::measure::Survey;
 use super::parameters::{Material, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
+use super::stillness::Mark;
 
 /// The tick that a solver plans for until it is given one \[s\].
 const USUAL_TICK: f32 = 1.0 / 64.0;
@@ -53,6 +54,7 @@ impl ClothSolver {
             contact_count: 0,
             survey: Survey::default(),
             surveyed_before: false,
+            mark: Mark::new(lattice.layout),
             soft: Vec::new(),
             lattice,
             material,
