@@ -22,11 +22,15 @@ use crate::{
 use bevy::prelude::*;
 use std::sync::Arc;
 
+/// Way in a tick from which on a collider has been put elsewhere, and has not gone there \[m\].
+const JUMP: f32 = 10.0;
+
 /// A rigid solid that all cloths collide with.
 ///
 /// It follows its entity, which may be scaled alike along all axes; another scale is refused with a
 /// [`ClothError`], and the collider is left out as long. May be moved in the fixed schedule
-/// or once a frame, and changed at any time.
+/// or once a frame, and changed at any time. Where it goes more than 10 m in a tick it has been put
+/// there, and sweeps nothing on its way.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -146,8 +150,19 @@ pub(crate) fn note_collider(
     if let Some(pose) = &mut pose.0
         && let Ok(now) = pose_now(transforms, entity)
     {
+        let before = pose.end();
         pose.begin_frame(now, ticks);
+        if has_jumped(&before, &now, ticks) {
+            pose.at_once();
+        }
     }
+}
+
+/// Whether a collider has been put elsewhere; one that moves once a frame has as much room for each of
+/// its ticks, four at most.
+fn has_jumped(from: &Pose, to: &Pose, ticks: u32) -> bool {
+    let most = JUMP * ticks.clamp(1, 4) as f32;
+    from.translation.distance_squared(to.translation) > most * most
 }
 
 /// Takes the poses of all colliders through the tick.
@@ -191,6 +206,7 @@ fn gather(
         }
     };
     let (start, end) = pose.0.get_or_insert(MovingPose::new(now)).advance(now);
+    let start = if has_jumped(&start, &end, 1) { end } else { start };
     let shape = collider.shape.clone();
     Ok(collider.enabled.then_some(Gathered { entity, shape, start, end, friction }))
 }

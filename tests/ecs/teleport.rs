@@ -243,6 +243,27 @@ fn what_teleports_with_the_cloth_does_not_sweep_through_it() {
 }
 
 #[test]
+fn a_collider_that_is_put_elsewhere_sweeps_nothing_on_its_way() {
+    let run = |way: Option<f32>| {
+        let mut app = app();
+        let pins = ClothPins::from(PinSelection::FirstRow);
+        let cloth = spawn(&mut app, (sheet(), pins));
+        let place = Transform::from_xyz(-6.0, -0.5, 0.0);
+        let ball = spawn(&mut app, (SdfCollider::from(Sphere::new(0.4)), place));
+        updates(&mut app, 25);
+        if let Some(way) = way {
+            transform(&mut app, ball).translation.x += way;
+        }
+        updates(&mut app, 5);
+        bits(&app, cloth)
+    };
+    let alone = run(None);
+    assert_eq!(run(Some(12.0)), alone);
+    // What goes its way does.
+    assert_ne!(run(Some(9.0)), alone);
+}
+
+#[test]
 fn a_reset_cloth_is_at_rest_in_its_rest_shape() {
     for anchored in [false, true] {
         let mut swing = swing(anchored);
