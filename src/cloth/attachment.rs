@@ -103,7 +103,7 @@ impl Attachments {
 
     /// The anchor that leads the cloth: its own entity if that holds any of it or nothing else does,
     /// else the first that holds it, hard before soft.
-    fn reference(&self) -> Option<usize> {
+    pub fn reference(&self) -> Option<usize> {
         let own = self.anchors.iter().position(|a| Some(a.entity) == self.own_entity);
         let leads = |counts: fn(&Anchor) -> u32| {
             let own = own.filter(|&own| counts(&self.anchors[own]) > 0);

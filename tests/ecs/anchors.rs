@@ -65,6 +65,38 @@ fn a_cape_is_drawn_at_its_shoulders_at_any_frame_rate() {
 }
 
 #[test]
+fn a_cape_is_drawn_along_with_a_runner_between_ticks() {
+    // The whole cloth, in the runner's frame, as drawn in the frames of a steady run: what is far from
+    // the shoulders keeps its distance to them as well.
+    for interpolation in [ClothInterpolation::Blend, ClothInterpolation::LastTick] {
+        let mut app = app();
+        app.add_systems(Update, |mut runners: Query<(&mut Transform, &Joint)>, time: Res<Time>| {
+            for (mut transform, runs) in &mut runners {
+                transform.translation.x += runs.0 * time.delta_secs();
+            }
+        });
+        let runner = spawn(&mut app, (Transform::default(), Joint(6.0)));
+        let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(runner);
+        let material = ClothMaterial { drag: 8.0, ..default() };
+        let cape =
+            spawn(&mut app, (sheet(), pins, material, ClothInertia::new(0.0), interpolation));
+        updates(&mut app, 200);
+        set_frame(&mut app, TICK / 5 * 2);
+        let in_frame = |app: &App| {
+            let x = app.world().get::<Transform>(runner).unwrap().translation.x;
+            drawn_positions(app, cape)[60] - Vec3::X * x
+        };
+        updates(&mut app, 10);
+        let first = in_frame(&app);
+        for _ in 0..20 {
+            app.update();
+            // A tick of the run is nine centimetres.
+            assert!(in_frame(&app).distance(first) < 0.01, "{interpolation:?}");
+        }
+    }
+}
+
+#[test]
 fn an_anchor_that_moves_in_the_first_tick_leaves_no_offset() {
     let mut app = app();
     app.add_systems(FixedUpdate, animate);
@@ -280,20 +312,24 @@ fn numbers_of_soft_pins_out_of_range_hold_nothing() {
 
 #[test]
 fn what_moves_in_ticks_holds_soft_pins_alike_at_every_frame_rate() {
-    let run = |strategy: TimeUpdateStrategy| {
+    let run = |strategy: TimeUpdateStrategy, execution: ClothExecution| {
         let mut app = app();
-        app.add_systems(FixedUpdate, animate);
+        app.insert_resource(execution).add_systems(FixedUpdate, animate);
         let anchor = spawn(&mut app, (Transform::from_xyz(0.1, 0.0, 0.0), Joint(0.4)));
         let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(anchor).softly(80.0, 2.0);
         let inertia = ClothInertia::new(0.4);
         let cloth = spawn(&mut app, (sheet(), pins, inertia));
+        let ball = (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.0, -0.35, 0.0));
+        spawn(&mut app, ball);
         app.insert_resource(strategy);
         while app.world().get::<ClothSimulation>(cloth).is_none_or(|c| c.tick_count() < 24) {
             app.update();
         }
         bits(&app, cloth)
     };
-    let one = run(TimeUpdateStrategy::FixedTimesteps(1));
-    assert_eq!(one, run(TimeUpdateStrategy::FixedTimesteps(3)));
-    assert_eq!(one, run(TimeUpdateStrategy::ManualDuration(TICK / 5 * 2)));
+    let (fused, staged) = (ClothExecution::Fused, ClothExecution::Staged);
+    let one = run(TimeUpdateStrategy::FixedTimesteps(1), fused);
+    assert_eq!(one, run(TimeUpdateStrategy::FixedTimesteps(1), staged));
+    assert_eq!(one, run(TimeUpdateStrategy::FixedTimesteps(3), staged));
+    assert_eq!(one, run(TimeUpdateStrategy::ManualDuration(TICK / 5 * 2), fused));
 }
