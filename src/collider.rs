@@ -2,6 +2,7 @@
 
 mod bake;
 mod check;
+mod disturbance;
 mod impulse;
 mod load;
 mod shape;
@@ -13,6 +14,7 @@ pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
 
 pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
+pub(crate) use disturbance::{Disturbances, note_disturbances};
 pub(crate) use impulse::sum_impulses;
 pub(crate) use load::FieldSource;
 pub(crate) use snapshot::{
@@ -24,12 +26,15 @@ use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
 use bevy::prelude::*;
 use std::sync::Arc;
 
+/// Way in a tick from which on a collider has been put elsewhere, and has not gone there \[m\].
+const JUMP: f32 = 10.0;
+
 /// A rigid solid that all cloths collide with.
 ///
 /// It follows its entity, which may be scaled alike along all axes; another scale, a length of the shape
 /// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`], and
 /// the collider is left out as long. May be moved in the fixed schedule or once a frame, and changed at
-/// any time.
+/// any time. Where it goes more than 10 m in a tick it has been put there, and sweeps nothing on its way.
 ///
 /// ```
 /// # use bevy::prelude::*;

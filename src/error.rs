@@ -139,6 +139,9 @@ pub(crate) enum Blame {
     Collider,
     Schedule,
     Bake,
+    Teleport,
+    Inertia,
+    Sleep,
 }
 
 impl ClothError {
@@ -150,6 +153,9 @@ impl ClothError {
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {
                 Blame::Collider
             }
+            Self::Parameter { component: "ClothTeleport", .. } => Blame::Teleport,
+            Self::Parameter { component: "ClothInertia", .. } => Blame::Inertia,
+            Self::Parameter { component: "ClothSleep", .. } => Blame::Sleep,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }

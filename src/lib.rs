@@ -36,7 +36,9 @@
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
 //!   [`ClothSimulation`]; changed components change it.
-//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity.
+//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity. A cloth
+//!   whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen ([`ClothFrozen`])
+//!   or sleeps ([`ClothSleep`]) sits the tick out.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
@@ -75,8 +77,9 @@ pub mod solver;
 mod step;
 
 pub use cloth::{
-    Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
+    Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
+    ClothTeleport, GridProblem, Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -92,10 +95,11 @@ pub use step::ClothExecution;
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
-        ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
-        ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, ColliderImpulse, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
+        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothFrozen, ClothGravity,
+        ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
+        ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSubstep,
+        ClothSubstepSystems, ClothSystems, ClothTeleport, ColliderImpulse, Pin, PinHold,
+        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth,
         sdf::{DistanceField, SignedDistance},
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };

@@ -2,14 +2,18 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-        ClothSettings, ClothSimulation, LatticeCache,
+        Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
+        ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep, ClothTeleport,
+        LatticeCache,
         attachment::{apply_pins, gather_pins},
+        following::{ask_for_reset, ask_for_teleport},
+        rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
     },
     collider::{
-        BakeSdf, ColliderImpulse, ColliderSnapshot, DistanceFieldLoader, SdfCollider, cancel_bake,
-        finish_bakes, forget_collider, gather_colliders, start_bakes, sum_impulses,
+        BakeSdf, ColliderImpulse, ColliderSnapshot, DistanceFieldLoader, Disturbances, SdfCollider,
+        cancel_bake, finish_bakes, forget_collider, gather_colliders, note_disturbances,
+        start_bakes, sum_impulses,
     },
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
@@ -64,7 +68,8 @@ pub enum ClothSystems {
     /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
     /// so that a cloth is seen in the frame that spawned it.
     Setup,
-    /// Poses of colliders and pins through the tick, and gravity.
+    /// Poses of colliders and pins through the tick, and gravity; teleports and resets; who takes the
+    /// tick.
     Gather,
     /// The substeps.
     Solve,
@@ -107,6 +112,10 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothExecution>()
+            .register_type::<ClothTeleport>()
+            .register_type::<ClothInertia>()
+            .register_type::<ClothSleep>()
+            .register_type::<ClothFrozen>()
             .register_type::<SdfCollider>()
             .register_type::<ColliderImpulse>()
             .register_type::<BakeSdf>()
@@ -114,8 +123,11 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothExecution>()
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
+            .init_resource::<Disturbances>()
             .init_resource::<Runner>()
             .add_observer(tear_down)
+            .add_observer(ask_for_teleport)
+            .add_observer(ask_for_reset)
             .add_observer(forget_collider)
             .add_observer(cancel_bake);
         register_fields(app);
@@ -138,7 +150,9 @@ impl Plugin for ClothPlugin {
                 (
                     (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
-                    (gather_colliders, gather_pins, gather_step).chain().in_set(Gather),
+                    (gather_colliders, note_disturbances, gather_pins, gather_step, choose_steps)
+                        .chain()
+                        .in_set(Gather),
                     // The exclusive systems touch no more than their neighbours here, which are not
                     // exempt.
                     (

@@ -157,10 +157,12 @@ impl Surroundings<'_, '_> {
 /// What a cloth takes of the world, fixed for a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ClothStep {
-    dt: f32,
-    gravity: Vec3,
+    pub(crate) dt: f32,
+    pub(crate) gravity: Vec3,
     /// Substeps still to go, in the staged form.
     rounds: u32,
+    /// The cloth takes this tick.
+    pub(crate) runs: bool,
 }
 
 /// The solver's input. A function of fields, so that the solver beside them can be borrowed.
@@ -180,7 +182,7 @@ pub(crate) fn gather_step(
 ) {
     for (mut cloth, own) in &mut cloths {
         let gravity = own.map_or(gravity.0, |own| own.0);
-        cloth.step = ClothStep { dt: time.delta_secs(), gravity, rounds: 0 };
+        cloth.step = ClothStep { dt: time.delta_secs(), gravity, rounds: 0, runs: false };
     }
 }
 
@@ -188,9 +190,12 @@ pub(crate) fn gather_step(
 pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
-            let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
-            if !*frozen {
-                *outcome = Some(solver.tick(&input(*step, attachments, colliders)));
+            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
+            if step.runs {
+                *outcome = Some(following.with_colliders(colliders, |colliders| {
+                    solver.tick(&input(*step, attachments, colliders))
+                }));
+                following.end_ride(solver, outcome);
             }
         });
     });
@@ -205,11 +210,14 @@ pub(crate) fn begin_staged(
     runner.rounds = 0;
     surroundings.with_colliders(|colliders| {
         for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
-            if *frozen {
+            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
+            if !step.runs {
                 continue;
             }
-            match solver.begin_tick(&input(*step, attachments, colliders)) {
+            let begun = following.with_colliders(colliders, |colliders| {
+                solver.begin_tick(&input(*step, attachments, colliders))
+            });
+            match begun {
                 Ok(substeps) => step.rounds = substeps,
                 Err(error) => *outcome = Some(Err(error)),
             }
@@ -260,12 +268,15 @@ fn for_each_stepping(
 pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
         for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, step, outcome, .. } = &mut *cloth;
+            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
             if step.rounds > 0 {
-                solver.collide(&input(*step, attachments, colliders));
+                following.with_colliders(colliders, |colliders| {
+                    solver.collide(&input(*step, attachments, colliders));
+                });
                 step.rounds -= 1;
                 if step.rounds == 0 {
                     *outcome = Some(solver.end_tick());
+                    following.end_ride(solver, outcome);
                 }
             }
         }
@@ -283,12 +294,14 @@ pub(crate) fn finish_tick(
                 cloth.last_tick = Some(report);
                 cloth.tick_count += 1;
                 cloth.stale |= cloth.solver.has_moved();
+                let ClothSimulation { rest, solver, step, .. } = &mut *cloth;
+                rest.note_tick(solver, step.dt);
                 failures.clear(entity, Blame::Motion);
                 failures.clear(entity, Blame::Schedule);
             }
             Some(Err(problem)) => {
                 // Bad input leaves the cloth where it is, until the input is good again.
-                cloth.frozen = problem == SolverError::Diverged;
+                cloth.quarantined = problem == SolverError::Diverged;
                 failures.report(entity, solver_error(entity, problem));
             }
             None => {}

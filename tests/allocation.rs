@@ -6,10 +6,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use bevy::math::{Vec2, Vec3, primitives::Sphere};
+use bevy::math::{Quat, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
     Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
-    PinMotion, Pose, Settings, StepInput, Substeps, Topology,
+    PinMotion, Pose, RigidMotion, Settings, SoftPin, StepInput, Substeps, Topology,
 };
 
 thread_local! {
@@ -67,9 +67,13 @@ fn busy(topology: Topology, form: FormChoice, bending: Bending) -> (ClothSolver,
     let start = topology.rest_positions().to_vec();
     let mut solver = ClothSolver::new(topology, &start, material, settings).unwrap();
     solver.set_pins(&[0, 34, 300, 350, 400, 664]).unwrap();
+    let soft = [20, 90, 500].map(|particle| SoftPin { particle, stiffness: 9.0, damping: 0.1 });
+    solver.set_soft_pins(&soft).unwrap();
+    let soft = soft.map(|pin| pin.particle);
     let pins = solver
         .pins()
         .iter()
+        .chain(&soft)
         .map(|&p| PinMotion { start: start[p as usize], end: start[p as usize] + Vec3::Y * 0.001 })
         .collect();
     (solver, pins)
@@ -117,6 +121,11 @@ fn a_tick_and_its_stages_do_not_allocate() {
             }
             let other = StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, ..input };
             assert_eq!(allocations(|| solver.tick(&other)), 0, "{form:?} {bending:?}, other tick");
+            let ride = RigidMotion { pivot: Vec3::X, rotation: Quat::IDENTITY, shift: Vec3::Y };
+            assert_eq!(allocations(|| solver.ride(&ride)), 0);
+            assert_eq!(allocations(|| solver.carry(&Pose::IDENTITY, &from)), 0);
+            assert_eq!(allocations(|| (solver.mark(), solver.distance_from_mark())), 0);
+            assert_eq!(allocations(|| solver.reset(&from)), 0);
             assert_eq!(allocations(|| solver.begin_tick(&input)), 0);
             for _ in 0..5 {
                 assert_eq!(allocations(|| solver.accumulate_forces(&input)), 0);

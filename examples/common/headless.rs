@@ -43,6 +43,10 @@ pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
             schedule.set_executor(SingleThreadedExecutor::new());
         });
     }
+    // Every tick is to be measured.
+    app.add_observer(|added: On<Add, Cloth>, mut commands: Commands| {
+        commands.entity(added.entity).insert(ClothSleep::NEVER);
+    });
     scene.add_to(&mut app, particles);
     watch(&mut app);
     app.finish();

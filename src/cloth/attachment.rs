@@ -1,31 +1,56 @@
 //! Pins at work: which particle hangs on which anchor, where in its frame, and how it moves in a
 //! tick.
+//!
+//! Hard pins are given to the solver as places, soft ones as the targets of springs.
 
 use super::{
-    ClothPins, ClothSimulation, PinProblem,
-    pins::Pin,
+    ClothFrozen, ClothInertia, ClothPins, ClothSimulation, ClothTeleport, PinProblem,
+    pins::{Pin, PinHold},
     pose::{MovingPose, PoseError, pose_now, to_local, to_world},
+    setup::pose_error,
 };
 use crate::{
     error::{Blame, ClothError, Failures},
-    solver::{PinMotion, Pose},
+    solver::{ParameterError, PinMotion, Pose, SoftPin},
 };
 use bevy::prelude::*;
 
-/// Something that holds particles.
+/// Something that holds particles, or the cloth's own entity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchor {
     pub entity: Entity,
     pub pose: MovingPose,
     /// Its poses at this tick's start and end.
-    tick: (Pose, Pose),
+    pub tick: (Pose, Pose),
+    /// Pose of the cloth's entity in its frame, when it took hold.
+    cloth: Pose,
+    /// Particles that it holds hard.
+    pub holds: u32,
+    /// Particles that it holds softly.
+    pulls: u32,
     /// Its pose when the mesh was last written.
     pub drawn: Option<Pose>,
 }
 
 impl Anchor {
-    fn new(entity: Entity, now: Pose) -> Self {
-        Self { entity, pose: MovingPose::new(now), tick: (now, now), drawn: None }
+    fn new(entity: Entity, now: Pose, cloth: &Pose) -> Self {
+        let cloth = Pose {
+            translation: to_local(&now, cloth.translation),
+            rotation: (now.rotation.inverse() * cloth.rotation).normalize(),
+            scale: 1.0,
+        };
+        let pose = MovingPose::new(now);
+        Self { entity, pose, tick: (now, now), cloth, holds: 0, pulls: 0, drawn: None }
+    }
+
+    /// Where the cloth is to be at rest, now that the anchor is where the tick ends.
+    fn cloth_at_rest(&self) -> Pose {
+        let (_, now) = self.tick;
+        Pose {
+            translation: to_world(&now, self.cloth.translation),
+            rotation: (now.rotation * self.cloth.rotation).normalize(),
+            scale: 1.0,
+        }
     }
 }
 
@@ -41,22 +66,76 @@ pub(crate) struct Attached {
     fresh: bool,
 }
 
+/// A particle on a spring.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pulled {
+    pub at: Attached,
+    spring: SoftPin,
+}
+
 /// All that is held of a cloth.
 #[derive(Default)]
 pub(crate) struct Attachments {
     /// The cloth's entity, which holds what has no other anchor.
     pub own_entity: Option<Entity>,
+    /// The cloth's entity, if it has a pose, then the others.
     pub anchors: Vec<Anchor>,
     /// In the order of the solver's pins.
     pub attached: Vec<Attached>,
-    /// The motion of each through the tick, in the same order.
+    /// In the order of its soft pins.
+    pulled: Vec<Pulled>,
+    /// An anchor whose pose cannot be used at present: its pin holds nothing until it can.
+    awaited: Option<Entity>,
+    /// The motion of each through the tick, hard pins first.
     pub motions: Vec<PinMotion>,
 }
 
 impl Attachments {
     fn find(&self, particle: u32, anchor: Entity) -> Option<&Attached> {
-        let at = self.attached.binary_search_by_key(&particle, |a| a.particle).ok()?;
-        Some(&self.attached[at]).filter(|a| self.anchors[a.anchor as usize].entity == anchor)
+        let held = self.attached.binary_search_by_key(&particle, |a| a.particle);
+        let pulled = || self.pulled.binary_search_by_key(&particle, |p| p.at.particle);
+        let known = match held {
+            Ok(at) => &self.attached[at],
+            Err(_) => &self.pulled[pulled().ok()?].at,
+        };
+        Some(known).filter(|a| self.anchors[a.anchor as usize].entity == anchor)
+    }
+
+    /// The anchor that leads the cloth: its own entity if that holds any of it or nothing else does,
+    /// else the first that holds it, hard before soft.
+    pub fn reference(&self) -> Option<usize> {
+        let own = self.anchors.iter().position(|a| Some(a.entity) == self.own_entity);
+        let leads = |counts: fn(&Anchor) -> u32| {
+            let own = own.filter(|&own| counts(&self.anchors[own]) > 0);
+            own.or_else(|| self.anchors.iter().position(|anchor| counts(anchor) > 0))
+        };
+        leads(|anchor| anchor.holds).or_else(|| leads(|anchor| anchor.pulls)).or(own)
+    }
+
+    /// What is held starts from where it is.
+    fn take_hold_anew(&mut self) {
+        self.attached.iter_mut().for_each(|attached| attached.fresh = true);
+        self.pulled.iter_mut().for_each(|pulled| pulled.at.fresh = true);
+    }
+
+    /// Adds a particle to those that are held, with its part of what its pin has for `share` particles.
+    fn add(&mut self, at: Attached, hold: PinHold, share: u32) {
+        let anchor = &mut self.anchors[at.anchor as usize];
+        match hold {
+            PinHold::Hard => {
+                anchor.holds += 1;
+                self.attached.push(at);
+            }
+            PinHold::Soft { stiffness, damping } => {
+                anchor.pulls += 1;
+                let part = 1.0 / share as f32;
+                // A part of the smallest number is none at all.
+                let stiffness = (stiffness * part).max(f32::MIN_POSITIVE);
+                let damping = damping * part;
+                let spring = SoftPin { particle: at.particle, stiffness, damping };
+                self.pulled.push(Pulled { at, spring });
+            }
+        }
     }
 
     fn slot(&mut self, anchor: Anchor) -> u32 {
@@ -77,19 +156,26 @@ pub(crate) fn apply_pins(
     for (entity, pins, mut cloth) in &mut cloths {
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
         let fresh = cloth.tick_count == 0;
-        if !fresh && !pins.is_changed() {
+        let awaited = cloth.attachments.awaited;
+        let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
+        if !(fresh || found || pins.is_changed()) {
             continue;
         }
         if fresh {
             cloth.attachments = Attachments::default();
-        } else if cloth.pins == *pins && !failures.blames(entity, Blame::Pins) {
+        } else if cloth.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
             continue;
         }
         cloth.pins.clone_from(&pins);
         let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         hold(&mut cloth, attachments);
         match problem {
-            None => failures.clear(entity, Blame::Pins),
+            None => {
+                failures.clear(entity, Blame::Pins);
+                if found {
+                    failures.clear(entity, Blame::Pose);
+                }
+            }
             Some((pin, problem)) => {
                 failures.report(entity, ClothError::Pin { entity, pin, problem });
             }
@@ -100,8 +186,11 @@ pub(crate) fn apply_pins(
 /// Makes the solver hold exactly what is attached.
 fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
     let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
-    // The particles come from the cloth's own lattice: the solver has no reason to refuse them.
-    if cloth.solver.set_pins(&particles).is_ok() {
+    let springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
+    // has no reason to refuse them.
+    if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
+        cloth.rest.disturb();
         cloth.attachments = attachments;
         cloth.stale = true;
     }
@@ -114,29 +203,40 @@ fn attach(
     pins: &[Pin],
     transforms: &TransformHelper,
 ) -> (Attachments, Option<(usize, PinProblem)>) {
-    let mut anchor_of = vec![None; cloth.particle_count()];
+    let mut holder_of = vec![None; cloth.particle_count()];
     let mut problem = None;
     for (index, pin) in pins.iter().enumerate() {
         let anchor = pin.anchor.unwrap_or(entity);
-        let held = anchor_now(anchor, transforms).and_then(|_| {
-            let hold = |particle: u32| anchor_of[particle as usize] = Some(anchor);
+        let usable = pin.hold.validate().and_then(|()| anchor_now(anchor, transforms));
+        let held = usable.and_then(|_| {
+            let hold = |particle: u32| holder_of[particle as usize] = Some((anchor, index));
             pin.selection.for_each(&cloth.choices(), hold)
         });
         if let Err(error) = held {
             problem.get_or_insert((index, error));
         }
     }
-    let mut out = Attachments { own_entity: Some(entity), ..default() };
-    for (particle, anchor) in anchor_of.iter().enumerate() {
-        if let Some(anchor) = *anchor
-            && let Some(attached) =
-                attach_one(cloth, entity, particle, anchor, transforms, &mut out)
+    let mut shares = vec![0_u32; pins.len()];
+    for (_, pin) in holder_of.iter().flatten() {
+        shares[*pin] += 1;
+    }
+    let awaited = match problem {
+        Some((_, PinProblem::AnchorScale(anchor))) => Some(anchor),
+        _ => None,
+    };
+    let mut out = Attachments { own_entity: Some(entity), awaited, ..default() };
+    if let Some(own) = anchor(cloth, entity, entity, transforms) {
+        out.slot(own);
+    }
+    for (particle, holder) in holder_of.iter().enumerate() {
+        if let Some((anchor, pin)) = *holder
+            && let Some(at) = attach_one(cloth, entity, particle, anchor, transforms, &mut out)
         {
-            out.attached.push(attached);
+            out.add(at, pins[pin].hold, shares[pin]);
         }
     }
     // Room for every motion now, so that no tick needs any.
-    out.motions.reserve_exact(out.attached.len());
+    out.motions.reserve_exact(out.attached.len() + out.pulled.len());
     (out, problem)
 }
 
@@ -149,11 +249,7 @@ fn attach_one(
     transforms: &TransformHelper,
     out: &mut Attachments,
 ) -> Option<Attached> {
-    let known = cloth.attachments.anchors.iter().find(|a| a.entity == anchor);
-    let known = match known {
-        Some(known) => *known,
-        None => Anchor::new(anchor, anchor_now(anchor, transforms).ok()?),
-    };
+    let known = self::anchor(cloth, entity, anchor, transforms)?;
     let before = cloth.attachments.find(particle as u32, anchor);
     let local = match before {
         Some(before) => before.local,
@@ -164,6 +260,20 @@ fn attach_one(
     };
     let fresh = before.is_none_or(|before| before.fresh);
     Some(Attached { particle: particle as u32, anchor: out.slot(known), local, fresh })
+}
+
+/// An anchor as it is known, or as it is now; it holds nothing yet.
+fn anchor(
+    cloth: &ClothSimulation,
+    entity: Entity,
+    anchor: Entity,
+    transforms: &TransformHelper,
+) -> Option<Anchor> {
+    if let Some(known) = cloth.attachments.anchors.iter().find(|a| a.entity == anchor) {
+        return Some(Anchor { holds: 0, pulls: 0, ..*known });
+    }
+    let own = pose_now(transforms, entity).unwrap_or(cloth.placed);
+    Some(Anchor::new(anchor, anchor_now(anchor, transforms).ok()?, &own))
 }
 
 fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinProblem> {
@@ -177,26 +287,47 @@ fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinP
 pub(crate) fn note_pins(cloth: &mut ClothSimulation, transforms: &TransformHelper, ticks: u32) {
     for anchor in &mut cloth.attachments.anchors {
         if let Ok(now) = pose_now(transforms, anchor.entity) {
+            let before = anchor.pose.end();
             anchor.pose.begin_frame(now, ticks);
+            let asked = cloth.following.teleport_asked;
+            if asked || cloth.following.is_jump_of_frame(&before, &now, ticks) {
+                anchor.pose.at_once();
+            }
         }
     }
 }
 
-/// Works out the motion of every pin through the tick, and lets go of what lost its anchor.
+/// Moves all anchors on by a tick, lets go of what lost its anchor, and lets cloths follow what leads
+/// them.
 pub(crate) fn gather_pins(
-    mut cloths: Query<(Entity, &mut ClothSimulation)>,
+    mut cloths: Query<(
+        Entity,
+        &mut ClothSimulation,
+        Option<&ClothTeleport>,
+        Option<&ClothInertia>,
+        Option<&ClothFrozen>,
+    )>,
     transforms: TransformHelper,
     mut failures: Failures,
 ) {
-    for (entity, mut cloth) in &mut cloths {
+    for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
         let cloth = &mut *cloth;
-        match advance_anchors(&mut cloth.attachments, &transforms) {
+        let outcome = cloth.following.set_teleport(teleport);
+        tell(entity, "ClothTeleport", Blame::Teleport, outcome, &mut failures);
+        let outcome = cloth.following.set_inertia(inertia);
+        tell(entity, "ClothInertia", Blame::Inertia, outcome, &mut failures);
+        let at_once = cloth.following.teleport_asked;
+        match advance_anchors(&mut cloth.attachments, &transforms, at_once) {
+            None if cloth.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
             Some((anchor, PoseError::Scale(scale))) if anchor == entity => {
                 failures.report(entity, ClothError::Scale { entity, scale });
             }
+            Some((anchor, error)) if anchor == entity && holds_nothing(cloth, anchor) => {
+                failures.report(entity, pose_error(entity, error));
+            }
             Some((anchor, error)) => {
-                let pin = pin_held_by(cloth, anchor);
+                let pin = pin_held_by(cloth, entity, anchor);
                 let problem = match error {
                     PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
                     PoseError::Missing => PinProblem::NoAnchor(anchor),
@@ -207,8 +338,75 @@ pub(crate) fn gather_pins(
                 }
             }
         }
-        gather_motions(cloth);
+        follow(entity, cloth, frozen.is_some_and(|frozen| frozen.steps == 0), &mut failures);
     }
+}
+
+fn tell(
+    entity: Entity,
+    component: &'static str,
+    blame: Blame,
+    outcome: Result<(), ParameterError>,
+    failures: &mut Failures,
+) {
+    match outcome {
+        Ok(()) => failures.clear(entity, blame),
+        Err(problem) => {
+            failures.report(entity, ClothError::Parameter { entity, component, problem });
+        }
+    }
+}
+
+/// Carries the cloth where its reference has jumped, or resets it. One that `stands` is carried by
+/// every motion.
+fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &mut Failures) {
+    let ClothSimulation { attachments, following, solver, rest, .. } = cloth;
+    let Some(reference) = attachments.reference() else { return };
+    let anchors = &mut attachments.anchors;
+    let leads = |(i, anchor): (usize, &Anchor)| {
+        (i == reference || anchor.holds + anchor.pulls > 0) && anchor.tick.0 != anchor.tick.1
+    };
+    if anchors.iter().enumerate().any(leads) {
+        rest.disturb();
+    }
+    if let Some(motion) = following.follow(anchors, reference, stands) {
+        let (from, to) = anchors[reference].tick;
+        for anchor in anchors.iter_mut() {
+            anchor.tick.0 = motion.apply_to_pose(&anchor.tick.0);
+        }
+        anchors[reference].tick.0 = to;
+        if let Err(problem) = solver.carry(&from, &to) {
+            failures.report(entity, ClothError::Solver { entity, problem });
+        }
+        cloth.stale = true;
+    }
+    if stands {
+        cloth.attachments.take_hold_anew();
+    }
+    if core::mem::take(&mut cloth.following.reset_asked) {
+        reset(entity, cloth, reference, failures);
+    }
+}
+
+/// Puts the cloth back to its rest shape.
+fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures: &mut Failures) {
+    let pose = cloth.attachments.anchors[reference].cloth_at_rest();
+    match cloth.solver.reset(&pose) {
+        Ok(()) => {
+            cloth.attachments.take_hold_anew();
+            cloth.following.ride = None;
+            cloth.rest.disturb();
+            cloth.quarantined = false;
+            cloth.stale = true;
+            failures.clear(entity, Blame::Motion);
+        }
+        Err(problem) => failures.report(entity, ClothError::Solver { entity, problem }),
+    }
+}
+
+fn holds_nothing(cloth: &ClothSimulation, anchor: Entity) -> bool {
+    let mut anchors = cloth.attachments.anchors.iter();
+    !anchors.any(|a| a.entity == anchor && a.holds + a.pulls > 0)
 }
 
 /// Moves every anchor on by a tick. One that has no usable pose stays; it is told, a missing one
@@ -216,10 +414,14 @@ pub(crate) fn gather_pins(
 fn advance_anchors(
     attachments: &mut Attachments,
     transforms: &TransformHelper,
+    at_once: bool,
 ) -> Option<(Entity, PoseError)> {
     let mut problem = None;
     for anchor in &mut attachments.anchors {
         let now = pose_now(transforms, anchor.entity);
+        if at_once {
+            anchor.pose.at_once();
+        }
         anchor.tick = anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
         if let Err(error) = now
             && (problem.is_none() || error == PoseError::Missing)
@@ -231,8 +433,9 @@ fn advance_anchors(
 }
 
 /// The first pin with this anchor.
-fn pin_held_by(cloth: &ClothSimulation, anchor: Entity) -> usize {
-    cloth.pins.pins.iter().position(|pin| pin.anchor == Some(anchor)).unwrap_or(0)
+fn pin_held_by(cloth: &ClothSimulation, entity: Entity, anchor: Entity) -> usize {
+    let mut pins = cloth.pins.pins.iter();
+    pins.position(|pin| pin.anchor.unwrap_or(entity) == anchor).unwrap_or(0)
 }
 
 /// Lets go of everything that this anchor holds.
@@ -240,16 +443,21 @@ fn release(cloth: &mut ClothSimulation, anchor: Entity) {
     let mut attachments = core::mem::take(&mut cloth.attachments);
     if let Some(gone) = attachments.anchors.iter().position(|a| a.entity == anchor) {
         attachments.attached.retain(|a| a.anchor as usize != gone);
+        attachments.pulled.retain(|p| p.at.anchor as usize != gone);
         attachments.anchors.remove(gone);
-        for attached in &mut attachments.attached {
+        let pulled = attachments.pulled.iter_mut().map(|p| &mut p.at);
+        for attached in attachments.attached.iter_mut().chain(pulled) {
             attached.anchor -= u32::from(attached.anchor as usize > gone);
         }
     }
     hold(cloth, attachments);
 }
 
-fn gather_motions(cloth: &mut ClothSimulation) {
-    let Attachments { anchors, attached, motions, .. } = &mut cloth.attachments;
+/// Works out the motion of every pin through the tick.
+pub(crate) fn gather_motions(cloth: &mut ClothSimulation) {
+    let Attachments { anchors, attached, pulled, motions, .. } = &mut cloth.attachments;
+    let back = cloth.following.ride.map(|ride| ride.inverse());
+    let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
     motions.clear();
     for pin in attached {
         let (start, end) = anchors[pin.anchor as usize].tick;
@@ -259,6 +467,14 @@ fn gather_motions(cloth: &mut ClothSimulation) {
             to_world(&start, pin.local)
         };
         pin.fresh = false;
-        motions.push(PinMotion { start, end: to_world(&end, pin.local) });
+        motions.push(PinMotion { start, end: seen(to_world(&end, pin.local)) });
+    }
+    for Pulled { at, .. } in pulled {
+        let (start, end) = anchors[at.anchor as usize].tick;
+        let end = seen(to_world(&end, at.local));
+        // What pulls for the first time has not come from anywhere.
+        let start = if at.fresh { end } else { to_world(&start, at.local) };
+        at.fresh = false;
+        motions.push(PinMotion { start, end });
     }
 }

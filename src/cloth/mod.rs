@@ -1,20 +1,24 @@
 //! What users spawn and tune: [`Cloth`] and the components beside it.
 
 pub(crate) mod attachment;
+pub(crate) mod following;
 mod gravity;
 pub(crate) mod grid;
 mod material;
 mod pins;
 pub(crate) mod pose;
+pub(crate) mod rest;
 mod settings;
 pub(crate) mod setup;
 mod sheet;
 mod simulation;
 
+pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;
 pub use material::ClothMaterial;
-pub use pins::{ClothPins, Pin, PinProblem, PinSelection};
+pub use pins::{ClothPins, Pin, PinHold, PinProblem, PinSelection};
+pub use rest::{ClothFrozen, ClothSleep};
 pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
 
@@ -42,7 +46,8 @@ use bevy::prelude::*;
 /// ```
 ///
 /// The cloth is simulated in world space. It starts where the entity's transform puts its rest
-/// shape; afterwards moving the entity moves only the pins that follow it. The entity may be scaled
+/// shape; afterwards moving the entity moves only the pins that follow it, unless it jumps
+/// ([`ClothTeleport`]) or the cloth is to ride along ([`ClothInertia`]). The entity may be scaled
 /// alike along all axes: the cloth is that much larger when it is set up. Another scale is refused
 /// with a [`ClothError`](crate::ClothError).
 ///

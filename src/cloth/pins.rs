@@ -1,12 +1,14 @@
 //! Which particles are held, and by what: data, not closures.
 
+use crate::solver::{ParameterError, check_soft_pin};
 use bevy::prelude::*;
 
 /// The particles of a cloth that are held. May be changed at any time.
 ///
 /// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the
 /// entity's frame. A pin with an anchor keeps, in the anchor's frame, the place that it had when it
-/// was attached. What no pin holds any more is released and falls from where it is.
+/// was attached: a hand, a mast, or a joint of a character, as many as are wanted. Pins hold hard or by
+/// springs ([`PinHold`]). What no pin holds any more is released and goes on with the velocity it had.
 ///
 /// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once,
 /// as a [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.
@@ -25,6 +27,29 @@ pub struct Pin {
     pub selection: PinSelection,
     /// What holds them; `None` is the cloth's own entity.
     pub anchor: Option<Entity>,
+    /// How they are held.
+    pub hold: PinHold,
+}
+
+/// How a [`Pin`] holds its particles.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Debug, PartialEq, Clone)]
+pub enum PinHold {
+    /// Particles are where the anchor says, and are drawn where it is drawn.
+    #[default]
+    Hard,
+    /// Particles are drawn by springs towards where the anchor says, and collide on the way. The
+    /// constants are those of the whole pin, which its particles share alike: a finer cloth is held as
+    /// firmly.
+    Soft {
+        /// Constant of the spring \[N/m\], above 0. Higher holds closer: a weight `m g` hangs `m g / k`
+        /// below.
+        stiffness: f32,
+        /// Constant of the damper beside it \[N s/m\]. Higher swings less; a mass `m` swings no more
+        /// from `2 sqrt(k m)` on. It acts on the velocity relative to the anchor's. The least is
+        /// `stiffness` times a substep.
+        damping: f32,
+    },
 }
 
 /// A choice of particles.
@@ -56,7 +81,7 @@ pub enum PinSelection {
 
 impl From<PinSelection> for Pin {
     fn from(selection: PinSelection) -> Self {
-        Self { selection, anchor: None }
+        Self { selection, anchor: None, hold: PinHold::Hard }
     }
 }
 
@@ -86,6 +111,15 @@ impl ClothPins {
     pub fn anchored_to(mut self, anchor: Entity) -> Self {
         for pin in &mut self.pins {
             pin.anchor.get_or_insert(anchor);
+        }
+        self
+    }
+
+    /// Lets all pins so far hold their particles by springs \[N/m\] and dampers \[N s/m\], each pin its
+    /// own. See [`PinHold::Soft`].
+    pub fn softly(mut self, stiffness: f32, damping: f32) -> Self {
+        for pin in &mut self.pins {
+            pin.hold = PinHold::Soft { stiffness, damping };
         }
         self
     }
@@ -129,6 +163,21 @@ pub enum PinProblem {
     /// The anchor is scaled differently along its axes.
     #[error("its anchor {0} has a scale that is not uniform and positive; use a child of scale 1")]
     AnchorScale(Entity),
+    /// A number of a soft pin is out of its range.
+    #[error("{0}; change its `hold`")]
+    Hold(ParameterError),
+}
+
+impl PinHold {
+    /// Checks the numbers.
+    pub(crate) fn validate(&self) -> Result<(), PinProblem> {
+        match *self {
+            Self::Hard => Ok(()),
+            Self::Soft { stiffness, damping } => {
+                check_soft_pin(stiffness, damping).map_err(PinProblem::Hold)
+            }
+        }
+    }
 }
 
 impl PinSelection {

@@ -36,6 +36,11 @@ impl MovingPose {
         }
     }
 
+    /// Spreads nothing over this frame's ticks: the next one takes the whole way.
+    pub fn at_once(&mut self) {
+        self.ticks = 0;
+    }
+
     /// The pose at the last tick's end.
     pub fn end(&self) -> Pose {
         self.last

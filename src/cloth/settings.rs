@@ -75,6 +75,8 @@ impl From<ClothSettings> for Settings {
 pub enum ClothInterpolation {
     /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended
     /// particle may dip into a collider between the two.
+    ///
+    /// Either way, a cloth that is pinned is drawn as much further as what leads it has moved since.
     #[default]
     Blend,
     /// The last tick as it is: never inside a collider, but it stutters unless frames and ticks go

@@ -3,7 +3,9 @@
 use super::{
     Cloth, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, LatticeCache,
     attachment::Attachments,
+    following::Following,
     pose::{PoseError, pose_now, to_world},
+    rest::Rest,
 };
 use crate::{
     error::{Blame, ClothError, ClothFailure, Failures},
@@ -174,6 +176,8 @@ fn build(
     Ok(ClothSimulation {
         solver: ClothSolver::new(lattice, &start, material.into(), settings.into())?,
         attachments: Attachments::default(),
+        following: Following::default(),
+        rest: Rest::default(),
         shape: cloth.shape,
         material,
         settings,
@@ -184,7 +188,7 @@ fn build(
         outcome: None,
         last_tick: None,
         tick_count: 0,
-        frozen: false,
+        quarantined: false,
         stale: true,
     })
 }
@@ -205,8 +209,11 @@ pub(crate) fn apply_changes(
         tell(entity, Blame::Material, outcome, &mut failures);
         let outcome = apply_settings(cloth, *settings, &mut changed);
         tell(entity, Blame::Settings, outcome, &mut failures);
-        if changed && cloth.frozen {
-            cloth.frozen = false;
+        if changed {
+            cloth.wake();
+        }
+        if changed && cloth.quarantined {
+            cloth.quarantined = false;
             failures.clear(entity, Blame::Motion);
         }
     }
@@ -262,6 +269,8 @@ fn with_masses(
         solver.set_velocity(particle, cloth.solver.velocity(particle))?;
     }
     solver.set_pins(cloth.solver.pins())?;
+    let soft: Vec<_> = cloth.solver.soft_pins().copied().collect();
+    solver.set_soft_pins(&soft)?;
     Ok(solver)
 }
 

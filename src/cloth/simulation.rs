@@ -1,7 +1,8 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
 
 use super::{
-    ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices,
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments,
+    following::Following, pins::Choices, rest::Rest,
 };
 use crate::{
     solver::{
@@ -21,6 +22,8 @@ use std::sync::Arc;
 pub struct ClothSimulation {
     pub(crate) solver: ClothSolver,
     pub(crate) attachments: Attachments,
+    pub(crate) following: Following,
+    pub(crate) rest: Rest,
     /// What it was made from.
     pub(crate) shape: ClothShape,
     /// What is in force: the components may hold numbers that were refused.
@@ -38,7 +41,7 @@ pub struct ClothSimulation {
     pub(crate) last_tick: Option<TickReport>,
     pub(crate) tick_count: u64,
     /// It diverged, and waits for other numbers.
-    pub(crate) frozen: bool,
+    pub(crate) quarantined: bool,
     /// Something has moved since the mesh was last written.
     pub(crate) stale: bool,
 }
@@ -65,8 +68,30 @@ impl ClothSimulation {
     }
 
     /// Whether the cloth is held because it was no longer finite. See its `ClothFailure`.
-    pub fn is_frozen(&self) -> bool {
-        self.frozen
+    pub fn is_quarantined(&self) -> bool {
+        self.quarantined
+    }
+
+    /// Whether the cloth sleeps, see [`ClothSleep`](super::ClothSleep).
+    pub fn is_asleep(&self) -> bool {
+        self.rest.is_asleep()
+    }
+
+    /// Wakes the cloth, for what it cannot know of.
+    pub fn wake(&mut self) {
+        self.rest.disturb();
+    }
+
+    /// Lets the next tick carry the cloth along to where its entity and anchors are then, without a
+    /// velocity. See [`TeleportCloth`](super::TeleportCloth).
+    pub fn teleport(&mut self) {
+        self.following.teleport_asked = true;
+    }
+
+    /// Lets the next tick put the cloth back to its rest shape where its entity is then, at rest. See
+    /// [`ResetCloth`](super::ResetCloth).
+    pub fn reset(&mut self) {
+        self.following.reset_asked = true;
     }
 
     /// The rest shape. Equal sheets share it.
@@ -127,6 +152,7 @@ impl ClothSimulation {
 
     /// Gives every free particle a velocity [m/s], a function of its position in the world \[m\].
     pub fn set_velocities(&mut self, velocity: impl Fn(Vec3) -> Vec3) {
+        self.wake();
         for particle in 0..self.particle_count() {
             let velocity = velocity(self.solver.position(particle));
             if self.pinned().binary_search(&(particle as u32)).is_err() {

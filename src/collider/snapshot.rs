@@ -1,7 +1,7 @@
 //! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
 //! of them has changed.
 
-use super::{FieldSource, SdfCollider, SdfShape};
+use super::{FieldSource, JUMP, SdfCollider, SdfShape};
 use crate::{
     cloth::{
         pose::{MovingPose, pose_now},
@@ -9,7 +9,7 @@ use crate::{
     },
     error::{Blame, ClothError, Failures},
     sdf::DistanceField,
-    solver::{self, ColliderMotion},
+    solver::{self, ColliderMotion, Pose},
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -146,9 +146,20 @@ pub(crate) fn note_colliders(
         if let Some(moving) = &mut pose.moving
             && let Ok(now) = pose_now(transforms, entity)
         {
+            let before = moving.end();
             moving.begin_frame(now, ticks);
+            if has_jumped(&before, &now, ticks) {
+                moving.at_once();
+            }
         }
     }
+}
+
+/// Whether a collider has been put elsewhere; one that moves once a frame has as much room for each of
+/// its ticks, four at most.
+fn has_jumped(from: &Pose, to: &Pose, ticks: u32) -> bool {
+    let most = JUMP * ticks.clamp(1, 4) as f32;
+    from.translation.distance_squared(to.translation) > most * most
 }
 
 /// Takes the poses of all colliders through the tick.
@@ -204,6 +215,7 @@ fn gather(
     })?;
     let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
     let (start, end) = pose.moving.get_or_insert(MovingPose::new(now)).advance(now);
+    let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
     pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
     fields.check(entity, &collider.shape)?;
@@ -230,7 +242,6 @@ pub(crate) fn forget_collider(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::Pose;
     use bevy::ecs::system::RunSystemOnce;
 
     #[derive(Component)]

@@ -5,9 +5,10 @@ use crate::{
     cloth::{
         ClothInterpolation, ClothSimulation,
         attachment::Attachments,
-        pose::{pose_now, to_world},
+        pose::{pose_now, pose_of, to_world},
     },
     error::{Blame, ClothError, Failures},
+    solver::RigidMotion,
 };
 use bevy::{
     camera::primitives::Aabb,
@@ -166,6 +167,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // The cloth's origin is near: far from the world's, the difference is exact where the sum is
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
+    let along = moved_since(&cloth.attachments, now);
     for (particle, point) in own.points.iter_mut().enumerate() {
         let end = solver.local_position(particle);
         let blended = if now.blend < 1.0 {
@@ -174,10 +176,34 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
         } else {
             end
         };
-        *point = inverse * (blended + offset);
+        let seen = match along {
+            Some(motion) => {
+                let lever = blended + (solver.origin() - motion.pivot);
+                let pivot = motion.pivot - Vec3::from(now.transform.translation);
+                motion.rotation * lever + (pivot + motion.shift)
+            }
+            None => blended + offset,
+        };
+        *point = inverse * seen;
     }
     place_pinned(&cloth.attachments, own, now, &inverse);
     Aabb::enclosing(&own.points)
+}
+
+/// What has moved the anchor that leads the cloth since the instant that is drawn: the whole cloth is
+/// drawn as much further, so that it does not lag behind its own pinned edge. A cloth that nothing
+/// holds hard is drawn where it is.
+fn moved_since(attachments: &Attachments, now: Drawn) -> Option<RigidMotion> {
+    let anchor = &attachments.anchors[attachments.reference()?];
+    let drawn = if attachments.own_entity == Some(anchor.entity) {
+        pose_of(&now.transform.into()).ok()
+    } else {
+        anchor.drawn
+    };
+    let (drawn, (start, end)) = (drawn?, &anchor.tick);
+    let instant = start.interpolate(end, now.blend);
+    let moved = anchor.holds > 0 && instant != drawn;
+    moved.then(|| RigidMotion::between(&instant, &drawn))
 }
 
 /// Pinned vertices go where their anchors are drawn.

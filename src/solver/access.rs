@@ -91,11 +91,8 @@ impl ClothSolver {
     pub fn set_position(&mut self, particle: usize, position: Vec3) -> Result<(), SolverError> {
         self.check_particle(particle, "position", position)?;
         let slot = self.slot(particle);
-        let local = position - self.state.origin;
-        self.state.x.set(slot, local);
-        // Contact looks for colliders within these.
-        self.survey.min = self.survey.min.min(local);
-        self.survey.max = self.survey.max.max(local);
+        self.state.x.set(slot, position - self.state.origin);
+        self.surveyed_before = true;
         Ok(())
     }
 
@@ -110,14 +107,20 @@ impl ClothSolver {
         Ok(())
     }
 
-    /// Whether any particle moved in the last tick.
+    /// Whether any particle moved in the last tick, or was put elsewhere since.
     pub fn has_moved(&self) -> bool {
-        self.survey.moved > 0.0
+        self.largest_move() > 0.0
     }
 
-    /// Corners of the box around all particles at the last tick's end, in world space \[m\].
+    /// How far any particle moved along any axis in the last tick, at most \[m\].
+    pub fn largest_move(&self) -> f32 {
+        self.survey().moved
+    }
+
+    /// Corners of the box around all particles at present, in world space \[m\].
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        (self.state.origin + self.survey.min, self.state.origin + self.survey.max)
+        let survey = self.survey();
+        (self.state.origin + survey.min, self.state.origin + survey.max)
     }
 
     /// Strains of the structural springs. Sorts them: for reports, not for every frame.

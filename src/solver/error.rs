@@ -69,6 +69,9 @@ pub enum SolverError {
     /// The pose of a pin is not finite, or beyond 1e7 m.
     #[error("the target of pin {0} is not finite, or beyond 1e7 m")]
     PinTarget(usize),
+    /// A motion of the whole cloth, or a pose to put it in, is not finite, or leads beyond 1e7 m.
+    #[error("the pose to carry the cloth to is not finite, or beyond 1e7 m")]
+    Motion,
     /// The pose or friction of a collider cannot be used.
     #[error(
         "collider {0} has a pose that is not finite, a rotation that is not of length one, a scale that is not positive, or a negative friction"

@@ -15,7 +15,8 @@ pub struct StepInput<'a> {
     pub dt: f32,
     /// Gravity \[m/s2\].
     pub gravity: Vec3,
-    /// Motions of the pins, in the order of [`ClothSolver::pins`](super::ClothSolver::pins).
+    /// Motions of the pins, in the order of [`ClothSolver::pins`](super::ClothSolver::pins), then those
+    /// of the targets of [`ClothSolver::soft_pins`](super::ClothSolver::soft_pins).
     pub pins: &'a [PinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],

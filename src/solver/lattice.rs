@@ -282,6 +282,13 @@ impl Lattice {
         })
     }
 
+    /// The slot of a particle in the layout with rows and columns exchanged.
+    pub(super) fn transposed_slot(&self, slot: usize) -> usize {
+        let from_first = slot - self.layout.slot(0, 0);
+        let (row, column) = (from_first / self.layout.stride, from_first % self.layout.stride);
+        self.layout.transposed().slot(column, row)
+    }
+
     /// Rest positions \[m\], row by row.
     pub fn rest_positions(&self) -> &[Vec3] {
         &self.rest_positions

@@ -22,11 +22,12 @@
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `state` | positions, displacements, working room |
-//! | `held` | what depends on the pins: inverse masses, tethers, clamped hinges |
+//! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
+//! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
-//! | `measure` | strain, bounds, whether all is finite |
+//! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 
 mod access;
@@ -43,10 +44,13 @@ mod isa;
 mod lanes;
 mod lattice;
 mod measure;
+mod motion;
 mod parameters;
 mod plan;
 mod setup;
+mod soft;
 mod state;
+mod stillness;
 mod tethers;
 mod threads;
 mod topology;
@@ -63,11 +67,15 @@ pub use isa::Isa;
 pub use lanes::LANES;
 pub use lattice::{Lattice, LatticeError, MassLumping};
 pub use measure::StrainReport;
+pub use motion::RigidMotion;
 pub use parameters::{
     Bending, DampingForm, FormChoice, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use soft::SoftPin;
 pub use topology::Topology;
+
+pub(crate) use soft::check_soft_pin;
 
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
@@ -91,6 +99,7 @@ pub struct ClothSolver {
     settings: Settings,
     isa: Isa,
     held: Held,
+    soft: Vec<soft::Spring>,
     bound: Bound,
     plan: Plan,
     /// Gravity that the tethers' bounds were made for \[m/s2\].
@@ -101,6 +110,9 @@ pub struct ClothSolver {
     done: u32,
     contact_count: u32,
     survey: Survey,
+    /// Particles were put elsewhere since the survey was taken.
+    surveyed_before: bool,
+    mark: stillness::Mark,
 }
 
 impl ClothSolver {
@@ -126,15 +138,18 @@ impl ClothSolver {
     /// # Errors
     /// As [`ClothSolver::tick`]; the tick has not begun then.
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
-        input.check(self.held.slots.len())?;
+        input.check(self.held.slots.len() + self.soft.len())?;
         if input.dt != self.plan.tick {
             self.plan_ticks(input.dt);
         }
-        if self.tethered_under != Some(input.gravity) {
+        if !self.tethered_under.is_some_and(|known| is_as_strong(known, input.gravity)) {
             for set in &mut self.held.tethers {
                 set.set_limits(&self.topology, &self.material, input.gravity);
             }
             self.tethered_under = Some(input.gravity);
+        }
+        if self.surveyed_before {
+            self.survey_anew();
         }
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
@@ -218,6 +233,7 @@ impl ClothSolver {
         self.state.unit = plan.step;
         self.state.last_step = plan.step;
         self.move_pins(input);
+        self.pull_soft_pins(input);
     }
 
     fn move_pins(&mut self, input: &StepInput<'_>) {
@@ -232,6 +248,7 @@ impl ClothSolver {
 
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
+        self.weigh_soft_pins();
         self.fill_places();
         // Springs that carry what was asked of them need no tethers.
         let mut tethered = self.plan.clamped.thread;
@@ -249,6 +266,7 @@ impl ClothSolver {
         if tethered {
             self.pull_tethers();
         }
+        self.unweigh_soft_pins();
     }
 
     fn correct_shear(&mut self) {
@@ -384,7 +402,7 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.state.d.clear();
             self.state.last_step = 0.0;
-            self.survey = self.take_survey();
+            self.survey_anew();
             return Err(SolverError::Diverged);
         }
         self.survey = survey;
@@ -407,6 +425,16 @@ impl ClothSolver {
             survey.max_strain = graph::largest_strain(self.isa, graph, &self.state.x);
         }
         survey
+    }
+
+    fn survey_anew(&mut self) {
+        self.survey = self.take_survey();
+        self.surveyed_before = false;
+    }
+
+    /// The survey of where the particles are now.
+    fn survey(&self) -> Survey {
+        if self.surveyed_before { self.take_survey() } else { self.survey }
     }
 
     fn has_forces(&self) -> bool {
@@ -446,4 +474,10 @@ impl ClothSolver {
             room.empty(self.isa, &mut self.state.d);
         }
     }
+}
+
+/// Whether two gravities pull alike, in whatever direction, but for rounding: as they do in the frame of
+/// a cloth that turns.
+fn is_as_strong(a: Vec3, b: Vec3) -> bool {
+    a == b || (a.length_squared() - b.length_squared()).abs() <= 1e-4 * a.length_squared()
 }

@@ -11,6 +11,7 @@ use super::measure::Survey;
 use super::parameters::{Material, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
+use super::stillness::Mark;
 use super::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
@@ -51,6 +52,9 @@ impl ClothSolver {
             done: 0,
             contact_count: 0,
             survey: Survey::default(),
+            surveyed_before: false,
+            mark: Mark::new(topology.layout()),
+            soft: Vec::new(),
             topology,
             material,
             settings,

@@ -12,8 +12,8 @@ use super::topology::Topology;
 /// Positions and displacements. Padding stays at zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
-    /// Where the cloth's own coordinates begin, in world space \[m\]: whole multiples of
-    /// [`State::GRID`], so that moving it changes no bit of what the positions mean.
+    /// Where the cloth's own coordinates begin, in world space \[m\]: a multiple of 1/16 m, so that
+    /// moving it by such multiples changes no bit of what the positions mean.
     pub origin: Vec3,
     /// Positions where the substep began, relative to the origin \[m\].
     pub x: Soa,
@@ -35,7 +35,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Origins are multiples of this \[m\].
+    /// The origin follows a cloth by multiples of this \[m\].
     const GRID: f32 = 16.0;
     /// The origin follows a cloth that has gone this far from it \[m\].
     const REACH: f32 = 64.0;

@@ -98,6 +98,10 @@ fn components_are_registered() {
         "ClothPins",
         "ClothInterpolation",
         "ClothGravityOverride",
+        "ClothTeleport",
+        "ClothInertia",
+        "ClothSleep",
+        "ClothFrozen",
         "SdfCollider",
         "BakeSdf",
     ] {

@@ -3,6 +3,7 @@
 //! Truths: bit equality between forms, frame rates and pool sizes; exact places of pins; counted asset
 //! events; sampled points for contact; and that what is refused is told to its own entity alone.
 
+mod anchors;
 mod app;
 mod bad_colliders;
 mod colliders;
@@ -13,3 +14,5 @@ mod mesh;
 mod pins;
 mod refusals;
 mod setup;
+mod sleep;
+mod teleport;

@@ -1,0 +1,140 @@
+//! What has changed among the colliders since the last tick: where a sleeping cloth has to wake.
+
+use super::{ColliderSnapshot, SdfCollider, snapshot::Gathered};
+use crate::{sdf::DistanceField, solver::Pose};
+use bevy::{
+    ecs::message::MessageCursor,
+    math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume},
+    prelude::*,
+};
+
+/// Where colliders moved, came, went or changed in this tick, and what they were like in it.
+#[derive(Resource, Default)]
+pub(crate) struct Disturbances {
+    /// All colliders of the tick, in the order of their entities.
+    seen: Vec<Seen>,
+    before: Vec<Seen>,
+    /// Boxes in the world in which something happened.
+    places: Vec<Aabb3d>,
+    /// Something without bounds happened.
+    everywhere: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Seen {
+    entity: Entity,
+    start: Pose,
+    end: Pose,
+    friction: f32,
+    layers: u32,
+    /// In its own frame; `None` where it has none.
+    bounds: Option<Aabb3d>,
+}
+
+impl Disturbances {
+    /// Whether anything happened within `margin` of a box, given by its corners \[m\].
+    pub fn reach(&self, (min, max): (Vec3, Vec3), margin: f32) -> bool {
+        if self.everywhere || self.places.is_empty() {
+            return self.everywhere;
+        }
+        // As much again, for what a field may overestimate and rounding.
+        let cloth = Aabb3d::from_min_max(min, max).grow(Vec3::splat(2.0 * margin + 0.01));
+        self.places.iter().any(|place| place.intersects(&cloth))
+    }
+
+    fn note(&mut self, seen: &Seen) {
+        match seen.bounds {
+            Some(bounds) => {
+                for pose in [&seen.start, &seen.end] {
+                    self.places.push(in_world(&bounds, pose));
+                }
+                if seen.start != seen.end {
+                    // The way between.
+                    let [a, b] = self.places[self.places.len() - 2..] else { return };
+                    self.places.push(a.merge(&b));
+                }
+            }
+            None => self.everywhere = true,
+        }
+    }
+}
+
+/// Compares the tick's colliders with the last one's.
+pub(crate) fn note_disturbances(
+    snapshot: Res<ColliderSnapshot>,
+    changed: Query<Entity, Changed<SdfCollider>>,
+    fields: Option<Res<Assets<DistanceField>>>,
+    events: Option<Res<Messages<AssetEvent<DistanceField>>>>,
+    mut cursor: Local<MessageCursor<AssetEvent<DistanceField>>>,
+    mut noted: ResMut<Disturbances>,
+) {
+    let noted = &mut *noted;
+    noted.places.clear();
+    noted.everywhere = false;
+    let fields_changed = events.is_some_and(|events| cursor.read(&events).count() > 0);
+    if !fields_changed && changed.is_empty() && is_same(&snapshot, &noted.seen) {
+        return;
+    }
+    core::mem::swap(&mut noted.seen, &mut noted.before);
+    noted.seen.clear();
+    noted.seen.extend(snapshot.0.iter().filter_map(|collider| {
+        let &Gathered { entity, motion, friction, layers, .. } = collider;
+        let motion = motion?;
+        let (start, end) = (motion.start(), motion.end());
+        let bounds = collider.shape.get(fields.as_deref())?.bounds();
+        Some(Seen { entity, start, end, friction, layers, bounds })
+    }));
+    let (seen, before) = (core::mem::take(&mut noted.seen), core::mem::take(&mut noted.before));
+    let mut gone = before.iter().peekable();
+    for now in &seen {
+        while let Some(lost) = gone.next_if(|lost| lost.entity < now.entity) {
+            noted.note(lost);
+        }
+        let was = gone.next_if(|was| was.entity == now.entity);
+        let stays = was.is_some_and(|was| was.is_like(now)) && now.start == now.end;
+        // A field may be another without other bounds; those are few, and seldom.
+        if !stays || changed.contains(now.entity) || fields_changed {
+            noted.note(now);
+            if let Some(was) = was {
+                noted.note(was);
+            }
+        }
+    }
+    gone.for_each(|lost| noted.note(lost));
+    (noted.seen, noted.before) = (seen, before);
+}
+
+/// Whether every collider is what it was, and stands still.
+fn is_same(snapshot: &ColliderSnapshot, seen: &[Seen]) -> bool {
+    let mut seen = seen.iter();
+    let same = snapshot.present().all(|(now, motion)| {
+        seen.next().is_some_and(|seen| {
+            now.entity == seen.entity
+                && motion.start() == motion.end()
+                && motion.end() == seen.end
+                && now.friction == seen.friction
+                && now.layers == seen.layers
+        })
+    });
+    same && seen.next().is_none()
+}
+
+impl Seen {
+    fn is_like(&self, other: &Self) -> bool {
+        self.end == other.end
+            && self.friction == other.friction
+            && self.layers == other.layers
+            && self.bounds == other.bounds
+    }
+}
+
+/// The box around a box that is turned, scaled and shifted.
+fn in_world(bounds: &Aabb3d, pose: &Pose) -> Aabb3d {
+    let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+    let axes = Mat3::from_quat(pose.rotation);
+    let centre = pose.rotation * ((min + max) * (0.5 * pose.scale)) + pose.translation;
+    let half = (max - min) * (0.5 * pose.scale);
+    let reach =
+        axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+    Aabb3d::new(centre, reach)
+}

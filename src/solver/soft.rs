@@ -1,0 +1,160 @@
+//! Soft pins: particles on springs and dampers to targets that move.
+//!
+//! Their forces are those at the substep's end, so that no stiffness is too high for a substep. A
+//! particle that is pulled so answers a further force as one that weighs more by `k h^2 + c h`:
+//! corrections see it with that mass, so that threads and soft pins are solved together, not one after
+//! the other.
+
+use bevy::math::Vec3;
+
+use super::ClothSolver;
+use super::error::SolverError;
+use super::input::StepInput;
+use super::parameters::ParameterError;
+
+/// A particle on a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftPin {
+    /// The particle.
+    pub particle: u32,
+    /// Constant of the spring \[N/m\].
+    pub stiffness: f32,
+    /// Constant of the damper beside it \[N s/m\]. The substep itself damps as `stiffness` times its
+    /// length does; less than that is not to be had.
+    pub damping: f32,
+}
+
+impl SoftPin {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a number that is not finite or out of its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        check_soft_pin(self.stiffness, self.damping)
+    }
+}
+
+/// Checks the numbers of a soft pin.
+pub(crate) fn check_soft_pin(stiffness: f32, damping: f32) -> Result<(), ParameterError> {
+    if !(stiffness > 0.0 && stiffness <= 1e9) {
+        let range = "above 0 and at most 1e9 N/m";
+        return Err(ParameterError { name: "stiffness", value: stiffness, range });
+    }
+    if !(0.0..=1e9).contains(&damping) {
+        let range = "from 0 to 1e9 N s/m";
+        return Err(ParameterError { name: "damping", value: damping, range });
+    }
+    Ok(())
+}
+
+/// A soft pin at work.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spring {
+    pub pin: SoftPin,
+    slot: usize,
+    /// In a lattice's transposed layout.
+    transposed: Option<usize>,
+    /// The particle's own inverse mass, while corrections see another \[1/kg\].
+    inverse_mass: f32,
+}
+
+impl ClothSolver {
+    /// Holds these particles by springs, and no others. Their targets' motions follow those of the
+    /// pins in [`StepInput::pins`], in ascending order of the particles. A particle that is pinned as
+    /// well stays where its pin is.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchParticle`] or [`SolverError::Parameter`]; the old ones then stay.
+    pub fn set_soft_pins(&mut self, pins: &[SoftPin]) -> Result<(), SolverError> {
+        let count = self.topology.particle_count();
+        for pin in pins {
+            if pin.particle as usize >= count {
+                return Err(SolverError::NoSuchParticle { particle: pin.particle as usize, count });
+            }
+            pin.validate()?;
+        }
+        let topology = &self.topology;
+        self.soft = pins
+            .iter()
+            .map(|&pin| {
+                let slot = topology.slot(pin.particle as usize);
+                let transposed = topology.as_lattice().map(|lattice| lattice.transposed_slot(slot));
+                Spring { pin, slot, transposed, inverse_mass: 0.0 }
+            })
+            .collect();
+        self.soft.sort_by_key(|spring| spring.pin.particle);
+        self.soft.dedup_by_key(|spring| spring.pin.particle);
+        Ok(())
+    }
+
+    /// The particles held by springs, ascending.
+    pub fn soft_pins(&self) -> impl ExactSizeIterator<Item = &SoftPin> + '_ {
+        self.soft.iter().map(|spring| &spring.pin)
+    }
+
+    /// Pulls soft pins towards their targets, the last of integration.
+    pub(super) fn pull_soft_pins(&mut self, input: &StepInput<'_>) {
+        let span = self.span();
+        let h = self.plan.step;
+        let longest = self.settings.max_speed * h;
+        let (state, held) = (&mut self.state, &self.held);
+        let motions = &input.pins[held.slots.len().min(input.pins.len())..];
+        for (spring, motion) in self.soft.iter().zip(motions) {
+            let w = held.inverse_mass[spring.slot];
+            if w == 0.0 {
+                continue;
+            }
+            let (start, end) = (motion.start - state.origin, motion.end - state.origin);
+            let way = end - start;
+            let target = if span.to < 1.0 { start + way * span.to } else { end };
+            let moved = way * (span.to - span.from);
+            let (alpha, beta) = spring.gains(w * state.response, h);
+            let d = state.d.get(spring.slot);
+            let pulled = d + (target - state.x.get(spring.slot)) * alpha + moved * beta;
+            let d = pulled / (1.0 + alpha + beta);
+            state.d.set(spring.slot, shortened(d, longest));
+        }
+    }
+
+    /// Gives soft pins the mass that corrections are to see.
+    pub(super) fn weigh_soft_pins(&mut self) {
+        let h = self.plan.step;
+        let held = &mut self.held;
+        for spring in &mut self.soft {
+            let w = held.inverse_mass[spring.slot];
+            spring.inverse_mass = w;
+            let (alpha, beta) = spring.gains(w * self.state.response, h);
+            let heavier = w / (1.0 + alpha + beta);
+            held.inverse_mass[spring.slot] = heavier;
+            if let Some(slot) = spring.transposed {
+                held.inverse_mass_transposed[slot] = heavier;
+            }
+        }
+    }
+
+    /// Gives them their own again.
+    pub(super) fn unweigh_soft_pins(&mut self) {
+        for spring in &self.soft {
+            self.held.inverse_mass[spring.slot] = spring.inverse_mass;
+            if let Some(slot) = spring.transposed {
+                self.held.inverse_mass_transposed[slot] = spring.inverse_mass;
+            }
+        }
+    }
+}
+
+impl Spring {
+    /// Displacement that the spring makes by each metre of its length, and the damper by each metre of
+    /// relative displacement, for a displacement `response` made by a newton \[m/N\].
+    fn gains(&self, response: f32, h: f32) -> (f32, f32) {
+        let SoftPin { stiffness, damping, .. } = self.pin;
+        // Forces of the substep's end damp as a damper of k h does.
+        let left = (damping / h - stiffness).max(0.0);
+        (response * stiffness, response * left)
+    }
+}
+
+fn shortened(d: Vec3, longest: f32) -> Vec3 {
+    let square = d.dot(d);
+    if square > longest * longest { d * (longest / square.sqrt()) } else { d }
+}
