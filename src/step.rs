@@ -10,7 +10,7 @@ use crate::{
     error::{Blame, ClothError, Failures},
     plugin::ClothSubstep,
     sdf::DistanceField,
-    solver::{ClothSolver, Collider, SolverError, StepInput},
+    solver::{ClothSolver, Collider, SolverError, StepInput, Wind},
 };
 use bevy::{
     ecs::system::SystemParam,
@@ -170,7 +170,13 @@ fn input<'a>(
     attachments: &'a Attachments,
     colliders: &'a [Collider<'a>],
 ) -> StepInput<'a> {
-    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders }
+    StepInput {
+        dt: step.dt,
+        gravity: step.gravity,
+        pins: &attachments.motions,
+        colliders,
+        wind: Wind::default(),
+    }
 }
 
 /// Takes the tick's length, and the gravity of each cloth.

@@ -2,6 +2,7 @@
 //!
 //! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
 
+mod air;
 mod bending;
 mod common;
 mod contact;
