@@ -79,7 +79,7 @@ fn measure(
         damping: 0.0,
         damping_form: Default::default(),
         drag: 0.2,
-        max_strain: 0.1,
+        max_strain: 10.0,
         friction: 0.5,
         thickness: 0.005,
     };

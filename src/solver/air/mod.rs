@@ -14,19 +14,18 @@
 mod cells;
 mod law;
 mod shares;
-// Unused until there are cloths of any triangles.
-#[cfg_attr(not(test), allow(dead_code))]
 mod triangles;
 
 use bevy::math::Vec3;
 
 use super::isa::Isa;
 use super::lanes::{Array, Block, Block3, LANES, Soa};
-use super::lattice::Lattice;
+use super::lattice::{Lattice, Layout};
 use super::parameters::{ParameterError, check};
 use super::wind::{Place, Wind};
 use cells::Cells;
 use law::Law;
+use triangles::Triangles;
 
 /// What the air does to a cloth. `ClothAir` says what each number means to a user.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +74,7 @@ pub(super) struct Surface {
 #[derive(Clone, Debug)]
 enum Faces {
     Cells(Cells),
+    Triangles(Triangles),
 }
 
 /// What the air pushes with in a substep.
@@ -98,6 +98,21 @@ impl Surface {
         Self::with_faces(air, Faces::Cells(cells), &inverse)
     }
 
+    /// The same for triangles of particles that lie in a layout, row by row; their rest positions \[m\],
+    /// and the area of cloth that the particle of each slot stands for \[m2\].
+    // For cloths of any triangles, which are to come.
+    #[allow(dead_code)]
+    pub fn of_triangles(
+        air: Air,
+        layout: Layout,
+        triangles: &[[u32; 3]],
+        rest: &[Vec3],
+        particle_area: &[f32],
+    ) -> Self {
+        let (triangles, inverse) = Triangles::new(layout, triangles, rest, particle_area);
+        Self::with_faces(air, Faces::Triangles(triangles), &inverse)
+    }
+
     fn with_faces(air: Air, faces: Faces, inverse: &[f32]) -> Self {
         let len = inverse.len();
         let mut inverse_area = Array::zeros(len);
@@ -119,6 +134,9 @@ impl Surface {
             let centres = &mut self.centres;
             match &self.faces {
                 Faces::Cells(cells) => isa.run(cells::FindCentres { cells, x, centres }),
+                Faces::Triangles(triangles) => {
+                    isa.run(triangles::FindCentres { triangles, x, centres });
+                }
             }
             wind.sample(isa, &place, &self.centres, &mut self.local);
         }
@@ -154,6 +172,9 @@ impl Surface {
         match &mut self.faces {
             Faces::Cells(cells) => {
                 isa.run(cells::PushCells { cells, flow, inverse_mass, x, d, a });
+            }
+            Faces::Triangles(triangles) => {
+                isa.run(triangles::PushTriangles { triangles, flow, inverse_mass, x, d, a });
             }
         }
     }

@@ -88,7 +88,7 @@ impl Wind<'_> {
     pub fn at(&self, place: Vec3) -> Vec3 {
         let mut wind = self.velocity;
         if self.gusts.strength > 0.0 {
-            wind += Field::new(&self.gusts, self.time, place).at(Vec3::ZERO);
+            wind += Field::new(&self.gusts, self.time, place).here();
         }
         for zone in self.zones {
             wind += zone.seen_from(place).at(Vec3::ZERO);
@@ -165,9 +165,9 @@ impl Kernel for Fill<'_> {
         for at in (0..self.wind.x.len()).step_by(LANES) {
             let mut wind = Block3::splat(self.velocity);
             if let Some(gusts) = &self.gusts {
-                let places = Block3::load(self.places, at);
+                let gusts = gusts.block(&Block3::load(self.places, at));
                 for i in 0..LANES {
-                    wind.set(i, self.velocity + gusts.at(places.at(i)));
+                    wind.set(i, self.velocity + gusts.at(i));
                 }
             }
             wind.store(self.wind, at);

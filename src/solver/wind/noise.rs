@@ -9,6 +9,7 @@
 
 use bevy::math::{DVec3, Vec3};
 
+use super::super::lanes::{Block3, LANES};
 use super::Gusts;
 
 /// The gusts of one instant, for places relative to an origin.
@@ -45,33 +46,48 @@ impl Field {
         }
     }
 
-    /// The gust at a place relative to the origin \[m/s\].
+    /// The gusts at places relative to the origin \[m/s\].
     #[inline(always)]
-    pub fn at(&self, place: Vec3) -> Vec3 {
-        let p = place * self.inverse_scale + self.rest;
-        let (x, fx) = split(p.x);
-        let (y, fy) = split(p.y);
-        let (z, fz) = split(p.z);
-        let [x, y, z] = [
-            self.cell[0].wrapping_add(x),
-            self.cell[1].wrapping_add(y),
-            self.cell[2].wrapping_add(z),
-        ];
-        let (fx, fy, fz) = (fade(fx), fade(fy), fade(fz));
-        let edge = |y: u32, z: u32, t: u32| {
-            let (a, b) = (lattice_point(x, y, z, t), lattice_point(x.wrapping_add(1), y, z, t));
-            a + (b - a) * fx
-        };
-        let square = |z: u32, t: u32| {
-            let (a, b) = (edge(y, z, t), edge(y.wrapping_add(1), z, t));
-            a + (b - a) * fy
-        };
-        let cube = |t: u32| {
-            let (a, b) = (square(z, t), square(z.wrapping_add(1), t));
-            a + (b - a) * fz
-        };
-        let (a, b) = (cube(self.time), cube(self.time.wrapping_add(1)));
-        (a + (b - a) * self.late) * self.strength
+    pub fn block(&self, places: &Block3) -> Block3 {
+        let mut cells = [[0_u32; LANES]; 3];
+        let mut parts = Block3::ZERO;
+        for i in 0..LANES {
+            let p = places.at(i) * self.inverse_scale + self.rest;
+            let ((x, fx), (y, fy), (z, fz)) = (split(p.x), split(p.y), split(p.z));
+            cells[0][i] = self.cell[0].wrapping_add(x);
+            cells[1][i] = self.cell[1].wrapping_add(y);
+            cells[2][i] = self.cell[2].wrapping_add(z);
+            parts.set(i, Vec3::new(fade(fx), fade(fy), fade(fz)));
+        }
+        let mut gusts = Block3::ZERO;
+        for corner in 0..16_u32 {
+            let [x, y, z, t] = [0, 1, 2, 3].map(|axis| corner >> axis & 1);
+            let late = if t == 1 { self.late } else { 1.0 - self.late };
+            let time = self.time.wrapping_add(t);
+            for i in 0..LANES {
+                let part = parts.at(i);
+                let along_x = if x == 1 { part.x } else { 1.0 - part.x };
+                let along_y = if y == 1 { part.y } else { 1.0 - part.y };
+                let along_z = if z == 1 { part.z } else { 1.0 - part.z };
+                let weight = (along_x * along_y) * (along_z * late);
+                let point = lattice_point(
+                    cells[0][i].wrapping_add(x),
+                    cells[1][i].wrapping_add(y),
+                    cells[2][i].wrapping_add(z),
+                    time,
+                );
+                gusts.set(i, gusts.at(i) + point * weight);
+            }
+        }
+        for i in 0..LANES {
+            gusts.set(i, gusts.at(i) * self.strength);
+        }
+        gusts
+    }
+
+    /// The gust at the origin \[m/s\].
+    pub fn here(&self) -> Vec3 {
+        self.block(&Block3::ZERO).at(0)
     }
 }
 
