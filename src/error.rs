@@ -35,11 +35,11 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: LatticeError,
     },
-    /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running
-    /// cloth keeps the last good ones, a collider is left out.
+    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `SdfCollider` or `WindZone` is out of its
+    /// range. A running cloth keeps the last good ones, a collider or zone is left out.
     #[error("{entity}: {problem}; change `{component}`")]
     Parameter {
-        /// The cloth or collider.
+        /// The cloth, collider or zone.
         entity: Entity,
         /// The component that holds the number.
         component: &'static str,
@@ -130,6 +130,8 @@ pub(crate) enum Blame {
     Collider,
     Schedule,
     Bake,
+    Air,
+    Zone,
 }
 
 impl ClothError {
@@ -139,6 +141,8 @@ impl ClothError {
             Self::Draw { .. } => Blame::Drawing,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
+            Self::Parameter { component: "ClothAir", .. } => Blame::Air,
+            Self::Parameter { component: "WindZone", .. } => Blame::Zone,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }

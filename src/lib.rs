@@ -36,7 +36,7 @@
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
 //!   [`ClothSimulation`]; changed components change it.
-//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity.
+//! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
@@ -73,10 +73,12 @@ mod plugin;
 pub mod sdf;
 pub mod solver;
 mod step;
+mod wind;
 
 pub use cloth::{
-    Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
+    Cloth, ClothAir, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial,
+    ClothPins, ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem,
+    PinSelection,
 };
 pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
 pub use error::{ClothError, ClothFailure};
@@ -85,16 +87,20 @@ pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
 pub use mesh::MeshProblem;
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;
+pub use wind::{ClothWind, ClothWindOverride, WindZone};
 
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
+        BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothGravity,
         ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
         ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
+        ClothSystems, ClothWind, ClothWindOverride, Pin, PinSelection, SdfCells, SdfCollider,
+        SdfShape, WindZone,
         sdf::{DistanceField, SignedDistance},
-        solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
+        solver::{
+            Bending, DampingForm, FormChoice, Gusts, MassLumping, Substeps, WindFlow, WindShape,
+        },
     };
 }
 

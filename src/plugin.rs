@@ -2,8 +2,8 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-        ClothSettings, ClothSimulation, LatticeCache,
+        Cloth, ClothAir, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial,
+        ClothPins, ClothSettings, ClothSimulation, LatticeCache,
         attachment::{apply_pins, gather_pins},
         setup::{apply_changes, set_up_cloths},
     },
@@ -17,6 +17,7 @@ use crate::{
         correct, finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged,
         note_poses, refuse_variable_step, run_substeps, solve_fused,
     },
+    wind::{ClothWind, ClothWindOverride, WindZone, WindZones, gather_air, gather_zones},
 };
 use bevy::{
     app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems},
@@ -63,7 +64,7 @@ pub enum ClothSystems {
     /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
     /// so that a cloth is seen in the frame that spawned it.
     Setup,
-    /// Poses of colliders and pins through the tick, and gravity.
+    /// Poses of colliders and pins through the tick, gravity and wind.
     Gather,
     /// The substeps.
     Solve,
@@ -86,7 +87,7 @@ pub struct ClothSubstep;
 /// The stages of a substep, in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClothSubstepSystems {
-    /// Springs, bending, damping, gravity.
+    /// Springs, bending, damping, gravity, air.
     Forces,
     /// Verlet; pins move to where they are to be.
     Integrate,
@@ -105,10 +106,16 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothInterpolation>()
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
+            .register_type::<ClothAir>()
+            .register_type::<ClothWind>()
+            .register_type::<ClothWindOverride>()
+            .register_type::<WindZone>()
             .register_type::<ClothExecution>()
             .register_type::<SdfCollider>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
+            .init_resource::<ClothWind>()
+            .init_resource::<WindZones>()
             .init_resource::<ClothExecution>()
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
@@ -134,7 +141,9 @@ impl Plugin for ClothPlugin {
                 (
                     (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
-                    (gather_colliders, gather_pins, gather_step).chain().in_set(Gather),
+                    (gather_colliders, gather_pins, gather_step, gather_zones, gather_air)
+                        .chain()
+                        .in_set(Gather),
                     // The exclusive systems touch no more than their neighbours here, which are not
                     // exempt.
                     (

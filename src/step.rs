@@ -10,7 +10,8 @@ use crate::{
     error::{Blame, ClothError, Failures},
     plugin::ClothSubstep,
     sdf::DistanceField,
-    solver::{ClothSolver, Collider, SolverError, StepInput, Wind},
+    solver::{ClothSolver, Collider, SolverError, StepInput, Zone},
+    wind::{ClothWind, WindZones},
 };
 use bevy::{
     ecs::system::SystemParam,
@@ -160,8 +161,18 @@ impl Surroundings<'_, '_> {
 pub(crate) struct ClothStep {
     dt: f32,
     gravity: Vec3,
+    wind: ClothWind,
+    /// The time that its gusts are of \[s\].
+    time: f64,
     /// Substeps still to go, in the staged form.
     rounds: u32,
+}
+
+impl ClothStep {
+    /// Takes the wind at a time \[s\].
+    pub fn set_wind(&mut self, wind: ClothWind, time: f64) {
+        (self.wind, self.time) = (wind, time);
+    }
 }
 
 /// The solver's input. A function of fields, so that the solver beside them can be borrowed.
@@ -169,14 +180,10 @@ fn input<'a>(
     step: ClothStep,
     attachments: &'a Attachments,
     colliders: &'a [Collider<'a>],
+    zones: &'a [Zone],
 ) -> StepInput<'a> {
-    StepInput {
-        dt: step.dt,
-        gravity: step.gravity,
-        pins: &attachments.motions,
-        colliders,
-        wind: Wind::default(),
-    }
+    let wind = step.wind.at(step.time, zones);
+    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders, wind }
 }
 
 /// Takes the tick's length, and the gravity of each cloth.
@@ -187,17 +194,21 @@ pub(crate) fn gather_step(
 ) {
     for (mut cloth, own) in &mut cloths {
         let gravity = own.map_or(gravity.0, |own| own.0);
-        cloth.step = ClothStep { dt: time.delta_secs(), gravity, rounds: 0 };
+        cloth.step = ClothStep { dt: time.delta_secs(), gravity, ..default() };
     }
 }
 
 /// The fused form: all cloths in parallel, each all its substeps.
-pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
+pub(crate) fn solve_fused(
+    mut cloths: Query<&mut ClothSimulation>,
+    mut surroundings: Surroundings,
+    zones: Res<WindZones>,
+) {
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
             let ClothSimulation { solver, attachments, step, outcome, frozen, .. } = &mut *cloth;
             if !*frozen {
-                *outcome = Some(solver.tick(&input(*step, attachments, colliders)));
+                *outcome = Some(solver.tick(&input(*step, attachments, colliders, zones.get())));
             }
         });
     });
@@ -207,6 +218,7 @@ pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundi
 pub(crate) fn begin_staged(
     mut cloths: Query<&mut ClothSimulation>,
     mut surroundings: Surroundings,
+    zones: Res<WindZones>,
     mut runner: ResMut<Runner>,
 ) {
     runner.rounds = 0;
@@ -216,7 +228,7 @@ pub(crate) fn begin_staged(
             if *frozen {
                 continue;
             }
-            match solver.begin_tick(&input(*step, attachments, colliders)) {
+            match solver.begin_tick(&input(*step, attachments, colliders, zones.get())) {
                 Ok(substeps) => step.rounds = substeps,
                 Err(error) => *outcome = Some(Err(error)),
             }
@@ -236,7 +248,7 @@ pub(crate) fn run_substeps(world: &mut World) {
     });
 }
 
-/// Stage 1: springs, bending, damping, gravity.
+/// Stage 1: springs, bending, damping, gravity, air.
 pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
     for_each_stepping(&mut cloths, ClothSolver::accumulate_forces);
 }
@@ -258,7 +270,7 @@ fn for_each_stepping(
     for mut cloth in cloths {
         let ClothSimulation { solver, attachments, step, .. } = &mut *cloth;
         if step.rounds > 0 {
-            act(solver, &input(*step, attachments, &[]));
+            act(solver, &input(*step, attachments, &[], &[]));
         }
     }
 }
@@ -269,7 +281,7 @@ pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings:
         for mut cloth in &mut cloths {
             let ClothSimulation { solver, attachments, step, outcome, .. } = &mut *cloth;
             if step.rounds > 0 {
-                solver.collide(&input(*step, attachments, colliders));
+                solver.collide(&input(*step, attachments, colliders, &[]));
                 step.rounds -= 1;
                 if step.rounds == 0 {
                     *outcome = Some(solver.end_tick());

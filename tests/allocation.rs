@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material,
-    PinMotion, Pose, Settings, StepInput, Substeps,
+    Air, Bending, ClothSolver, Collider, DampingForm, FormChoice, Gusts, Lattice, MassLumping,
+    Material, PinMotion, Pose, Settings, StepInput, Substeps, Wind, WindFlow, WindShape, Zone,
 };
 
 thread_local! {
@@ -68,6 +68,7 @@ fn busy(form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
     let start = lattice.rest_positions().to_vec();
     let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
     solver.set_pins(&[0, 34, 300, 350, 400, 664]).unwrap();
+    solver.set_air(Some(Air::default())).unwrap();
     let pins = solver
         .pins()
         .iter()
@@ -88,23 +89,27 @@ fn a_tick_and_its_stages_do_not_allocate() {
     let (from, to) =
         (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
     let colliders = [Collider { shape: &ball, start: from, end: to, friction: 0.5 }; 2];
+    let zones = [Zone {
+        shape: WindShape::from(ball),
+        flow: WindFlow::Radial(3.0),
+        falloff: 0.1,
+        pose: from,
+    }];
+    let gusts = Gusts { strength: 2.0, ..Gusts::default() };
+    let wind = Wind { velocity: Vec3::X, gusts, time: 0.3, zones: &zones };
     for form in [FormChoice::Springs, FormChoice::Threads] {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let (mut solver, pins) = busy(form, bending);
             let gravity = Vec3::NEG_Y * 9.81;
-            let input = StepInput {
-                dt: 1.0 / 64.0,
-                gravity,
-                pins: &pins,
-                colliders: &colliders,
-                ..StepInput::default()
-            };
-            // The first tick too, another length of tick, and another gravity.
+            let input =
+                StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders, wind };
+            // The first tick too, another length of tick, another gravity and wind.
             assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, first tick");
             for _ in 0..20 {
                 assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}");
             }
-            let other = StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, ..input };
+            let other =
+                StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, wind: Wind::default(), ..input };
             assert_eq!(allocations(|| solver.tick(&other)), 0, "{form:?} {bending:?}, other tick");
             assert_eq!(allocations(|| solver.begin_tick(&input)), 0);
             for _ in 0..5 {

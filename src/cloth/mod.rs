@@ -1,5 +1,6 @@
 //! What users spawn and tune: [`Cloth`] and the components beside it.
 
+mod air;
 pub(crate) mod attachment;
 mod gravity;
 pub(crate) mod grid;
@@ -11,6 +12,7 @@ pub(crate) mod setup;
 mod sheet;
 mod simulation;
 
+pub use air::ClothAir;
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;
 pub use material::ClothMaterial;

@@ -11,3 +11,4 @@ mod mesh;
 mod pins;
 mod refusals;
 mod setup;
+mod wind;

@@ -441,6 +441,25 @@ fn what_a_zone_blows_is_what_a_cloth_feels() {
 }
 
 #[test]
+fn a_scrap_goes_with_the_gust_of_its_place() {
+    for place in [Vec3::ZERO, Vec3::new(1000.25, 5.0, -77.5)] {
+        let lattice = sheet(Vec2::splat(0.01), 3, 3, MassLumping::Lumped);
+        let gusts = Gusts { strength: 5.0, scale: 3.0, period: 1e3, seed: 4 };
+        for time in [10.0, 4e3, 1e6] {
+            let settings = settings(FormChoice::Springs, 16);
+            let mut solver = at_rest(&lattice, place, loose(1e-5), settings);
+            solver.set_air(Some(drag_alone())).unwrap();
+            let wind = Wind { gusts, time, ..Wind::default() };
+            blow(&mut solver, 4, Vec3::ZERO, wind);
+            let here = wind.at(solver.position(4)).as_dvec3();
+            assert!(here.length() > 0.1);
+            let apart = mean_velocity(&solver).distance(here);
+            check_at_most("a scrap and the gust, apart [m/s]", apart, 0.05 * here.length());
+        }
+    }
+}
+
+#[test]
 fn bad_air_and_wind_are_refused() {
     let mut solver = flat(Air::default(), plain(), FormChoice::Threads, 1);
     type Set = fn(&mut Air, f32);

@@ -17,3 +17,4 @@ mod stability;
 mod survival;
 mod symmetry;
 mod tethers;
+mod wind;

@@ -15,7 +15,7 @@ use super::isa::{Isa, Kernel};
 use super::lanes::{Block3, LANES, Soa};
 use super::parameters::{ParameterError, check};
 use noise::Field;
-use zone::{AddZone, FASTEST};
+use zone::AddZone;
 
 /// The wind in one tick. The default is still air.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,7 +66,7 @@ impl Gusts {
     /// # Errors
     /// [`ParameterError`] for the first number that is not finite or out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        check("strength", self.strength, 0.0, FASTEST, "from 0 to 1e5 m/s")?;
+        check("strength", self.strength, 0.0, Zone::FASTEST, "from 0 to 1e5 m/s")?;
         check("scale", self.scale, 1e-2, 1e6, "from 0.01 to 1e6 m")?;
         check("period", self.period, 1e-3, 1e6, "from 0.001 to 1e6 s")
     }
@@ -102,7 +102,7 @@ impl Wind<'_> {
     /// [`SolverError::Wind`] or [`SolverError::Zone`].
     pub fn validate(&self) -> Result<(), SolverError> {
         for speed in self.velocity.to_array() {
-            check("velocity", speed, -FASTEST, FASTEST, "at most 1e5 m/s")
+            check("velocity", speed, -Zone::FASTEST, Zone::FASTEST, "at most 1e5 m/s")
                 .map_err(SolverError::Wind)?;
         }
         self.gusts.validate().map_err(SolverError::Wind)?;

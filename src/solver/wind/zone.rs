@@ -11,8 +11,6 @@ use super::super::lanes::{Block3, LANES, Soa, larger};
 use super::Place;
 use crate::sdf::{PointBlock, SignedDistance};
 
-/// Speeds beyond this are refused \[m/s\].
-pub(super) const FASTEST: f32 = 1e5;
 /// Least distance from the middle of a radial wind that has a direction \[m\].
 const LEAST_DISTANCE: f32 = 1e-6;
 
@@ -67,13 +65,26 @@ impl WindShape {
 
     /// Whether every size is above zero and finite.
     pub fn is_valid(&self) -> bool {
-        let usable = |size: f32| size > 0.0 && size <= 1e7;
+        self.sizes().into_iter().all(usable)
+    }
+
+    /// The first size that cannot be used; else the first of all \[m\].
+    pub fn worst_size(&self) -> f32 {
+        let sizes = self.sizes();
+        sizes.into_iter().find(|&size| !usable(size)).unwrap_or(sizes[0])
+    }
+
+    fn sizes(&self) -> [f32; 3] {
         match self {
-            Self::Cuboid(shape) => shape.half_size.to_array().into_iter().all(usable),
-            Self::Sphere(shape) => usable(shape.radius),
-            Self::Cone(shape) => usable(shape.radius) && usable(shape.height),
+            Self::Cuboid(shape) => shape.half_size.to_array(),
+            Self::Sphere(shape) => [shape.radius; 3],
+            Self::Cone(shape) => [shape.radius, shape.height, shape.height],
         }
     }
+}
+
+fn usable(size: f32) -> bool {
+    size > 0.0 && size <= 1e7
 }
 
 /// Which way the wind of a zone blows, and how fast.
@@ -110,10 +121,13 @@ pub struct Zone {
 }
 
 impl Zone {
+    /// Speeds beyond this are refused \[m/s\].
+    pub const FASTEST: f32 = 1e5;
+
     /// Whether every number can be used.
     pub fn is_valid(&self) -> bool {
         self.shape.is_valid()
-            && self.flow.speed() <= FASTEST
+            && self.flow.speed() <= Self::FASTEST
             && self.falloff >= 0.0
             && self.falloff <= 1e7
             && self.pose.is_valid()
