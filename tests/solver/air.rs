@@ -460,6 +460,31 @@ fn a_scrap_goes_with_the_gust_of_its_place() {
 }
 
 #[test]
+fn tethers_do_not_hold_what_the_wind_stretches() {
+    // A sail of a fiftieth of its load in weight: by its threads alone, and with tethers.
+    let sail = |tethers: bool| {
+        let lattice = curtain(Vec2::ONE, 17, 17, MassLumping::Lumped);
+        let material = Material {
+            area_density: 0.1,
+            thread_stiffness: 2000.0,
+            shear_stiffness: 200.0,
+            damping: 0.05,
+            max_strain: 0.5,
+            ..plain()
+        };
+        let settings = Settings { tethers, ..settings(FormChoice::Threads, 32) };
+        let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
+        solver.set_pins(&[0, 16, 272, 288]).unwrap();
+        solver.set_air(Some(drag_alone())).unwrap();
+        blow(&mut solver, 200, GRAVITY, steady(Vec3::Z * 12.0));
+        (solver.position(144).z, solver.strain().p99)
+    };
+    let ((free, strain), (tethered, _)) = (sail(false), sail(true));
+    assert!(strain > 0.03, "the wind hardly stretches it: {strain}");
+    check("depth of the sail [m]", tethered.into(), free.into(), 0.01 * f64::from(free));
+}
+
+#[test]
 fn bad_air_and_wind_are_refused() {
     let mut solver = flat(Air::default(), plain(), FormChoice::Threads, 1);
     type Set = fn(&mut Air, f32);
