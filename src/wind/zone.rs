@@ -68,7 +68,7 @@ impl WindZone {
             return Err(ParameterError { name: "size", value: self.shape.worst_size(), range });
         }
         let speed = self.flow.speed();
-        if !(speed <= Zone::FASTEST) {
+        if !(0.0..=Zone::FASTEST).contains(&speed) {
             let range = "finite and at most 1e5 m/s";
             return Err(ParameterError { name: "speed", value: speed, range });
         }

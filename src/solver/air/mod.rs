@@ -2,7 +2,7 @@
 //!
 //! The split into drag along the relative wind and lift across it, both in proportion to the area
 //! that the wind sees, is that of Keckeisen, Kimmerle, Thomaszewski and Wacker, *Modelling Effects
-//! of Wind Fields in Cloth Animations* (2004), and of NvCloth. A flat sheet that falls level has the
+//! of Wind Fields in Cloth Animations* (2004), and of `NvCloth`. A flat sheet that falls level has the
 //! terminal speed `sqrt(2 m g / (rho C_d A))`.
 //!
 //! | file | what it holds |

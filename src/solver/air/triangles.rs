@@ -154,8 +154,8 @@ impl PushTriangles<'_> {
         let mut sum = Block3::ZERO;
         let (from, to) = (begins[block] as usize, begins[block + 1] as usize);
         for lanes in around[from..to].chunks_exact(LANES) {
-            for i in 0..LANES {
-                sum.set(i, sum.at(i) + forces.get(lanes[i] as usize));
+            for (i, &face) in lanes.iter().enumerate() {
+                sum.set(i, sum.at(i) + forces.get(face as usize));
             }
         }
         let w = Block::load(self.inverse_mass, slot);
@@ -175,9 +175,8 @@ impl Corners {
     fn load(triangles: &Triangles, face: usize, from: &Soa) -> Self {
         let mut out = [Block3::ZERO; 3];
         for (k, corner) in out.iter_mut().enumerate() {
-            let slots = triangles.slots(k, face);
-            for i in 0..LANES {
-                corner.set(i, from.get(slots[i] as usize));
+            for (i, slot) in triangles.slots(k, face).into_iter().enumerate() {
+                corner.set(i, from.get(slot as usize));
             }
         }
         Self(out)

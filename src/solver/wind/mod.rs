@@ -106,7 +106,7 @@ impl Wind<'_> {
                 .map_err(SolverError::Wind)?;
         }
         self.gusts.validate().map_err(SolverError::Wind)?;
-        if !(self.time.abs() <= 1e12) {
+        if !(-1e12..=1e12).contains(&self.time) {
             let problem = ParameterError {
                 name: "time",
                 value: self.time as f32,

@@ -49,14 +49,14 @@ impl Field {
     /// The gusts at places relative to the origin \[m/s\].
     #[inline(always)]
     pub fn block(&self, places: &Block3) -> Block3 {
-        let mut cells = [[0_u32; LANES]; 3];
+        let (mut xs, mut ys, mut zs) = ([0_u32; LANES], [0_u32; LANES], [0_u32; LANES]);
         let mut parts = Block3::ZERO;
         for i in 0..LANES {
             let p = places.at(i) * self.inverse_scale + self.rest;
             let ((x, fx), (y, fy), (z, fz)) = (split(p.x), split(p.y), split(p.z));
-            cells[0][i] = self.cell[0].wrapping_add(x);
-            cells[1][i] = self.cell[1].wrapping_add(y);
-            cells[2][i] = self.cell[2].wrapping_add(z);
+            xs[i] = self.cell[0].wrapping_add(x);
+            ys[i] = self.cell[1].wrapping_add(y);
+            zs[i] = self.cell[2].wrapping_add(z);
             parts.set(i, Vec3::new(fade(fx), fade(fy), fade(fz)));
         }
         let mut gusts = Block3::ZERO;
@@ -71,9 +71,9 @@ impl Field {
                 let along_z = if z == 1 { part.z } else { 1.0 - part.z };
                 let weight = (along_x * along_y) * (along_z * late);
                 let point = lattice_point(
-                    cells[0][i].wrapping_add(x),
-                    cells[1][i].wrapping_add(y),
-                    cells[2][i].wrapping_add(z),
+                    xs[i].wrapping_add(x),
+                    ys[i].wrapping_add(y),
+                    zs[i].wrapping_add(z),
                     time,
                 );
                 gusts.set(i, gusts.at(i) + point * weight);

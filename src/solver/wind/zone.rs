@@ -220,8 +220,8 @@ impl Kernel for AddZone<'_> {
             }
             solid.distance_block(&points, &mut distances);
             let mut wind = Block3::load(self.wind, at);
-            for i in 0..LANES {
-                wind.set(i, wind.at(i) + self.zone.wind(points.point(i), distances[i]));
+            for (i, &distance) in distances.iter().enumerate() {
+                wind.set(i, wind.at(i) + self.zone.wind(points.point(i), distance));
             }
             wind.store(self.wind, at);
         }
