@@ -132,7 +132,7 @@ impl Surface {
         self.uniform = wind.uniform_in(&place);
         if self.uniform.is_none() {
             let centres = &mut self.centres;
-            match &self.faces {
+            match &mut self.faces {
                 Faces::Cells(cells) => isa.run(cells::FindCentres { cells, x, centres }),
                 Faces::Triangles(triangles) => {
                     isa.run(triangles::FindCentres { triangles, x, centres });

@@ -3,28 +3,60 @@
 //! A triangle's velocity is the mean of its corners', and a third of its force goes to each. Every
 //! particle adds up those of its triangles in their order, so that nothing is scattered and the sum
 //! is the same on every machine.
+//!
+//! What a triangle needs of a corner (position, displacement, acceleration) is packed into one cache
+//! line a particle first, so that a corner is one load: three arrays of three axes would be nine.
 
 use bevy::math::Vec3;
 
 use super::super::isa::Kernel;
-use super::super::lanes::{Block, Block3, LANES, Soa};
+use super::super::lanes::{Array, Block, Block3, LANES, Soa};
 use super::super::lattice::Layout;
 use super::Flow;
 use super::shares::{Face, shares};
 
-/// Triangles by the slots of their corners, and which of them are around each particle.
+/// What is packed of a particle: position, displacement, acceleration, position again.
+const PACKED: usize = LANES;
+/// Numbers of a triangle's force in memory: three, and one to make a vector register.
+const FORCE: usize = 4;
+
+/// How the packed numbers of the first, second and third corner are added up to what a triangle needs: an
+/// edge, three times its displacement and acceleration, and the other edge.
+const SIGNS: [[f32; LANES]; 3] = {
+    let mut signs = [[0.0; LANES]; 3];
+    let mut i = 0;
+    while i < 12 {
+        let corners = match i {
+            0..3 => [-1.0, 1.0, 0.0],
+            3..9 => [1.0, 1.0, 1.0],
+            _ => [-1.0, 0.0, 1.0],
+        };
+        let mut k = 0;
+        while k < 3 {
+            signs[k][i] = corners[k];
+            k += 1;
+        }
+        i += 1;
+    }
+    signs
+};
+
+/// Triangles by their corners, and which of them are around each particle.
 #[derive(Clone, Debug)]
 pub(super) struct Triangles {
     layout: Layout,
-    /// Slots of the first, second and third corners, padded to whole blocks.
+    /// Particles, counted in whole blocks row by row, of the first, second and third corners; padded to
+    /// whole blocks.
     corners: [Vec<u32>; 3],
     /// For each block of particles, row by row, where its entries in `around` begin; one more at the
     /// end.
     begins: Vec<u32>,
     /// [`LANES`] triangles at a time, one of each particle of a block; `none` where it has no more.
     around: Vec<u32>,
+    /// What the corners are loaded from.
+    packed: Array,
     /// A third of each triangle's force, and a zero behind the last.
-    forces: Soa,
+    forces: Array,
 }
 
 impl Triangles {
@@ -46,27 +78,50 @@ impl Triangles {
             })
             .collect();
         let padded = faces.len().next_multiple_of(LANES);
-        let mut corners = [(); 3].map(|()| vec![layout.slot(0, 0) as u32; padded]);
+        let width = layout.columns.next_multiple_of(LANES) as u32;
+        let columns = layout.columns as u32;
+        let mut corners = [(); 3].map(|()| vec![0; padded]);
         let mut at_particle = vec![Vec::new(); layout.rows * layout.columns];
-        for (i, (face, particles)) in faces.iter().zip(triangles).enumerate() {
+        for (i, particles) in triangles.iter().enumerate() {
             for k in 0..3 {
-                corners[k][i] = face.corners[k] as u32;
+                let (row, column) = (particles[k] / columns, particles[k] % columns);
+                corners[k][i] = row * width + column;
                 at_particle[particles[k] as usize].push(i as u32);
             }
         }
         let (begins, around) = blocks(layout, &at_particle, padded as u32);
-        let forces = Soa::zeros(padded + LANES);
+        let packed = Array::zeros(layout.rows * width as usize * PACKED);
+        let forces = Array::zeros((padded + 1) * FORCE);
         let mut inverse = shares(&faces, particle_area);
         inverse.resize(padded, 0.0);
-        (Self { layout, corners, begins, around, forces }, inverse)
+        (Self { layout, corners, begins, around, packed, forces }, inverse)
     }
 
-    /// The slots of one corner of [`LANES`] triangles.
+    /// Packs four vectors of each particle.
     #[inline(always)]
-    fn slots(&self, corner: usize, face: usize) -> [u32; LANES] {
-        let mut out = [0; LANES];
-        out.copy_from_slice(&self.corners[corner][face..face + LANES]);
-        out
+    fn pack(&mut self, of: [&Soa; 4]) {
+        let mut at = 0;
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let vectors = [0, 1, 2, 3].map(|k: usize| Block3::load(of[k], slot));
+                for i in 0..LANES {
+                    let to = &mut self.packed[at..at + PACKED];
+                    for (k, vector) in vectors.iter().enumerate() {
+                        to[3 * k] = vector.x.0[i];
+                        to[3 * k + 1] = vector.y.0[i];
+                        to[3 * k + 2] = vector.z.0[i];
+                    }
+                    at += PACKED;
+                }
+            }
+        }
+    }
+
+    /// The packed numbers of one corner of a triangle.
+    #[inline(always)]
+    fn corner(&self, corner: usize, face: usize) -> Block {
+        Block::load(&self.packed, self.corners[corner][face] as usize * PACKED)
     }
 }
 
@@ -88,7 +143,7 @@ fn blocks(layout: Layout, at_particle: &[Vec<u32>], none: u32) -> (Vec<u32>, Vec
 
 /// Works out where the triangles' centres are.
 pub(super) struct FindCentres<'a> {
-    pub triangles: &'a Triangles,
+    pub triangles: &'a mut Triangles,
     pub x: &'a Soa,
     pub centres: &'a mut Soa,
 }
@@ -98,9 +153,16 @@ impl Kernel for FindCentres<'_> {
 
     #[inline(always)]
     fn run(self) {
+        self.triangles.pack([self.x; 4]);
         for face in (0..self.triangles.corners[0].len()).step_by(LANES) {
-            let corners = Corners::load(self.triangles, face, self.x);
-            corners.mean().store(self.centres, face);
+            let mut tile = [Block::ZERO; LANES];
+            for (i, sum) in tile.iter_mut().enumerate() {
+                let [a, b, c] = [0, 1, 2].map(|k| self.triangles.corner(k, face + i));
+                for l in 0..LANES {
+                    sum.0[l] = (a.0[l] + b.0[l] + c.0[l]) * (1.0 / 3.0);
+                }
+            }
+            vectors(&tile, 0).store(self.centres, face);
         }
     }
 }
@@ -121,6 +183,7 @@ impl Kernel for PushTriangles<'_> {
 
     #[inline(always)]
     fn run(mut self) {
+        self.triangles.pack([self.x, self.d, self.a, self.x]);
         for face in (0..self.triangles.corners[0].len()).step_by(LANES) {
             self.push(face);
         }
@@ -138,69 +201,64 @@ impl Kernel for PushTriangles<'_> {
 impl PushTriangles<'_> {
     #[inline(always)]
     fn push(&mut self, face: usize) {
-        let x = Corners::load(self.triangles, face, self.x);
-        let d = Corners::load(self.triangles, face, self.d).mean();
-        let a = Corners::load(self.triangles, face, self.a).mean();
-        let mut force = self.flow.forces(face, x.vector_area(), d, a);
-        for i in 0..LANES {
-            force.set(i, force.at(i) * (1.0 / 3.0));
+        let mut tile = [Block::ZERO; LANES];
+        for (i, out) in tile.iter_mut().enumerate() {
+            let a = self.triangles.corner(0, face + i);
+            let b = self.triangles.corner(1, face + i);
+            let c = self.triangles.corner(2, face + i);
+            for l in 0..LANES {
+                out.0[l] = a.0[l] * SIGNS[0][l] + b.0[l] * SIGNS[1][l] + c.0[l] * SIGNS[2][l];
+            }
         }
-        force.store(&mut self.triangles.forces, face);
+        let (edge, other) = (vectors(&tile, 0), vectors(&tile, 9));
+        let (mut d, mut a) = (vectors(&tile, 3), vectors(&tile, 6));
+        let mut area = Block3::ZERO;
+        for i in 0..LANES {
+            area.set(i, edge.at(i).cross(other.at(i)) * 0.5);
+            d.set(i, d.at(i) * (1.0 / 3.0));
+            a.set(i, a.at(i) * (1.0 / 3.0));
+        }
+        let force = self.flow.forces(face, area, d, a);
+        for i in 0..LANES {
+            let at = (face + i) * FORCE;
+            let to = &mut self.triangles.forces[at..at + FORCE];
+            to[0] = force.x.0[i] * (1.0 / 3.0);
+            to[1] = force.y.0[i] * (1.0 / 3.0);
+            to[2] = force.z.0[i] * (1.0 / 3.0);
+        }
     }
 
     #[inline(always)]
     fn gather(&mut self, block: usize, slot: usize) {
         let Triangles { begins, around, forces, .. } = &*self.triangles;
-        let mut sum = Block3::ZERO;
+        let mut sums = [[0.0; FORCE]; LANES];
         let (from, to) = (begins[block] as usize, begins[block + 1] as usize);
         for lanes in around[from..to].chunks_exact(LANES) {
-            for (i, &face) in lanes.iter().enumerate() {
-                sum.set(i, sum.at(i) + forces.get(face as usize));
+            for (sum, &face) in sums.iter_mut().zip(lanes) {
+                let at = face as usize * FORCE;
+                let force = &forces[at..at + FORCE];
+                for l in 0..FORCE {
+                    sum[l] += force[l];
+                }
             }
         }
         let w = Block::load(self.inverse_mass, slot);
         let mut a = Block3::load(self.a, slot);
         for i in 0..LANES {
-            a.set(i, a.at(i) + sum.at(i) * w.0[i]);
+            a.set(i, a.at(i) + Vec3::new(sums[i][0], sums[i][1], sums[i][2]) * w.0[i]);
         }
         a.store(self.a, slot);
     }
 }
 
-/// Vectors at the three corners of [`LANES`] triangles.
-struct Corners([Block3; 3]);
-
-impl Corners {
-    #[inline(always)]
-    fn load(triangles: &Triangles, face: usize, from: &Soa) -> Self {
-        let mut out = [Block3::ZERO; 3];
-        for (k, corner) in out.iter_mut().enumerate() {
-            for (i, slot) in triangles.slots(k, face).into_iter().enumerate() {
-                corner.set(i, from.get(slot as usize));
-            }
-        }
-        Self(out)
+/// Three neighbouring numbers of each triangle, as vectors.
+#[inline(always)]
+fn vectors(tile: &[Block; LANES], from: usize) -> Block3 {
+    let mut out = Block3::ZERO;
+    for (i, triangle) in tile.iter().enumerate() {
+        out.set(i, Vec3::new(triangle.0[from], triangle.0[from + 1], triangle.0[from + 2]));
     }
-
-    #[inline(always)]
-    fn mean(&self) -> Block3 {
-        let [a, b, c] = &self.0;
-        let mut out = Block3::ZERO;
-        for i in 0..LANES {
-            out.set(i, (a.at(i) + b.at(i) + c.at(i)) * (1.0 / 3.0));
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn vector_area(&self) -> Block3 {
-        let [a, b, c] = &self.0;
-        let mut out = Block3::ZERO;
-        for i in 0..LANES {
-            out.set(i, (b.at(i) - a.at(i)).cross(c.at(i) - a.at(i)) * 0.5);
-        }
-        out
-    }
+    out
 }
 
 #[cfg(test)]
