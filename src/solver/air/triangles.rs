@@ -206,8 +206,8 @@ impl PushTriangles<'_> {
             let a = self.triangles.corner(0, face + i);
             let b = self.triangles.corner(1, face + i);
             let c = self.triangles.corner(2, face + i);
-            for l in 0..LANES {
-                out.0[l] = a.0[l] * SIGNS[0][l] + b.0[l] * SIGNS[1][l] + c.0[l] * SIGNS[2][l];
+            for (l, sum) in out.0.iter_mut().enumerate() {
+                *sum = a.0[l] * SIGNS[0][l] + b.0[l] * SIGNS[1][l] + c.0[l] * SIGNS[2][l];
             }
         }
         let (edge, other) = (vectors(&tile, 0), vectors(&tile, 9));
@@ -244,8 +244,8 @@ impl PushTriangles<'_> {
         }
         let w = Block::load(self.inverse_mass, slot);
         let mut a = Block3::load(self.a, slot);
-        for i in 0..LANES {
-            a.set(i, a.at(i) + Vec3::new(sums[i][0], sums[i][1], sums[i][2]) * w.0[i]);
+        for (i, [x, y, z, _]) in sums.into_iter().enumerate() {
+            a.set(i, a.at(i) + Vec3::new(x, y, z) * w.0[i]);
         }
         a.store(self.a, slot);
     }
