@@ -97,7 +97,7 @@ fn run(scene: Scene, n: usize, substeps: Substeps, exact: &Motion) -> Result<Run
     let ball = [Collider::new(shape, still)];
     let colliders: &[_] = if scene == Scene::Drape { &ball } else { &[] };
     let gravity = Vec3::new(0.0, -9.81, 0.0);
-    let input = StepInput { dt: FRAME, gravity, pins: &pins, colliders };
+    let input = StepInput { dt: FRAME, gravity, pins: &pins, colliders, ..StepInput::default() };
     let (mut times, mut square, mut strain, mut depth) = (Vec::new(), 0.0, 0.0_f32, 0.0_f32);
     for frame in 1..=FRAMES {
         let before = Instant::now();

@@ -36,11 +36,11 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: LatticeError,
     },
-    /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running
-    /// cloth keeps the last good ones, a collider is left out.
+    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `SdfCollider` or `WindZone` is out of its
+    /// range. A running cloth keeps the last good ones, a collider or zone is left out.
     #[error("{entity}: {problem}; change `{component}`")]
     Parameter {
-        /// The cloth or collider.
+        /// The cloth, collider or zone.
         entity: Entity,
         /// The component that holds the number.
         component: &'static str,
@@ -142,6 +142,8 @@ pub(crate) enum Blame {
     Teleport,
     Inertia,
     Sleep,
+    Air,
+    Zone,
 }
 
 impl ClothError {
@@ -156,6 +158,8 @@ impl ClothError {
             Self::Parameter { component: "ClothTeleport", .. } => Blame::Teleport,
             Self::Parameter { component: "ClothInertia", .. } => Blame::Inertia,
             Self::Parameter { component: "ClothSleep", .. } => Blame::Sleep,
+            Self::Parameter { component: "ClothAir", .. } => Blame::Air,
+            Self::Parameter { component: "WindZone", .. } => Blame::Zone,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }

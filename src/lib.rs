@@ -36,9 +36,9 @@
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
 //!   [`ClothSimulation`]; changed components change it.
-//! - **Gather**: where colliders and pins are at the tick's start and at its end, and gravity. A cloth
-//!   whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen ([`ClothFrozen`])
-//!   or sleeps ([`ClothSleep`]) sits the tick out.
+//! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind. A
+//!   cloth whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen
+//!   ([`ClothFrozen`]) or sleeps ([`ClothSleep`]) sits the tick out.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
@@ -75,11 +75,13 @@ mod plugin;
 pub mod sdf;
 pub mod solver;
 mod step;
+mod wind;
 
 pub use cloth::{
-    Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
-    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
-    ClothTeleport, GridProblem, Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth,
+    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
+    ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
+    ClothSleep, ClothTeleport, GridProblem, Pin, PinHold, PinProblem, PinSelection, ResetCloth,
+    TeleportCloth,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -91,17 +93,21 @@ pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
 pub use mesh::MeshProblem;
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;
+pub use wind::{ClothWind, ClothWindOverride, WindZone};
 
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothFrozen, ClothGravity,
-        ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
-        ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSubstep,
-        ClothSubstepSystems, ClothSystems, ClothTeleport, ColliderImpulse, Pin, PinHold,
-        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth,
+        BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
+        ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial,
+        ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
+        ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWind,
+        ClothWindOverride, ColliderImpulse, Pin, PinHold, PinSelection, ResetCloth, SdfCells,
+        SdfCollider, SdfShape, TeleportCloth, WindZone,
         sdf::{DistanceField, SignedDistance},
-        solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
+        solver::{
+            Bending, DampingForm, FormChoice, Gusts, MassLumping, Substeps, WindFlow, WindShape,
+        },
     };
 }
 

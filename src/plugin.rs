@@ -2,9 +2,9 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation,
-        ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep, ClothTeleport,
-        LatticeCache,
+        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
+        ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
+        ClothTeleport, LatticeCache,
         attachment::{apply_pins, gather_pins},
         following::{ask_for_reset, ask_for_teleport},
         rest::choose_steps,
@@ -22,6 +22,7 @@ use crate::{
         correct, finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged,
         note_poses, refuse_variable_step, run_substeps, solve_fused,
     },
+    wind::{ClothWind, ClothWindOverride, WindZone, WindZones, gather_air, gather_zones},
 };
 use bevy::{
     app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems},
@@ -68,8 +69,8 @@ pub enum ClothSystems {
     /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
     /// so that a cloth is seen in the frame that spawned it.
     Setup,
-    /// Poses of colliders and pins through the tick, and gravity; teleports and resets; who takes the
-    /// tick.
+    /// Poses of colliders and pins through the tick, gravity and wind; teleports and resets; who takes
+    /// the tick.
     Gather,
     /// The substeps.
     Solve,
@@ -92,7 +93,7 @@ pub struct ClothSubstep;
 /// The stages of a substep, in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClothSubstepSystems {
-    /// Springs, bending, damping, gravity.
+    /// Springs, bending, damping, gravity, air.
     Forces,
     /// Verlet; pins move to where they are to be.
     Integrate,
@@ -111,6 +112,10 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothInterpolation>()
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
+            .register_type::<ClothAir>()
+            .register_type::<ClothWind>()
+            .register_type::<ClothWindOverride>()
+            .register_type::<WindZone>()
             .register_type::<ClothExecution>()
             .register_type::<ClothTeleport>()
             .register_type::<ClothInertia>()
@@ -120,6 +125,8 @@ impl Plugin for ClothPlugin {
             .register_type::<ColliderImpulse>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
+            .init_resource::<ClothWind>()
+            .init_resource::<WindZones>()
             .init_resource::<ClothExecution>()
             .init_resource::<LatticeCache>()
             .init_resource::<ColliderSnapshot>()
@@ -150,7 +157,15 @@ impl Plugin for ClothPlugin {
                 (
                     (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
-                    (gather_colliders, note_disturbances, gather_pins, gather_step, choose_steps)
+                    (
+                        gather_colliders,
+                        note_disturbances,
+                        gather_pins,
+                        gather_step,
+                        gather_zones,
+                        gather_air,
+                        choose_steps,
+                    )
                         .chain()
                         .in_set(Gather),
                     // The exclusive systems touch no more than their neighbours here, which are not

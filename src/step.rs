@@ -10,7 +10,8 @@ use crate::{
     error::{Blame, ClothError, Failures},
     plugin::ClothSubstep,
     sdf::DistanceField,
-    solver::{ClothSolver, Collider, SolverError, StepInput},
+    solver::{ClothSolver, Collider, SolverError, StepInput, Zone},
+    wind::{ClothWind, WindZones},
 };
 use bevy::{
     ecs::system::SystemParam,
@@ -159,10 +160,20 @@ impl Surroundings<'_, '_> {
 pub(crate) struct ClothStep {
     pub(crate) dt: f32,
     pub(crate) gravity: Vec3,
+    wind: ClothWind,
+    /// The time that its gusts are of \[s\].
+    time: f64,
     /// Substeps still to go, in the staged form.
     rounds: u32,
     /// The cloth takes this tick.
     pub(crate) runs: bool,
+}
+
+impl ClothStep {
+    /// Takes the wind at a time \[s\].
+    pub fn set_wind(&mut self, wind: ClothWind, time: f64) {
+        (self.wind, self.time) = (wind, time);
+    }
 }
 
 /// The solver's input. A function of fields, so that the solver beside them can be borrowed.
@@ -170,8 +181,10 @@ fn input<'a>(
     step: ClothStep,
     attachments: &'a Attachments,
     colliders: &'a [Collider<'a>],
+    zones: &'a [Zone],
 ) -> StepInput<'a> {
-    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders }
+    let wind = step.wind.at(step.time, zones);
+    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders, wind }
 }
 
 /// Takes the tick's length, and the gravity of each cloth.
@@ -182,18 +195,22 @@ pub(crate) fn gather_step(
 ) {
     for (mut cloth, own) in &mut cloths {
         let gravity = own.map_or(gravity.0, |own| own.0);
-        cloth.step = ClothStep { dt: time.delta_secs(), gravity, rounds: 0, runs: false };
+        cloth.step = ClothStep { dt: time.delta_secs(), gravity, ..default() };
     }
 }
 
 /// The fused form: all cloths in parallel, each all its substeps.
-pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
+pub(crate) fn solve_fused(
+    mut cloths: Query<&mut ClothSimulation>,
+    mut surroundings: Surroundings,
+    zones: Res<WindZones>,
+) {
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
             let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
             if step.runs {
                 *outcome = Some(following.with_colliders(colliders, |colliders| {
-                    solver.tick(&input(*step, attachments, colliders))
+                    solver.tick(&input(*step, attachments, colliders, zones.get()))
                 }));
                 following.end_ride(solver, outcome);
             }
@@ -205,6 +222,7 @@ pub(crate) fn solve_fused(mut cloths: Query<&mut ClothSimulation>, mut surroundi
 pub(crate) fn begin_staged(
     mut cloths: Query<&mut ClothSimulation>,
     mut surroundings: Surroundings,
+    zones: Res<WindZones>,
     mut runner: ResMut<Runner>,
 ) {
     runner.rounds = 0;
@@ -215,7 +233,7 @@ pub(crate) fn begin_staged(
                 continue;
             }
             let begun = following.with_colliders(colliders, |colliders| {
-                solver.begin_tick(&input(*step, attachments, colliders))
+                solver.begin_tick(&input(*step, attachments, colliders, zones.get()))
             });
             match begun {
                 Ok(substeps) => step.rounds = substeps,
@@ -237,7 +255,7 @@ pub(crate) fn run_substeps(world: &mut World) {
     });
 }
 
-/// Stage 1: springs, bending, damping, gravity.
+/// Stage 1: springs, bending, damping, gravity, air.
 pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
     for_each_stepping(&mut cloths, ClothSolver::accumulate_forces);
 }
@@ -259,7 +277,7 @@ fn for_each_stepping(
     for mut cloth in cloths {
         let ClothSimulation { solver, attachments, step, .. } = &mut *cloth;
         if step.rounds > 0 {
-            act(solver, &input(*step, attachments, &[]));
+            act(solver, &input(*step, attachments, &[], &[]));
         }
     }
 }
@@ -271,7 +289,7 @@ pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings:
             let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
             if step.rounds > 0 {
                 following.with_colliders(colliders, |colliders| {
-                    solver.collide(&input(*step, attachments, colliders));
+                    solver.collide(&input(*step, attachments, colliders, &[]));
                 });
                 step.rounds -= 1;
                 if step.rounds == 0 {

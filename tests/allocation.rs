@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use bevy::math::{Quat, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
-    PinMotion, Pose, RigidMotion, Settings, SoftPin, StepInput, Substeps, Topology,
+    Air, Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Gusts, Lattice,
+    MassLumping, Material, PinMotion, Pose, RigidMotion, Settings, SoftPin, StepInput, Substeps,
+    Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 thread_local! {
@@ -70,6 +71,7 @@ fn busy(topology: Topology, form: FormChoice, bending: Bending) -> (ClothSolver,
     let soft = [20, 90, 500].map(|particle| SoftPin { particle, stiffness: 9.0, damping: 0.1 });
     solver.set_soft_pins(&soft).unwrap();
     let soft = soft.map(|pin| pin.particle);
+    solver.set_air(Some(Air::default())).unwrap();
     let pins = solver
         .pins()
         .iter()
@@ -108,18 +110,28 @@ fn a_tick_and_its_stages_do_not_allocate() {
     let (from, to) =
         (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
     let colliders = [Collider::new(&ball, from).moving_to(to); 2];
+    let zones = [Zone {
+        shape: WindShape::from(ball),
+        flow: WindFlow::Radial(3.0),
+        falloff: 0.1,
+        pose: from,
+    }];
+    let gusts = Gusts { strength: 2.0, ..Gusts::default() };
+    let wind = Wind { velocity: Vec3::X, gusts, time: 0.3, zones: &zones };
     let forms = [FormChoice::Springs, FormChoice::Threads];
     for (topology, form) in [sheet(), mesh()].iter().flat_map(|t| forms.map(|form| (t, form))) {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let (mut solver, pins) = busy(topology.clone(), form, bending);
             let gravity = Vec3::NEG_Y * 9.81;
-            let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders };
-            // The first tick too, another length of tick, and another gravity.
+            let input =
+                StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders, wind };
+            // The first tick too, another length of tick, another gravity and wind.
             assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, first tick");
             for _ in 0..20 {
                 assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}");
             }
-            let other = StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, ..input };
+            let other =
+                StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, wind: Wind::default(), ..input };
             assert_eq!(allocations(|| solver.tick(&other)), 0, "{form:?} {bending:?}, other tick");
             let ride = RigidMotion { pivot: Vec3::X, rotation: Quat::IDENTITY, shift: Vec3::Y };
             assert_eq!(allocations(|| solver.ride(&ride)), 0);

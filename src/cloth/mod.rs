@@ -1,5 +1,6 @@
 //! What users spawn and tune: [`Cloth`] and the components beside it.
 
+mod air;
 pub(crate) mod attachment;
 pub(crate) mod following;
 mod gravity;
@@ -13,6 +14,7 @@ pub(crate) mod setup;
 mod sheet;
 mod simulation;
 
+pub use air::ClothAir;
 pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;

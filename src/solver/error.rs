@@ -66,6 +66,14 @@ pub enum SolverError {
     /// Gravity is not finite, or beyond 1e6 m/s2.
     #[error("gravity is not finite, or beyond 1e6 m/s2")]
     Gravity,
+    /// A number of the wind is not finite, or out of its range.
+    #[error("the wind's {0}")]
+    Wind(ParameterError),
+    /// A wind zone cannot be used.
+    #[error(
+        "wind zone {0} has a size that is not positive, a speed or falloff that is out of range, or a pose that cannot be used"
+    )]
+    Zone(usize),
     /// The pose of a pin is not finite, or beyond 1e7 m.
     #[error("the target of pin {0} is not finite, or beyond 1e7 m")]
     PinTarget(usize),

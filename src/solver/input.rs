@@ -4,12 +4,14 @@ use bevy::math::Vec3;
 
 use super::contact::Collider;
 use super::error::SolverError;
+use super::wind::Wind;
 
 /// Coordinates and speeds beyond this are refused.
 const FARTHEST: f32 = 1e7;
 
-/// What surrounds a cloth in one tick. Positions are in world space.
-#[derive(Clone, Copy, Debug)]
+/// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
+/// is refused.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct StepInput<'a> {
     /// The tick's length \[s\].
     pub dt: f32,
@@ -20,6 +22,8 @@ pub struct StepInput<'a> {
     pub pins: &'a [PinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],
+    /// The wind. A cloth that has no [`Air`](super::Air) does not feel it.
+    pub wind: Wind<'a>,
 }
 
 /// Where a pin is at the tick's start and end, in world space \[m\]; it moves evenly between.

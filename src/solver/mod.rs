@@ -3,9 +3,9 @@
 //! A tick of length `dt` is made of `n` substeps of length `h = dt / n`, and each substep of four
 //! stages, one function each:
 //!
-//! 1. [`accumulate_forces`](ClothSolver::accumulate_forces): explicit springs, bending, damping, gravity
-//!    give accelerations (`forces`, `bending`);
-//! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, air drag; pins move to where
+//! 1. [`accumulate_forces`](ClothSolver::accumulate_forces): explicit springs, bending, damping, gravity,
+//!    air give accelerations (`forces`, `bending`, `air`);
+//! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
 //!    limit; tethers to the pins (`threads`, `constraint`, `tethers`);
@@ -26,11 +26,13 @@
 //! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
+//! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 
 mod access;
+mod air;
 mod bending;
 mod constraint;
 mod contact;
@@ -56,9 +58,11 @@ mod threads;
 mod topology;
 mod transpose;
 mod ways;
+mod wind;
 
 use bevy::math::Vec3;
 
+pub use air::Air;
 pub use contact::{Collider, ColliderMotion, Pose};
 pub use error::SolverError;
 pub use graph::{Graph, GraphError, Weights};
@@ -74,9 +78,11 @@ pub use parameters::{
 pub use plan::{Clamped, Form, Plan, PlanReason};
 pub use soft::SoftPin;
 pub use topology::Topology;
+pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
 
 pub(crate) use soft::check_soft_pin;
 
+use air::{Push, Surface};
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Skin, Span};
@@ -90,6 +96,7 @@ use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, Reach, SolveWarp, SolveWeft};
 use transpose::Transpose;
+use wind::Place;
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
@@ -102,7 +109,9 @@ pub struct ClothSolver {
     soft: Vec<soft::Spring>,
     bound: Bound,
     plan: Plan,
-    /// Gravity that the tethers' bounds were made for \[m/s2\].
+    /// The air around it, where it feels any.
+    air: Option<Surface>,
+    /// Load that the tethers' bounds were made for \[m/s2\].
     tethered_under: Option<Vec3>,
     state: State,
     scratch: Scratch,
@@ -139,14 +148,11 @@ impl ClothSolver {
     /// As [`ClothSolver::tick`]; the tick has not begun then.
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
         input.check(self.held.slots.len() + self.soft.len())?;
+        if self.air.is_some() {
+            input.wind.validate()?;
+        }
         if input.dt != self.plan.tick {
             self.plan_ticks(input.dt);
-        }
-        if !self.tethered_under.is_some_and(|known| is_as_strong(known, input.gravity)) {
-            for set in &mut self.held.tethers {
-                set.set_limits(&self.topology, &self.material, input.gravity);
-            }
-            self.tethered_under = Some(input.gravity);
         }
         if self.surveyed_before {
             self.survey_anew();
@@ -154,13 +160,20 @@ impl ClothSolver {
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.topology.layout(), centre);
+        let load = input.gravity + self.take_wind(input, (low, high));
+        if !self.tethered_under.is_some_and(|known| is_as_strong(known, load)) {
+            for set in &mut self.held.tethers {
+                set.set_limits(&self.topology, &self.material, load);
+            }
+            self.tethered_under = Some(load);
+        }
         self.state.start.copy_from(&self.state.x);
         self.scratch.contact.begin_tick(low, high, input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)
     }
 
-    /// First stage: accelerations from springs, bending, damping and gravity. Nothing to do where
+    /// First stage: accelerations from springs, bending, damping, gravity and air. Nothing to do where
     /// gravity acts alone.
     pub fn accumulate_forces(&mut self, input: &StepInput<'_>) {
         if !self.has_forces() {
@@ -187,6 +200,7 @@ impl ClothSolver {
         if plan.damping > 0.0 {
             self.add_damping();
         }
+        self.add_air();
     }
 
     /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
@@ -210,6 +224,35 @@ impl ClothSolver {
         self.isa.run(AddDamping { springs, d: b, target });
     }
 
+    /// Takes the wind of a tick, if the cloth feels any. Gives what it adds to the load on the tethers,
+    /// in the direction of gravity \[m/s2\].
+    fn take_wind(&mut self, input: &StepInput<'_>, (min, max): (Vec3, Vec3)) -> Vec3 {
+        let Some(surface) = &mut self.air else {
+            return Vec3::ZERO;
+        };
+        let origin = self.state.origin;
+        let place = Place { origin, min: min - origin, max: max - origin };
+        surface.begin_tick(self.isa, &input.wind, place, &self.state.x);
+        let load = surface.load(&input.wind, &place, self.material.area_density);
+        input.gravity.normalize_or(Vec3::NEG_Y) * load
+    }
+
+    /// Drag and lift, on top of all other accelerations.
+    fn add_air(&mut self) {
+        let Some(surface) = &mut self.air else { return };
+        let state = &self.state;
+        let push = Push {
+            kick: 0.5 * (state.last_step + self.plan.step),
+            unit: state.unit,
+            area_density: self.material.area_density,
+            inverse_mass: &self.held.inverse_mass,
+            x: &state.x,
+            d: &state.d,
+            a: &mut self.scratch.a,
+        };
+        surface.push(self.isa, push);
+    }
+
     /// Second stage: velocities and positions of the free particles; pins go their way.
     pub fn integrate(&mut self, input: &StepInput<'_>) {
         let plan = self.plan;
@@ -219,7 +262,8 @@ impl ClothSolver {
             Acceleration::Uniform(input.gravity)
         };
         // From the middle of the last substep to the middle of this one.
-        let kick = Kick::new(self.material.drag, 0.5 * (self.state.last_step + plan.step));
+        let drag = if self.air.is_some() { 0.0 } else { self.material.drag };
+        let kick = Kick::new(drag, 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
         self.isa.run(Integrate {
             layout: self.topology.layout(),
@@ -439,7 +483,10 @@ impl ClothSolver {
 
     fn has_forces(&self) -> bool {
         let plan = &self.plan;
-        !plan.explicit.is_zero() || plan.hinge_rigidity > 0.0 || plan.damping > 0.0
+        !plan.explicit.is_zero()
+            || plan.hinge_rigidity > 0.0
+            || plan.damping > 0.0
+            || self.air.is_some()
     }
 
     /// The part of the tick that the present substep covers.

@@ -17,7 +17,8 @@ pub struct Material {
     pub damping: f32,
     /// Which relative velocity the damping acts on.
     pub damping_form: DampingForm,
-    /// Rate at which still air stops the cloth \[1/s\].
+    /// Rate at which still air stops the cloth \[1/s\]; of no effect on a cloth that is in
+    /// [`Air`](super::Air).
     pub drag: f32,
     /// Provot's critical deformation rate: the strain that corrections do not let a spring exceed.
     pub max_strain: f32,
@@ -169,7 +170,7 @@ impl Settings {
     }
 }
 
-fn check(
+pub(super) fn check(
     name: &'static str,
     value: f32,
     least: f32,

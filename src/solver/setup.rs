@@ -3,12 +3,13 @@
 use bevy::math::Vec3;
 
 use super::ClothSolver;
+use super::air::{Air, Surface};
 use super::error::SolverError;
 use super::held::Held;
 use super::input::is_near;
 use super::isa::Isa;
 use super::measure::Survey;
-use super::parameters::{Material, Settings};
+use super::parameters::{Material, ParameterError, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
 use super::stillness::Mark;
@@ -49,6 +50,7 @@ impl ClothSolver {
             scratch: Scratch::new(&topology),
             isa: Isa::detect(),
             tethered_under: None,
+            air: None,
             done: 0,
             contact_count: 0,
             survey: Survey::default(),
@@ -76,6 +78,28 @@ impl ClothSolver {
         self.material = material;
         self.replan();
         Ok(())
+    }
+
+    /// Puts the cloth into air, or into none. Air takes the place of the material's linear drag.
+    ///
+    /// # Errors
+    /// [`ParameterError`]; the old air then stays.
+    pub fn set_air(&mut self, air: Option<Air>) -> Result<(), ParameterError> {
+        if let Some(air) = &air {
+            air.validate()?;
+        }
+        match (&mut self.air, air) {
+            (Some(surface), Some(air)) => surface.air = air,
+            (surface, air) => *surface = air.map(|air| Surface::new(air, &self.topology)),
+        }
+        // Air loads the tethers.
+        self.tethered_under = None;
+        Ok(())
+    }
+
+    /// The air around the cloth, `None` where it feels none.
+    pub fn air(&self) -> Option<&Air> {
+        self.air.as_ref().map(|surface| &surface.air)
     }
 
     /// Changes the settings.

@@ -16,3 +16,4 @@ mod refusals;
 mod setup;
 mod sleep;
 mod teleport;
+mod wind;

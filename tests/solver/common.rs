@@ -89,7 +89,7 @@ pub fn run(
     colliders: &[Collider<'_>],
 ) -> TickReport {
     let pins = still(solver);
-    let input = StepInput { dt: TICK, gravity, pins: &pins, colliders };
+    let input = StepInput { dt: TICK, gravity, pins: &pins, colliders, ..StepInput::default() };
     let mut report = TickReport::default();
     for _ in 0..ticks {
         report = solver.tick(&input).unwrap();

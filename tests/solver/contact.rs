@@ -287,7 +287,13 @@ fn a_pin_goes_where_it_is_led_and_takes_the_cloth_along() {
                 .map(|&p| PinMotion { start: at(tick, p), end: at(tick + 1, p) })
                 .collect();
             solver
-                .tick(&StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &[] })
+                .tick(&StepInput {
+                    dt: TICK,
+                    gravity: GRAVITY,
+                    pins: &pins,
+                    colliders: &[],
+                    ..StepInput::default()
+                })
                 .unwrap();
             for (&p, pin) in pinned.iter().zip(&pins) {
                 assert!(solver.position(p as usize).distance(pin.end) < 1e-6, "{form:?}");

@@ -72,7 +72,13 @@ fn bits_of(mut solver: ClothSolver, staged: bool) -> Vec<Vec<[u32; 6]>> {
         let at = |tick: i32, p: Vec3| p + Vec3::Y * 0.1 * tick as f32 * TICK;
         let pins: Vec<_> =
             home.iter().map(|&p| PinMotion { start: at(tick, p), end: at(tick + 1, p) }).collect();
-        let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &colliders };
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
         if staged {
             for _ in 0..solver.begin_tick(&input).unwrap() {
                 solver.accumulate_forces(&input);

@@ -2,6 +2,7 @@
 //!
 //! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
 
+mod air;
 mod bending;
 mod common;
 mod contact;
@@ -23,3 +24,4 @@ mod stability;
 mod survival;
 mod symmetry;
 mod tethers;
+mod wind;

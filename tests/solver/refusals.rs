@@ -114,7 +114,13 @@ fn particles_that_are_not_there_or_nowhere_are_refused() {
 #[test]
 fn a_tick_with_bad_input_does_not_begin() {
     let pins = [PinMotion::still(Vec3::ZERO), PinMotion::still(Vec3::X)];
-    let good = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &[] };
+    let good = StepInput {
+        dt: TICK,
+        gravity: GRAVITY,
+        pins: &pins,
+        colliders: &[],
+        ..StepInput::default()
+    };
     for dt in [0.0, -TICK, 1.5, f32::NAN, f32::INFINITY] {
         let error = refused("dt", |s| s.tick(&StepInput { dt, ..good }).map(drop));
         assert!(matches!(error, SolverError::Tick(_)), "{error}");
@@ -167,7 +173,13 @@ fn bad_colliders_are_refused_by_number() {
         with(far, far, f32::INFINITY),
     ] {
         let colliders = [fine, bad];
-        let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &colliders };
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
         assert_eq!(refused("collider", |s| s.tick(&input).map(drop)), SolverError::Collider(1));
     }
 }
@@ -215,7 +227,13 @@ fn a_cloth_that_leaves_the_world_is_put_back_at_rest() {
         solver.set_velocity(i, Vec3::X * 1e5).unwrap();
     }
     let before = positions(&solver);
-    let input = StepInput { dt: 1.0, gravity: Vec3::ZERO, pins: &[], colliders: &[] };
+    let input = StepInput {
+        dt: 1.0,
+        gravity: Vec3::ZERO,
+        pins: &[],
+        colliders: &[],
+        ..StepInput::default()
+    };
     assert_eq!(solver.tick(&input), Err(SolverError::Diverged));
     assert_eq!(positions(&solver), before);
     assert_eq!(fastest(&solver), 0.0);
