@@ -21,6 +21,7 @@
 //! | `topology` | the rest shape: immutable, shared by equal cloths |
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
+//! | `ways` | ways along the cloth at rest, for tethers |
 //! | `state` | positions, displacements, working room |
 //! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
 //! | `motion` | moving a whole cloth rigidly, and putting it back to rest |

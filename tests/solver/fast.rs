@@ -30,7 +30,13 @@ fn deepest_way(
     for tick in 0..ticks {
         let (from, to) = (path(tick as f32 * TICK), path((tick + 1) as f32 * TICK));
         let colliders = [Collider::new(shape, from).moving_to(to)];
-        let input = StepInput { dt: TICK, gravity: Vec3::ZERO, pins: &pins, colliders: &colliders };
+        let input = StepInput {
+            dt: TICK,
+            gravity: Vec3::ZERO,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
         let substeps = solver.begin_tick(&input).unwrap();
         for substep in 0..substeps {
             let pose = |at: u32| from.interpolate(&to, at as f32 / substeps as f32);
@@ -189,7 +195,13 @@ fn what_the_cloth_loses_the_collider_is_given() {
         let before = momentum(&solver);
         let pose = Pose::from_translation(Vec3::new(0.05, -0.35, 0.02));
         let colliders = [Collider::new(&ball, pose).measured()];
-        let input = StepInput { dt: TICK, gravity: Vec3::ZERO, pins: &[], colliders: &colliders };
+        let input = StepInput {
+            dt: TICK,
+            gravity: Vec3::ZERO,
+            pins: &[],
+            colliders: &colliders,
+            ..StepInput::default()
+        };
         let mut given = Vec3::ZERO;
         for _ in 0..32 {
             solver.tick(&input).unwrap();

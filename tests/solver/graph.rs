@@ -373,3 +373,23 @@ fn a_spoiled_start_stays_finite() {
         }
     }
 }
+
+#[test]
+fn a_sliver_takes_its_stiffness_from_no_others() {
+    let material = Material { thread_stiffness: 30.0, drag: 15.0, ..plain() };
+    let drop = |sliver: bool| {
+        let (mut positions, triangles) = jittered(21, 9, 0.05, 0.2, 7);
+        if sliver {
+            // All but onto its neighbour, far from where the drop is measured.
+            positions[10 * 9 + 1] = positions[10 * 9] + Vec3::X * 2e-4;
+        }
+        let graph = Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap());
+        let settings = Settings { tethers: false, ..settings(FormChoice::Springs, 16) };
+        let mut solver = at_rest(&graph, Vec3::ZERO, material, settings);
+        solver.set_pins(&(0..9).collect::<Vec<_>>()).unwrap();
+        run(&mut solver, 256, Vec3::Z * 10.0, &[]);
+        assert_eq!(solver.plan().clamped.thread, sliver, "{}", solver.plan());
+        f64::from(solver.position(20 * 9 + 6).z - positions[20 * 9 + 6].z)
+    };
+    check("drop with a sliver, relative", drop(true) / drop(false), 1.0, 0.05);
+}

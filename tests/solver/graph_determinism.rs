@@ -49,7 +49,13 @@ fn fall(mut solver: ClothSolver, staged: bool) -> Vec<[u32; 6]> {
         };
         let collider = Collider::new(&ball, at(tick)).moving_to(at(tick + 1));
         let colliders = [collider];
-        let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &colliders };
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
         if staged {
             for _ in 0..solver.begin_tick(&input).unwrap() {
                 solver.accumulate_forces(&input);

@@ -25,7 +25,8 @@ fn on_springs(stiffness: f32, damping: f32, substeps: u32) -> (ClothSolver, f64)
 
 fn ticks_to(solver: &mut ClothSolver, targets: &[Vec3], gravity: Vec3, ticks: usize) -> Vec<Vec3> {
     let pins: Vec<_> = targets.iter().map(|&p| PinMotion::still(p)).collect();
-    let input = StepInput { dt: TICK, gravity, pins: &pins, colliders: &[] };
+    let input =
+        StepInput { dt: TICK, gravity, pins: &pins, colliders: &[], ..StepInput::default() };
     (0..ticks)
         .map(|_| {
             solver.tick(&input).unwrap();
@@ -117,7 +118,13 @@ fn a_target_that_moves_evenly_is_followed_without_lag() {
         let pins: Vec<_> =
             home.iter().map(|&p| PinMotion { start: p + at, end: p + at + way }).collect();
         at += way;
-        let input = StepInput { dt: TICK, gravity: Vec3::ZERO, pins: &pins, colliders: &[] };
+        let input = StepInput {
+            dt: TICK,
+            gravity: Vec3::ZERO,
+            pins: &pins,
+            colliders: &[],
+            ..StepInput::default()
+        };
         solver.tick(&input).unwrap();
     }
     check_at_most("lag [m]", f64::from(solver.position(0).distance(home[0] + at)), 1e-5);
@@ -134,7 +141,13 @@ fn a_hard_pin_wins_and_every_instruction_set_agrees() {
         solver.set_pins(&[0]).unwrap();
         let still = |p: u32| PinMotion::still(lattice.rest_positions()[p as usize]);
         let pins = [0, 0, 7, 20].map(still);
-        let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &[] };
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &[],
+            ..StepInput::default()
+        };
         for _ in 0..60 {
             solver.tick(&input).unwrap();
         }
@@ -170,6 +183,7 @@ fn what_cannot_be_a_soft_pin_is_refused() {
     let expected = SolverError::NoSuchParticle { particle: 4, count: 4 };
     assert_eq!(solver.set_soft_pins(&nowhere), Err(expected));
     assert_eq!(solver.soft_pins().copied().collect::<Vec<_>>(), before);
-    let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &[], colliders: &[] };
+    let input =
+        StepInput { dt: TICK, gravity: GRAVITY, pins: &[], colliders: &[], ..StepInput::default() };
     assert_eq!(solver.tick(&input), Err(SolverError::WrongPinCount { pins: 4, motions: 0 }));
 }
