@@ -1,7 +1,7 @@
 //! What can go wrong, told to the entity that it concerns.
 
 use crate::{
-    cloth::PinProblem,
+    cloth::{PinProblem, WeightProblem},
     mesh::MeshProblem,
     sdf::BakeError,
     solver::{LatticeError, ParameterError, SolverError},
@@ -45,6 +45,14 @@ pub enum ClothError {
         component: &'static str,
         /// The number and its range.
         problem: ParameterError,
+    },
+    /// `ClothWeights` cannot be used. A running cloth keeps the last good ones.
+    #[error("cloth {entity}: {problem}; change `ClothWeights`")]
+    Weights {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with them.
+        problem: WeightProblem,
     },
     /// A pin holds nothing, or is held by nothing.
     #[error("cloth {entity}, pin {pin}: {problem}")]
@@ -121,6 +129,7 @@ pub struct ClothFailure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Blame {
     Shape,
+    Weights,
     Material,
     Settings,
     Pins,
@@ -135,8 +144,11 @@ pub(crate) enum Blame {
 impl ClothError {
     pub(crate) fn blame(&self) -> Blame {
         match self {
+            // What is skinned may cease to be so unseen, as poses may mend.
+            Self::Mesh { problem: MeshProblem::Skinned, .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
+            Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
             Self::Parameter { .. } => Blame::Settings,

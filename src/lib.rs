@@ -76,13 +76,14 @@ mod step;
 
 pub use cloth::{
     Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothSettings, ClothShape, ClothSimulation, GridProblem, Pin, PinProblem, PinSelection,
+    ClothSettings, ClothShape, ClothSimulation, ClothWeights, ColorChannel, GridProblem, Pin,
+    PinProblem, PinSelection, VertexFactor, WeightProblem,
 };
 pub use collider::{BakeSdf, CustomSdf, SdfCells, SdfCollider, SdfShape};
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
-pub use mesh::MeshProblem;
+pub use mesh::{ClothIntake, MeshProblem, SkippedTriangles};
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;
 
@@ -92,7 +93,8 @@ pub mod prelude {
         BakeSdf, Cloth, ClothError, ClothExecution, ClothFailure, ClothGravity,
         ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin,
         ClothSettings, ClothShape, ClothSimulation, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, Pin, PinSelection, SdfCells, SdfCollider, SdfShape,
+        ClothSystems, ClothWeights, ColorChannel, Pin, PinSelection, SdfCells, SdfCollider,
+        SdfShape, VertexFactor,
         sdf::{DistanceField, SignedDistance},
         solver::{Bending, DampingForm, FormChoice, MassLumping, Substeps},
     };

@@ -3,7 +3,7 @@
 use crate::{
     cloth::{
         Cloth, ClothGravity, ClothGravityOverride, ClothInterpolation, ClothMaterial, ClothPins,
-        ClothSettings, ClothSimulation, LatticeCache,
+        ClothSettings, ClothSimulation, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
         setup::{apply_changes, set_up_cloths},
     },
@@ -102,6 +102,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothMaterial>()
             .register_type::<ClothSettings>()
             .register_type::<ClothPins>()
+            .register_type::<ClothWeights>()
             .register_type::<ClothInterpolation>()
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
@@ -110,7 +111,7 @@ impl Plugin for ClothPlugin {
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothExecution>()
-            .init_resource::<LatticeCache>()
+            .init_resource::<RestCache>()
             .init_resource::<ColliderSnapshot>()
             .init_resource::<Runner>()
             .add_observer(tear_down);

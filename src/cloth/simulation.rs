@@ -1,9 +1,11 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
 
 use super::{
-    ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments, pins::Choices,
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
+    pins::Choices,
 };
 use crate::{
+    mesh::{ClothIntake, RestShape},
     solver::{ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport},
     step::ClothStep,
 };
@@ -27,8 +29,10 @@ pub struct ClothSimulation {
     pub(crate) pins: ClothPins,
     /// The entity's pose at setup.
     pub(crate) placed: Pose,
-    /// The particle of each vertex; `None` where they are the same.
-    pub(crate) particle_of_vertex: Option<Box<[u32]>>,
+    /// Unscaled, in the entity's frame.
+    pub(crate) rest: RestShape,
+    /// The weights in force; `None` where the cloth is the same everywhere.
+    pub(crate) weights: Option<ClothWeights>,
     /// This tick's surroundings.
     pub(crate) step: ClothStep,
     /// This tick's result, until it is looked at.
@@ -87,10 +91,15 @@ impl ClothSimulation {
         self.solver.lattice().spring_count()
     }
 
-    /// The particle of a vertex of the mesh, `None` where there is no such vertex.
+    /// What became of the mesh as it was made this cloth; `None` for a sheet.
+    pub fn intake(&self) -> Option<&ClothIntake> {
+        self.rest.intake()
+    }
+
+    /// The particle of a vertex of the mesh, `None` where there is no such vertex, or where no
+    /// triangle of the cloth uses it.
     pub fn particle_of_vertex(&self, vertex: u32) -> Option<u32> {
-        let inside = (vertex as usize) < self.particle_count();
-        inside.then(|| self.particle_of_vertex.as_ref().map_or(vertex, |map| map[vertex as usize]))
+        self.rest.particle_of(vertex)
     }
 
     /// Position of a particle in the world \[m\], `None` where there is no such particle.
@@ -137,9 +146,8 @@ impl ClothSimulation {
     /// What choosing particles needs to know.
     pub(crate) fn choices(&self) -> Choices<'_> {
         Choices {
-            rows: self.rows(),
-            columns: self.columns(),
-            particle_of_vertex: self.particle_of_vertex.as_deref(),
+            grid: Some((self.rows(), self.columns())),
+            shape: &self.rest,
             rest: self.solver.lattice().rest_positions(),
             inverse_scale: 1.0 / self.placed.scale,
         }

@@ -75,7 +75,7 @@ impl ClothSolver {
 
     /// A particle's mass \[kg\].
     pub fn mass(&self, particle: usize) -> f32 {
-        self.lattice.area[self.slot(particle)] * self.material.area_density
+        self.lattice.mass_area[self.slot(particle)] * self.material.area_density
     }
 
     /// Puts a particle elsewhere, in world space \[m\]. Where all are put, a cloth is reset.

@@ -53,7 +53,7 @@ impl Held {
             for column in 0..layout.columns {
                 let slot = layout.slot(row, column);
                 let is_held = held.next_if_eq(&slot).is_some();
-                let w = if is_held { 0.0 } else { 1.0 / (lattice.area[slot] * density) };
+                let w = if is_held { 0.0 } else { 1.0 / (lattice.mass_area[slot] * density) };
                 self.inverse_mass[slot] = w;
                 self.inverse_mass_transposed[transposed.slot(column, row)] = w;
             }

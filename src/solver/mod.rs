@@ -47,6 +47,7 @@ mod state;
 mod tethers;
 mod threads;
 mod transpose;
+mod weights;
 
 use std::sync::Arc;
 
