@@ -16,3 +16,4 @@ mod stability;
 mod survival;
 mod symmetry;
 mod tethers;
+mod weights;
