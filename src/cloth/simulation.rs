@@ -107,6 +107,16 @@ impl ClothSimulation {
         (particle < self.particle_count()).then(|| self.solver.position(particle))
     }
 
+    /// Mass of a particle \[kg\], `None` where there is no such particle.
+    pub fn mass(&self, particle: usize) -> Option<f32> {
+        (particle < self.particle_count()).then(|| self.solver.mass(particle))
+    }
+
+    /// Rest positions of all particles \[m\], in the entity's frame times its scale at setup.
+    pub fn rest_positions(&self) -> &[Vec3] {
+        self.solver.lattice().rest_positions()
+    }
+
     /// Velocity of a particle [m/s], `None` where there is no such particle.
     pub fn velocity(&self, particle: usize) -> Option<Vec3> {
         (particle < self.particle_count()).then(|| self.solver.velocity(particle))

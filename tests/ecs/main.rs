@@ -7,6 +7,7 @@ mod app;
 mod colliders;
 mod common;
 mod execution;
+mod intake;
 mod mesh;
 mod pins;
 mod refusals;
