@@ -4,7 +4,7 @@ use crate::{
     cloth::{PinProblem, WeightProblem},
     mesh::MeshProblem,
     sdf::BakeError,
-    solver::{LatticeError, ParameterError, SolverError},
+    solver::{GraphError, LatticeError, ParameterError, SolverError},
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -34,6 +34,14 @@ pub enum ClothError {
         entity: Entity,
         /// What is wrong with its rest shape.
         problem: LatticeError,
+    },
+    /// The triangles of the mesh make no cloth at the entity's scale.
+    #[error("cloth {entity}: {problem}; change its mesh or its scale")]
+    Graph {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its rest shape.
+        problem: GraphError,
     },
     /// A number of `ClothMaterial`, `ClothSettings` or `SdfCollider` is out of its range. A running
     /// cloth keeps the last good ones, a collider is left out.
@@ -146,7 +154,7 @@ impl ClothError {
         match self {
             // What is skinned may cease to be so unseen, as poses may mend.
             Self::Mesh { problem: MeshProblem::Skinned, .. } => Blame::Pose,
-            Self::Mesh { .. } | Self::Shape { .. } => Blame::Shape,
+            Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,

@@ -67,7 +67,7 @@ fn draw_gizmos(cloths: Query<&ClothSimulation>, mut gizmos: Gizmos<ClothGizmos>)
 }
 
 fn draw_threads(cloth: &ClothSimulation, full_strain: f32, gizmos: &mut Gizmos<ClothGizmos>) {
-    for (first, second, rest) in cloth.lattice().structural_springs() {
+    for (first, second, rest) in cloth.topology().structural_springs() {
         let (a, b) = (cloth.solver.position(first), cloth.solver.position(second));
         let strain = a.distance(b) / rest - 1.0;
         let towards = if strain > 0.0 { css::RED } else { css::BLUE };

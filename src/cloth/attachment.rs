@@ -158,7 +158,7 @@ fn attach_one(
     let local = match before {
         Some(before) => before.local,
         None if anchor == entity => {
-            cloth.solver.lattice().rest_positions()[particle] / cloth.placed.scale
+            cloth.solver.topology().rest_positions()[particle] / cloth.placed.scale
         }
         None => to_local(&known.pose.end(), cloth.solver.position(particle)),
     };

@@ -9,11 +9,10 @@ use super::{
 use crate::{
     error::{Blame, ClothError, ClothFailure, Failures},
     mesh::{self, ClothMesh, MeshProblem, MeshSource, RestShape, SkippedTriangles},
-    solver::{ClothSolver, Lattice, MassLumping, Pose, SolverError},
+    solver::{ClothSolver, MassLumping, Pose, SolverError, Topology},
     step::ClothStep,
 };
 use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
-use std::sync::Arc;
 
 /// What a cloth is set up from.
 type Ingredients = (
@@ -121,8 +120,8 @@ fn set_up(
     let Some(rest) = rest_shape(entity, cloth, source, meshes, cache)? else {
         return Ok(None);
     };
-    let lattice = topology(entity, &rest, pose.scale, settings.masses, weights, cache)?;
-    let simulation = build(cloth, material, settings, weights, pose, rest, lattice)
+    let topology = topology(entity, &rest, pose.scale, settings.masses, weights, cache)?;
+    let simulation = build(cloth, material, settings, weights, pose, rest, topology)
         .map_err(|problem| solver_error(entity, problem))?;
     Ok(Some(simulation))
 }
@@ -135,7 +134,7 @@ fn topology(
     masses: MassLumping,
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
-) -> Result<Arc<Lattice>, ClothError> {
+) -> Result<Topology, ClothError> {
     let factors = match weights {
         Some(weights) => {
             weights.factors(rest).map_err(|problem| ClothError::Weights { entity, problem })?
@@ -144,7 +143,7 @@ fn topology(
     };
     cache
         .topology(rest, scale, masses, factors.as_ref())
-        .map_err(|problem| ClothError::Shape { entity, problem })
+        .map_err(|problem| solver_error(entity, problem))
 }
 
 /// Whether a running cloth no longer is what its components say.
@@ -202,12 +201,12 @@ fn build(
     weights: Option<&ClothWeights>,
     pose: Pose,
     rest: RestShape,
-    lattice: Arc<Lattice>,
+    topology: Topology,
 ) -> Result<ClothSimulation, SolverError> {
     let unscaled = Pose { scale: 1.0, ..pose };
-    let start: Vec<_> = lattice.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
+    let start: Vec<_> = topology.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
     Ok(ClothSimulation {
-        solver: ClothSolver::new(lattice, &start, material.into(), settings.into())?,
+        solver: ClothSolver::new(topology, &start, material.into(), settings.into())?,
         attachments: Attachments::default(),
         shape: cloth.shape,
         material,
@@ -319,11 +318,11 @@ fn remade(
     cache: &mut RestCache,
 ) -> Result<ClothSolver, ClothError> {
     let scale = cloth.placed.scale;
-    let lattice = topology(entity, &cloth.rest, scale, settings.masses, weights, cache)?;
+    let topology = topology(entity, &cloth.rest, scale, settings.masses, weights, cache)?;
     let remake = || {
         let positions: Vec<_> = cloth.positions().collect();
         let material = cloth.material.into();
-        let mut solver = ClothSolver::new(lattice, &positions, material, settings.into())?;
+        let mut solver = ClothSolver::new(topology, &positions, material, settings.into())?;
         for particle in 0..positions.len() {
             solver.set_velocity(particle, cloth.solver.velocity(particle))?;
         }
@@ -349,6 +348,7 @@ pub(crate) fn solver_error(entity: Entity, problem: SolverError) -> ClothError {
             ClothError::Parameter { entity, component, problem }
         }
         SolverError::Lattice(problem) => ClothError::Shape { entity, problem },
+        SolverError::Graph(problem) => ClothError::Graph { entity, problem },
         problem => ClothError::Solver { entity, problem },
     }
 }

@@ -3,7 +3,7 @@
 use super::weights::Factors;
 use crate::{
     mesh::{Connection, MeshProblem, MeshShape, RestShape},
-    solver::{Lattice, LatticeError, MassLumping},
+    solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights},
 };
 use bevy::{platform::collections::HashMap, prelude::*};
 use std::sync::{Arc, Weak};
@@ -23,11 +23,40 @@ enum ShapeKey {
     Mesh { fingerprint: u64, scale: u32 },
 }
 
+/// A [`Topology`] that does not keep it alive.
+enum WeakTopology {
+    Lattice(Weak<Lattice>),
+    Graph(Weak<Graph>),
+}
+
+impl WeakTopology {
+    fn of(topology: &Topology) -> Self {
+        match topology {
+            Topology::Lattice(lattice) => Self::Lattice(Arc::downgrade(lattice)),
+            Topology::Graph(graph) => Self::Graph(Arc::downgrade(graph)),
+        }
+    }
+
+    fn upgrade(&self) -> Option<Topology> {
+        match self {
+            Self::Lattice(lattice) => lattice.upgrade().map(Topology::Lattice),
+            Self::Graph(graph) => graph.upgrade().map(Topology::Graph),
+        }
+    }
+
+    fn is_in_use(&self) -> bool {
+        match self {
+            Self::Lattice(lattice) => lattice.strong_count() > 0,
+            Self::Graph(graph) => graph.strong_count() > 0,
+        }
+    }
+}
+
 /// The rest shapes in use.
 #[derive(Resource, Default)]
 pub(crate) struct RestCache {
     meshes: HashMap<u64, Weak<MeshShape>>,
-    lattices: HashMap<TopologyKey, Weak<Lattice>>,
+    topologies: HashMap<TopologyKey, WeakTopology>,
 }
 
 impl RestCache {
@@ -53,7 +82,7 @@ impl RestCache {
         scale: f32,
         lumping: MassLumping,
         factors: Option<&Factors>,
-    ) -> Result<Arc<Lattice>, LatticeError> {
+    ) -> Result<Topology, SolverError> {
         let shape = match rest {
             RestShape::Sheet { size, particles } => ShapeKey::Sheet {
                 size: (*size * scale).to_array().map(f32::to_bits),
@@ -64,22 +93,22 @@ impl RestCache {
             }
         };
         let key = TopologyKey { shape, lumping, factors: factors.map(Factors::fingerprint) };
-        if let Some(lattice) = self.lattices.get(&key).and_then(Weak::upgrade) {
-            return Ok(lattice);
+        if let Some(topology) = self.topologies.get(&key).and_then(WeakTopology::upgrade) {
+            return Ok(topology);
         }
-        let lattice = Arc::new(lattice(rest, scale, lumping, factors)?);
-        self.lattices.retain(|_, other| other.strong_count() > 0);
-        self.lattices.insert(key, Arc::downgrade(&lattice));
-        Ok(lattice)
+        let topology = topology(rest, scale, lumping, factors)?;
+        self.topologies.retain(|_, other| other.is_in_use());
+        self.topologies.insert(key, WeakTopology::of(&topology));
+        Ok(topology)
     }
 }
 
-fn lattice(
+fn topology(
     rest: &RestShape,
     scale: f32,
     lumping: MassLumping,
     factors: Option<&Factors>,
-) -> Result<Lattice, LatticeError> {
+) -> Result<Topology, SolverError> {
     let lattice = match rest {
         RestShape::Sheet { size, particles } => {
             let (rows, columns) = (particles.y as usize, particles.x as usize);
@@ -87,18 +116,24 @@ fn lattice(
         }
         RestShape::Mesh(shape) => {
             let positions: Vec<_> = shape.positions.iter().map(|p| *p * scale).collect();
-            match shape.connection {
+            match &shape.connection {
                 Connection::Grid { rows, columns } => {
-                    Lattice::new(rows, columns, &positions, lumping)?
+                    Lattice::new(*rows, *columns, &positions, lumping)?
                 }
-                Connection::Triangles(_) => {
-                    return Err(LatticeError::TooSmall { rows: 0, columns: 0 });
+                Connection::Triangles(triangles) => {
+                    let weights = factors.map_or(Weights::default(), |factors| Weights {
+                        mass: &factors.mass,
+                        stiffness: &factors.stiffness,
+                    });
+                    let graph = Graph::with_weights(&positions, triangles, lumping, weights)?;
+                    return Ok(Arc::new(graph).into());
                 }
             }
         }
     };
-    match factors {
-        Some(factors) => lattice.with_weights(&factors.mass, &factors.stiffness),
-        None => Ok(lattice),
-    }
+    let lattice = match factors {
+        Some(factors) => lattice.with_weights(&factors.mass, &factors.stiffness)?,
+        None => lattice,
+    };
+    Ok(Arc::new(lattice).into())
 }

@@ -6,7 +6,9 @@ use super::{
 };
 use crate::{
     mesh::{ClothIntake, RestShape},
-    solver::{ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport},
+    solver::{
+        ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
+    },
     step::ClothStep,
 };
 use bevy::prelude::*;
@@ -67,28 +69,33 @@ impl ClothSimulation {
     }
 
     /// The rest shape. Equal sheets share it.
-    pub fn lattice(&self) -> &Arc<Lattice> {
+    pub fn topology(&self) -> &Topology {
+        self.solver.topology()
+    }
+
+    /// The rest shape, where it is a lattice.
+    pub fn lattice(&self) -> Option<&Arc<Lattice>> {
         self.solver.lattice()
     }
 
-    /// Rows of particles.
+    /// Rows of particles; one where they are not in rows.
     pub fn rows(&self) -> usize {
-        self.solver.lattice().rows()
+        self.solver.lattice().map_or(1, |lattice| lattice.rows())
     }
 
-    /// Columns of particles.
+    /// Columns of particles; all of them where they are not in rows.
     pub fn columns(&self) -> usize {
-        self.solver.lattice().columns()
+        self.solver.lattice().map_or(self.particle_count(), |lattice| lattice.columns())
     }
 
     /// Number of particles.
     pub fn particle_count(&self) -> usize {
-        self.solver.lattice().particle_count()
+        self.solver.topology().particle_count()
     }
 
     /// Number of structural and shear springs.
     pub fn spring_count(&self) -> usize {
-        self.solver.lattice().spring_count()
+        self.solver.topology().spring_count()
     }
 
     /// What became of the mesh as it was made this cloth; `None` for a sheet.
@@ -114,7 +121,7 @@ impl ClothSimulation {
 
     /// Rest positions of all particles \[m\], in the entity's frame times its scale at setup.
     pub fn rest_positions(&self) -> &[Vec3] {
-        self.solver.lattice().rest_positions()
+        self.topology().rest_positions()
     }
 
     /// Velocity of a particle [m/s], `None` where there is no such particle.
@@ -156,9 +163,9 @@ impl ClothSimulation {
     /// What choosing particles needs to know.
     pub(crate) fn choices(&self) -> Choices<'_> {
         Choices {
-            grid: Some((self.rows(), self.columns())),
+            grid: self.lattice().map(|lattice| (lattice.rows(), lattice.columns())),
             shape: &self.rest,
-            rest: self.solver.lattice().rest_positions(),
+            rest: self.rest_positions(),
             inverse_scale: 1.0 / self.placed.scale,
         }
     }

@@ -11,11 +11,17 @@ use super::lattice::Lattice;
 use super::measure::StrainReport;
 use super::parameters::{Material, Settings};
 use super::plan::Plan;
+use super::topology::Topology;
 
 impl ClothSolver {
     /// The rest shape.
-    pub fn lattice(&self) -> &Arc<Lattice> {
-        &self.lattice
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The rest shape, where it is a lattice.
+    pub fn lattice(&self) -> Option<&Arc<Lattice>> {
+        self.topology.as_lattice()
     }
 
     /// The material.
@@ -75,7 +81,7 @@ impl ClothSolver {
 
     /// A particle's mass \[kg\].
     pub fn mass(&self, particle: usize) -> f32 {
-        self.lattice.mass_area[self.slot(particle)] * self.material.area_density
+        self.topology.area(self.slot(particle)) * self.material.area_density
     }
 
     /// Puts a particle elsewhere, in world space \[m\]. Where all are put, a cloth is reset.
@@ -112,13 +118,12 @@ impl ClothSolver {
 
     /// Strains of the structural springs. Sorts them: for reports, not for every frame.
     pub fn strain(&self) -> StrainReport {
-        StrainReport::new(&self.lattice, &self.state.x)
+        StrainReport::new(&self.topology, &self.state.x)
     }
 
     fn slot(&self, particle: usize) -> usize {
-        let columns = self.lattice.layout.columns;
-        assert!(particle < self.lattice.particle_count(), "no particle {particle}");
-        self.lattice.layout.slot(particle / columns, particle % columns)
+        assert!(particle < self.topology.particle_count(), "no particle {particle}");
+        self.topology.slot(particle)
     }
 
     fn check_particle(
@@ -127,7 +132,7 @@ impl ClothSolver {
         what: &'static str,
         value: Vec3,
     ) -> Result<(), SolverError> {
-        let count = self.lattice.particle_count();
+        let count = self.topology.particle_count();
         if particle >= count {
             return Err(SolverError::NoSuchParticle { particle, count });
         }

@@ -16,7 +16,7 @@ const FLAT: f32 = 1e-3;
 const LEAST_TURN: f32 = 1e-9;
 
 /// The hinges along one family of threads, an entry a hinge at the slot of its middle particle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Hinges {
     /// From a particle to the next of its thread in memory.
     step: usize,

@@ -1,5 +1,6 @@
 //! What a solver refuses.
 
+use super::graph::GraphError;
 use super::lattice::{LatticeError, MassLumping};
 use super::parameters::ParameterError;
 
@@ -11,13 +12,16 @@ pub enum SolverError {
     /// The rest shape is no lattice.
     #[error(transparent)]
     Lattice(#[from] LatticeError),
+    /// The triangles make no cloth.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
     /// A number of the material or of the settings is out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// The start positions are not one a particle.
     #[error("{expected} particles need as many start positions, got {got}")]
     WrongPositionCount {
-        /// Particles of the lattice.
+        /// Particles of the rest shape.
         expected: usize,
         /// Positions given.
         got: usize,
@@ -27,16 +31,16 @@ pub enum SolverError {
     NonFinite {
         /// Which of its vectors.
         what: &'static str,
-        /// The particle, row by row.
+        /// The particle.
         particle: usize,
     },
-    /// The lattice was made for the other kind of masses.
+    /// The rest shape was made for the other kind of masses.
     #[error(
-        "the lattice was made for {lattice:?} masses, but the settings ask for {asked:?}: make it anew"
+        "the rest shape was made for {made:?} masses, but the settings ask for {asked:?}: make it anew"
     )]
     OtherLumping {
-        /// Masses of the lattice.
-        lattice: MassLumping,
+        /// Masses of the rest shape.
+        made: MassLumping,
         /// Masses of the settings.
         asked: MassLumping,
     },

@@ -2,61 +2,70 @@
 
 use super::bending::Hinges;
 use super::lanes::Array;
-use super::lattice::Lattice;
+use super::lattice::Layout;
 use super::tethers::TetherSet;
+use super::topology::Topology;
 
 /// The pins of a cloth and what follows from them. Made anew when the set of pins changes.
 #[derive(Clone, Debug)]
 pub(super) struct Held {
-    /// Held particles, row by row, ascending.
+    /// Held particles, ascending.
     pub particles: Vec<u32>,
     /// Their slots.
     pub slots: Vec<usize>,
     /// 1 / mass \[1/kg\]; 0 where held and beside the sheet.
     pub inverse_mass: Array,
-    /// The same in the transposed layout.
+    /// The same in the transposed layout of a lattice.
     pub inverse_mass_transposed: Array,
     /// Tethers to the pins.
     pub tethers: Vec<TetherSet>,
-    /// Hinges of weft and warp.
+    /// Hinges of a lattice's weft and warp.
     pub hinges: [Hinges; 2],
 }
 
 impl Held {
     /// For particles that are in range, ascending and different from each other.
-    pub fn new(lattice: &Lattice, particles: Vec<u32>) -> Self {
-        let layout = lattice.layout;
-        let slots: Vec<usize> = particles
-            .iter()
-            .map(|&p| layout.slot(p as usize / layout.columns, p as usize % layout.columns))
-            .collect();
-        let mut held = vec![false; layout.len()];
-        for &slot in &slots {
-            held[slot] = true;
-        }
+    pub fn new(topology: &Topology, particles: Vec<u32>) -> Self {
+        let layout = topology.layout();
+        let slots: Vec<usize> = particles.iter().map(|&p| topology.slot(p as usize)).collect();
+        let held = mask(layout, &slots);
+        let lattice = topology.as_lattice();
+        let transposed = lattice.map_or(0, |_| layout.transposed().len());
         Self {
-            tethers: TetherSet::build(lattice, &slots),
-            hinges: Hinges::build(lattice, &held),
+            tethers: TetherSet::build(topology, &slots),
+            hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
             particles,
             slots,
             inverse_mass: Array::zeros(layout.len()),
-            inverse_mass_transposed: Array::zeros(layout.transposed().len()),
+            inverse_mass_transposed: Array::zeros(transposed),
         }
     }
 
     /// Sets the masses for an area density \[kg/m2\].
-    pub fn set_density(&mut self, lattice: &Lattice, density: f32) {
-        let layout = lattice.layout;
-        let transposed = layout.transposed();
-        let mut held = self.slots.iter().copied().peekable();
-        for row in 0..layout.rows {
-            for column in 0..layout.columns {
-                let slot = layout.slot(row, column);
-                let is_held = held.next_if_eq(&slot).is_some();
-                let w = if is_held { 0.0 } else { 1.0 / (lattice.mass_area[slot] * density) };
-                self.inverse_mass[slot] = w;
-                self.inverse_mass_transposed[transposed.slot(column, row)] = w;
+    pub fn set_density(&mut self, topology: &Topology, density: f32) {
+        let layout = topology.layout();
+        let held = mask(layout, &self.slots);
+        for slot in layout.slots() {
+            let w = 1.0 / (topology.area(slot) * density);
+            self.inverse_mass[slot] = if held[slot] { 0.0 } else { w };
+        }
+        if topology.as_lattice().is_some() {
+            let transposed = layout.transposed();
+            for row in 0..layout.rows {
+                for column in 0..layout.columns {
+                    self.inverse_mass_transposed[transposed.slot(column, row)] =
+                        self.inverse_mass[layout.slot(row, column)];
+                }
             }
         }
     }
+}
+
+/// Which slots are held.
+fn mask(layout: Layout, slots: &[usize]) -> Vec<bool> {
+    let mut held = vec![false; layout.len()];
+    for &slot in slots {
+        held[slot] = true;
+    }
+    held
 }

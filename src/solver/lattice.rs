@@ -79,27 +79,37 @@ pub(crate) struct Layout {
     pub columns: usize,
     /// Distance between rows in memory.
     pub stride: usize,
+    /// The slot of the first particle.
+    first: usize,
+    /// Slots of memory, padding included.
+    len: usize,
 }
 
 impl Layout {
     fn new(rows: usize, columns: usize) -> Self {
-        Self {
-            rows,
-            columns,
-            // Two columns of padding: the right neighbours of one row, the left ones of the next.
-            stride: (columns + 2).next_multiple_of(LANES),
-        }
+        // Two columns of padding: the right neighbours of one row, the left ones of the next.
+        let stride = (columns + 2).next_multiple_of(LANES);
+        let first = PAD_ROWS * stride;
+        let len = (rows.next_multiple_of(LANES) + 2 * PAD_ROWS) * stride + LANES;
+        Self { rows, columns, stride, first, len }
+    }
+
+    /// Particles in one row, without neighbours in memory; at least one slot after the last of them
+    /// is padding.
+    pub fn one_row(particles: usize) -> Self {
+        let len = (particles + 1).next_multiple_of(LANES);
+        Self { rows: 1, columns: particles, stride: len, first: 0, len }
     }
 
     /// Slots of memory, padding included.
     pub fn len(&self) -> usize {
-        (self.rows.next_multiple_of(LANES) + 2 * PAD_ROWS) * self.stride + LANES
+        self.len
     }
 
     /// The slot of a particle.
     #[inline(always)]
     pub fn slot(&self, row: usize, column: usize) -> usize {
-        (row + PAD_ROWS) * self.stride + column
+        self.first + row * self.stride + column
     }
 
     /// The slots of all particles, row by row.

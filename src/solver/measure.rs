@@ -4,7 +4,8 @@ use bevy::math::Vec3;
 
 use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
-use super::lattice::Lattice;
+use super::lattice::{Lattice, Layout};
+use super::topology::Topology;
 
 /// Lengths of structural springs against their rest lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,11 +21,12 @@ pub struct StrainReport {
 impl StrainReport {
     /// The strains of all structural springs of positions `x`. Sorts them: for reports, not for
     /// every frame.
-    pub(super) fn new(lattice: &Lattice, x: &Soa) -> Self {
-        let slots: Vec<usize> = lattice.layout.slots().collect();
-        let mut strains: Vec<f32> = lattice
+    pub(super) fn new(topology: &Topology, x: &Soa) -> Self {
+        let mut strains: Vec<f32> = topology
             .structural_springs()
-            .map(|(a, b, rest)| x.get(slots[a]).distance(x.get(slots[b])) / rest - 1.0)
+            .map(|(a, b, rest)| {
+                x.get(topology.slot(a)).distance(x.get(topology.slot(b))) / rest - 1.0
+            })
             .collect();
         strains.sort_by(f32::total_cmp);
         let count = strains.len();
@@ -51,7 +53,9 @@ pub(super) struct Survey {
 
 /// Takes a [`Survey`].
 pub(super) struct TakeSurvey<'a> {
-    pub lattice: &'a Lattice,
+    pub layout: Layout,
+    /// The lattice whose springs are looked at.
+    pub lattice: Option<&'a Lattice>,
     pub x: &'a Soa,
     pub d: &'a Soa,
     pub start: &'a Soa,
@@ -62,16 +66,17 @@ impl Kernel for TakeSurvey<'_> {
 
     #[inline(always)]
     fn run(self) -> Survey {
-        let layout = self.lattice.layout;
+        let layout = self.layout;
         let mut totals = Totals::at(self.x.get(layout.slot(0, 0)));
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 self.look_at_particles(slot, layout.columns - column, &mut totals);
+                let Some(lattice) = self.lattice else { continue };
                 let x = Block3::load(self.x, slot);
-                self.look_at_springs(x, slot + 1, &self.lattice.weft.rest, slot, &mut totals);
+                self.look_at_springs(x, slot + 1, &lattice.weft.rest, slot, &mut totals);
                 let below = slot + layout.stride;
-                self.look_at_springs(x, below, &self.lattice.warp.rest, slot, &mut totals);
+                self.look_at_springs(x, below, &lattice.warp.rest, slot, &mut totals);
             }
         }
         totals.survey()

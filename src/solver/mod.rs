@@ -18,7 +18,9 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `lattice` | the rest shape: immutable, shared by equal cloths |
+//! | `topology` | the rest shape: immutable, shared by equal cloths |
+//! | `lattice` | that of a rectangular sheet |
+//! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `state` | positions, displacements, working room |
 //! | `held` | what depends on the pins: inverse masses, tethers, clamped hinges |
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
@@ -33,6 +35,7 @@ mod constraint;
 mod contact;
 mod error;
 mod forces;
+mod graph;
 mod held;
 mod input;
 mod integrate;
@@ -46,15 +49,16 @@ mod setup;
 mod state;
 mod tethers;
 mod threads;
+mod topology;
 mod transpose;
+mod ways;
 mod weights;
-
-use std::sync::Arc;
 
 use bevy::math::Vec3;
 
 pub use contact::{Collider, Pose};
 pub use error::SolverError;
+pub use graph::{Graph, GraphError, Weights};
 pub use input::{PinMotion, StepInput, TickReport};
 pub use isa::Isa;
 pub use lanes::LANES;
@@ -64,6 +68,7 @@ pub use parameters::{
     Bending, DampingForm, FormChoice, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use topology::Topology;
 
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
@@ -81,7 +86,7 @@ use threads::{Lines, SolveWarp, SolveWeft};
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
 pub struct ClothSolver {
-    lattice: Arc<Lattice>,
+    topology: Topology,
     material: Material,
     settings: Settings,
     isa: Isa,
@@ -127,12 +132,12 @@ impl ClothSolver {
         }
         if self.tethered_under != Some(input.gravity) {
             for set in &mut self.held.tethers {
-                set.set_limits(&self.lattice, &self.material, input.gravity);
+                set.set_limits(&self.topology, &self.material, input.gravity);
             }
             self.tethered_under = Some(input.gravity);
         }
         let centre = (self.survey.min + self.survey.max) * 0.5;
-        self.state.follow(self.lattice.layout, centre);
+        self.state.follow(self.topology.layout(), centre);
         self.state.start.copy_from(&self.state.x);
         self.scratch.contact.begin_tick(input.colliders.len());
         self.done = 0;
@@ -145,13 +150,14 @@ impl ClothSolver {
         if !self.has_forces() {
             return;
         }
+        let Topology::Lattice(lattice) = &self.topology else { return };
         let plan = self.plan;
         let x = &self.state.x;
-        let layout = self.lattice.layout;
+        let layout = lattice.layout;
         let Scratch { a, moments, .. } = &mut self.scratch;
         let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
         self.isa.run(AccumulateForces {
-            lattice: &self.lattice,
+            lattice,
             constants: plan.explicit,
             bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x, moments }),
             gravity: input.gravity,
@@ -167,10 +173,11 @@ impl ClothSolver {
     /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
     /// without which the whole scheme would be of first order.
     fn add_damping(&mut self) {
+        let Topology::Lattice(lattice) = &self.topology else { return };
         let Scratch { a, b, .. } = &mut self.scratch;
         let state = &self.state;
         let springs = DampedSprings {
-            lattice: &self.lattice,
+            lattice,
             damping: self.plan.damping / state.unit,
             form: self.material.damping_form,
             shear: self.plan.shear_stiffness > 0.0,
@@ -196,7 +203,7 @@ impl ClothSolver {
         let kick = Kick::new(self.material.drag, 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
         self.isa.run(Integrate {
-            layout: self.lattice.layout,
+            layout: self.topology.layout(),
             acceleration,
             keep: kick.decay * (plan.step / self.state.unit),
             gain: self.state.response,
@@ -262,8 +269,9 @@ impl ClothSolver {
     }
 
     fn correct_springs(&mut self, rule: Rule) {
+        let Topology::Lattice(lattice) = &self.topology else { return };
         self.isa.run(CorrectSprings {
-            lattice: &self.lattice,
+            lattice,
             inverse_mass: &self.held.inverse_mass,
             x: &self.state.x,
             d: &mut self.state.d,
@@ -281,12 +289,13 @@ impl ClothSolver {
         let limit = self.limit();
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
-        let layout = self.lattice.layout;
+        let Topology::Lattice(lattice) = &self.topology else { return false };
+        let layout = lattice.layout;
         let State { x, d, .. } = &mut self.state;
         let Scratch { strip, line, .. } = &mut self.scratch;
         let weft = Lines {
             layout: layout.transposed(),
-            springs: &self.lattice.weft_transposed,
+            springs: &lattice.weft_transposed,
             compliance,
             inverse_mass: &self.held.inverse_mass_transposed,
             limit,
@@ -295,7 +304,7 @@ impl ClothSolver {
         let weft_beyond = isa.run(SolveWeft { layout, lines: weft, x, d, strip });
         let warp = Lines {
             layout,
-            springs: &self.lattice.warp,
+            springs: &lattice.warp,
             compliance,
             inverse_mass: &self.held.inverse_mass,
             limit,
@@ -311,7 +320,7 @@ impl ClothSolver {
         }
         for set in &self.held.tethers {
             self.isa.run(PullTethers {
-                layout: self.lattice.layout,
+                layout: self.topology.layout(),
                 set,
                 inverse_mass: &self.held.inverse_mass,
                 x: &self.state.x,
@@ -326,7 +335,7 @@ impl ClothSolver {
             self.contact_count = 0;
         } else {
             self.contact_count = self.isa.run(ResolveContacts {
-                layout: self.lattice.layout,
+                layout: self.topology.layout(),
                 colliders: input.colliders,
                 origin: self.state.origin,
                 span: self.span(),
@@ -339,7 +348,7 @@ impl ClothSolver {
             });
         }
         let State { x, d, .. } = &mut self.state;
-        self.isa.run(Displace { layout: self.lattice.layout, x, d });
+        self.isa.run(Displace { layout: self.topology.layout(), x, d });
         self.done += 1;
     }
 
@@ -367,7 +376,8 @@ impl ClothSolver {
 
     fn take_survey(&self) -> Survey {
         self.isa.run(TakeSurvey {
-            lattice: &self.lattice,
+            layout: self.topology.layout(),
+            lattice: self.topology.as_lattice().map(|lattice| &**lattice),
             x: &self.state.x,
             d: &self.state.d,
             start: &self.state.start,

@@ -8,8 +8,10 @@ use core::fmt;
 
 use super::bending::Hinges;
 use super::forces::SpringConstants;
+use super::held::Held;
 use super::lattice::{Lattice, MassLumping};
 use super::parameters::{Bending, FormChoice, Material, Settings, Substeps};
+use super::topology::Topology;
 
 /// Part of the stable range of `h^2 omega^2 / 4` that is used.
 const SAFETY: f32 = 0.9;
@@ -260,11 +262,14 @@ pub(super) struct Circle {
 }
 
 impl Bound {
-    pub fn new(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
-        if lattice.uniform {
-            Self::uniform(lattice, hinges, inverse_mass)
-        } else {
-            Self::circles(lattice, hinges, inverse_mass)
+    pub fn new(topology: &Topology, held: &Held) -> Self {
+        let (hinges, inverse_mass) = (&held.hinges, &held.inverse_mass);
+        match topology {
+            Topology::Lattice(lattice) if lattice.uniform => {
+                Self::uniform(lattice, hinges, inverse_mass)
+            }
+            Topology::Lattice(lattice) => Self::circles(lattice, hinges, inverse_mass),
+            Topology::Graph(_) => Self::Circles(Vec::new()),
         }
     }
 

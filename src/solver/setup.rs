@@ -1,7 +1,5 @@
 //! Making a solver, and changing what its cloth is made of.
 
-use std::sync::Arc;
-
 use bevy::math::Vec3;
 
 use super::ClothSolver;
@@ -9,50 +7,51 @@ use super::error::SolverError;
 use super::held::Held;
 use super::input::is_near;
 use super::isa::Isa;
-use super::lattice::Lattice;
 use super::measure::Survey;
 use super::parameters::{Material, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
+use super::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
 const USUAL_TICK: f32 = 1.0 / 64.0;
 
 impl ClothSolver {
-    /// A cloth at rest at the given start positions in world space \[m\], row by row, nothing held.
+    /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing held.
     ///
     /// # Errors
     /// [`SolverError`] for positions, a material or settings that cannot be used.
     pub fn new(
-        lattice: Arc<Lattice>,
+        topology: impl Into<Topology>,
         positions: &[Vec3],
         material: Material,
         settings: Settings,
     ) -> Result<Self, SolverError> {
+        let topology = topology.into();
         material.validate()?;
-        check_settings(&lattice, &settings)?;
-        if positions.len() != lattice.particle_count() {
+        check_settings(&topology, &settings)?;
+        if positions.len() != topology.particle_count() {
             return Err(SolverError::WrongPositionCount {
-                expected: lattice.particle_count(),
+                expected: topology.particle_count(),
                 got: positions.len(),
             });
         }
         if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
             return Err(SolverError::NonFinite { what: "position", particle });
         }
-        let mut held = Held::new(&lattice, Vec::new());
-        held.set_density(&lattice, material.area_density);
-        let bound = Bound::new(&lattice, &held.hinges, &held.inverse_mass);
-        let state = State::new(lattice.layout, positions);
+        let mut held = Held::new(&topology, Vec::new());
+        held.set_density(&topology, material.area_density);
+        let bound = Bound::new(&topology, &held);
+        let state = State::new(&topology, positions);
         let mut solver = Self {
             plan: Plan::new(&bound, &material, &settings, USUAL_TICK),
-            scratch: Scratch::new(lattice.layout),
+            scratch: Scratch::new(&topology),
             isa: Isa::detect(),
             tethered_under: None,
             done: 0,
             contact_count: 0,
             survey: Survey::default(),
-            lattice,
+            topology,
             material,
             settings,
             held,
@@ -79,7 +78,7 @@ impl ClothSolver {
     /// # Errors
     /// [`SolverError::Parameter`] or [`SolverError::OtherLumping`]; the old settings then stay.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), SolverError> {
-        check_settings(&self.lattice, &settings)?;
+        check_settings(&self.topology, &settings)?;
         self.settings = settings;
         self.replan();
         Ok(())
@@ -91,7 +90,7 @@ impl ClothSolver {
     /// # Errors
     /// [`SolverError::NoSuchParticle`]; the old pins then stay.
     pub fn set_pins(&mut self, particles: &[u32]) -> Result<(), SolverError> {
-        let count = self.lattice.particle_count();
+        let count = self.topology.particle_count();
         if let Some(&out) = particles.iter().find(|&&p| p as usize >= count) {
             return Err(SolverError::NoSuchParticle { particle: out as usize, count });
         }
@@ -99,7 +98,7 @@ impl ClothSolver {
         sorted.sort_unstable();
         sorted.dedup();
         if sorted != self.held.particles {
-            self.held = Held::new(&self.lattice, sorted);
+            self.held = Held::new(&self.topology, sorted);
             self.replan();
         }
         Ok(())
@@ -115,22 +114,20 @@ impl ClothSolver {
         self.isa = isa;
     }
 
-    /// Works out again what follows from lattice, pins, material and settings.
+    /// Works out again what follows from rest shape, pins, material and settings.
     fn replan(&mut self) {
-        self.held.set_density(&self.lattice, self.material.area_density);
-        self.bound = Bound::new(&self.lattice, &self.held.hinges, &self.held.inverse_mass);
+        self.held.set_density(&self.topology, self.material.area_density);
+        self.bound = Bound::new(&self.topology, &self.held);
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, self.plan.tick);
         self.tethered_under = None;
     }
 }
 
-fn check_settings(lattice: &Lattice, settings: &Settings) -> Result<(), SolverError> {
+fn check_settings(topology: &Topology, settings: &Settings) -> Result<(), SolverError> {
     settings.validate()?;
-    if settings.lumping != lattice.lumping {
-        return Err(SolverError::OtherLumping {
-            lattice: lattice.lumping,
-            asked: settings.lumping,
-        });
+    let made = topology.lumping();
+    if settings.lumping != made {
+        return Err(SolverError::OtherLumping { made, asked: settings.lumping });
     }
     Ok(())
 }

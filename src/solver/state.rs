@@ -6,6 +6,7 @@ use super::bending::Moments;
 use super::contact::ContactRoom;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
+use super::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,12 +39,13 @@ impl State {
     /// The origin follows a cloth that has gone this far from it \[m\].
     const REACH: f32 = 64.0;
 
-    pub fn new(layout: Layout, positions: &[Vec3]) -> Self {
+    pub fn new(topology: &Topology, positions: &[Vec3]) -> Self {
+        let layout = topology.layout();
         let centre = positions.iter().copied().sum::<Vec3>() / positions.len() as f32;
         let origin = on_grid(centre);
         let mut x = Soa::zeros(layout.len());
-        for (slot, &p) in layout.slots().zip(positions) {
-            x.set(slot, p - origin);
+        for (particle, &p) in positions.iter().enumerate() {
+            x.set(topology.slot(particle), p - origin);
         }
         Self {
             origin,
@@ -100,14 +102,17 @@ pub(crate) struct Line {
 }
 
 impl Scratch {
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(topology: &Topology) -> Self {
+        let layout = topology.layout();
         let len = layout.len();
-        let longest = layout.rows.max(layout.columns) * LANES;
+        // What only a lattice's threads and hinges work in.
+        let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
+        let longest = woven.rows.max(woven.columns) * LANES;
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
-            moments: Moments::new(layout),
-            strip: Soa::zeros(layout.columns.next_multiple_of(LANES) * LANES),
+            moments: Moments::new(woven),
+            strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
             line: Line {
                 direction: Soa::zeros(longest),
                 inverse_pivot: Array::zeros(longest),

@@ -6,10 +6,13 @@
 
 use bevy::math::{Vec3, ops};
 
+use super::graph::Graph;
 use super::isa::Kernel;
 use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use super::lattice::{Lattice, Layout};
 use super::parameters::Material;
+use super::topology::Topology;
+use super::ways::Ways;
 
 /// Tethers of a particle at most.
 const MOST: usize = 4;
@@ -32,18 +35,22 @@ pub(super) struct TetherSet {
 }
 
 impl TetherSet {
-    /// The tethers that a lattice needs for its pins (slots).
-    pub fn build(lattice: &Lattice, pins: &[usize]) -> Vec<Self> {
-        let groups = neighbour_groups(lattice.layout, pins);
-        if groups.len() == lattice.particle_count() {
+    /// The tethers that a cloth needs for its pins (slots).
+    pub fn build(topology: &Topology, pins: &[usize]) -> Vec<Self> {
+        if pins.is_empty() {
+            return Vec::new();
+        }
+        let ways = Ways::new(topology);
+        let groups = neighbour_groups(&ways, pins);
+        if groups.len() == topology.particle_count() {
             return Vec::new();
         }
         let mut sets: Vec<Self> = Vec::new();
         for group in &groups {
-            let reach = Reach::from_pins(lattice, group);
-            sets.push(reach.into_set(lattice.layout, group, pins));
+            let reach = Reach::from_pins(topology, &ways, group);
+            sets.push(reach.into_set(topology.layout(), group, pins));
         }
-        keep_nearest(lattice.layout, sets)
+        keep_nearest(topology.layout(), sets)
     }
 
     /// Sets the bounds for a material under gravity \[m/s2\].
@@ -51,19 +58,25 @@ impl TetherSet {
     /// The cloth may stretch by what its threads give under [`LOAD_FACTOR`] times its weight, spread
     /// over a width that grows with the distance from the pin (a logarithm), and it may be longer by
     /// what it shears, up to the way along the threads.
-    pub fn set_limits(&mut self, lattice: &Lattice, material: &Material, gravity: Vec3) {
-        let weight = lattice.total_area() * material.area_density * gravity.length();
+    pub fn set_limits(&mut self, topology: &Topology, material: &Material, gravity: Vec3) {
+        let weight = topology.total_area() * material.area_density * gravity.length();
         let load = LOAD_FACTOR * weight;
-        let cell = (lattice.total_area() / lattice.particle_count() as f32).sqrt();
-        for slot in lattice.layout.slots() {
+        let cell = (topology.total_area() / topology.particle_count() as f32).sqrt();
+        let shear_stiffness = topology.shear_stiffness(material);
+        for slot in topology.layout().slots() {
             let (straight, threads) = (self.straight[slot], self.along_threads[slot]);
+            if straight == f32::INFINITY {
+                // A part of the cloth that no way leads to.
+                self.limit[slot] = f32::INFINITY;
+                continue;
+            }
             let spread = 1.0 + ops::ln((straight / cell).max(1.0));
             // Without gravity nothing tells the load: the limit and the threads alone bound it.
             let give = |stiffness: f32| {
                 if load == 0.0 { f32::INFINITY } else { (load / stiffness) * spread }
             };
             let stretch = give(material.thread_stiffness).min(material.max_strain * straight);
-            let shear = give(material.shear_stiffness).min(threads - straight);
+            let shear = give(shear_stiffness).min(threads - straight);
             self.limit[slot] = straight + stretch + shear;
         }
     }
@@ -77,11 +90,11 @@ struct Reach {
 }
 
 impl Reach {
-    fn from_pins(lattice: &Lattice, group: &[usize]) -> Self {
-        if lattice.flat {
-            Self::through_space(lattice, group)
-        } else {
-            Self::along_edges(lattice, group)
+    fn from_pins(topology: &Topology, ways: &Ways<'_>, group: &[usize]) -> Self {
+        match topology {
+            Topology::Lattice(lattice) if lattice.flat => Self::through_space(lattice, group),
+            Topology::Graph(graph) if graph.flat => Self::across_a_plane(graph, ways, group),
+            _ => Self::along_edges(ways, group),
         }
     }
 
@@ -110,10 +123,29 @@ impl Reach {
     }
 
     /// Elsewhere it is the shortest way over threads and diagonals, which is never too short.
-    fn along_edges(lattice: &Lattice, group: &[usize]) -> Self {
-        let (straight, nearest) = shortest_ways(lattice, group, true);
-        let (along_threads, _) = shortest_ways(lattice, group, false);
+    fn along_edges(ways: &Ways<'_>, group: &[usize]) -> Self {
+        let (straight, nearest) = ways.shortest(group, true);
+        let (along_threads, _) = ways.shortest(group, false);
         Self { nearest, straight, along_threads }
+    }
+
+    /// So it is in any flat, convex mesh; the way along its edges is longer by what it may shear.
+    fn across_a_plane(graph: &Graph, ways: &Ways<'_>, group: &[usize]) -> Self {
+        let mut reach = Self::unreached(graph.layout.len());
+        let (along_threads, _) = ways.shortest(group, false);
+        for slot in graph.layout.slots() {
+            let mut best = f32::INFINITY;
+            for &pin in group {
+                let distance = graph.rest(slot).distance(graph.rest(pin));
+                if distance < best {
+                    best = distance;
+                    reach.nearest[slot] = pin as u32;
+                    reach.straight[slot] = distance;
+                }
+            }
+        }
+        reach.along_threads = along_threads;
+        reach
     }
 
     fn unreached(len: usize) -> Self {
@@ -146,22 +178,18 @@ fn row_and_column(layout: Layout, slot: usize) -> (usize, usize) {
 }
 
 /// Pins that are neighbours, diagonals included, make one group; groups in the order of their first.
-fn neighbour_groups(layout: Layout, pins: &[usize]) -> Vec<Vec<usize>> {
+fn neighbour_groups(ways: &Ways<'_>, pins: &[usize]) -> Vec<Vec<usize>> {
     let mut waiting: std::collections::BTreeSet<usize> = pins.iter().copied().collect();
     let mut groups = Vec::new();
     while let Some(seed) = waiting.pop_first() {
         let mut group = vec![seed];
         let mut at = 0;
         while at < group.len() {
-            let s = group[at];
-            let stride = layout.stride;
-            for near in [s - stride, s, s + stride] {
-                for slot in [near - 1, near, near + 1] {
-                    if waiting.remove(&slot) {
-                        group.push(slot);
-                    }
+            ways.visit(group[at], true, |slot, _| {
+                if waiting.remove(&slot) {
+                    group.push(slot);
                 }
-            }
+            });
             at += 1;
         }
         group.sort_unstable();
@@ -193,51 +221,6 @@ fn keep_nearest(layout: Layout, sets: Vec<TetherSet>) -> Vec<TetherSet> {
         }
     }
     kept
-}
-
-/// Dijkstra's algorithm over the threads, and over the diagonals where asked.
-fn shortest_ways(lattice: &Lattice, group: &[usize], diagonals: bool) -> (Vec<f32>, Vec<u32>) {
-    use std::{cmp::Reverse, collections::BinaryHeap};
-    let layout = lattice.layout;
-    let mut way = vec![f32::INFINITY; layout.len()];
-    let mut nearest = vec![0_u32; layout.len()];
-    // Lengths are positive, so that their bits are ordered as they are.
-    let mut queue = BinaryHeap::new();
-    for &pin in group {
-        way[pin] = 0.0;
-        nearest[pin] = pin as u32;
-        queue.push(Reverse((0_u32, pin)));
-    }
-    while let Some(Reverse((bits, slot))) = queue.pop() {
-        let so_far = f32::from_bits(bits);
-        if so_far > way[slot] {
-            continue;
-        }
-        let mut visit = |to: usize, length: f32| {
-            if length > 0.0 && so_far + length < way[to] {
-                way[to] = so_far + length;
-                nearest[to] = nearest[slot];
-                queue.push(Reverse((way[to].to_bits(), to)));
-            }
-        };
-        let s = layout.stride;
-        visit(slot + 1, lattice.weft.rest[slot]);
-        visit(slot - 1, lattice.weft.rest[slot - 1]);
-        visit(slot + s, lattice.warp.rest[slot]);
-        visit(slot - s, lattice.warp.rest[slot - s]);
-        if diagonals {
-            visit(slot + s + 1, lattice.diagonal.rest[slot]);
-            visit(slot - s - 1, lattice.diagonal.rest[slot - s - 1]);
-            visit(slot + s - 1, lattice.antidiagonal_rest[slot - 1]);
-            visit(slot - s + 1, lattice.antidiagonal_rest[slot - s]);
-        }
-    }
-    for slot in layout.slots() {
-        if way[slot] == f32::INFINITY {
-            way[slot] = 0.0;
-        }
-    }
-    (way, nearest)
 }
 
 /// Brings back what is further from its pin than its tether allows.

@@ -97,16 +97,16 @@ pub fn run(
 }
 
 pub fn positions(solver: &ClothSolver) -> Vec<Vec3> {
-    (0..solver.lattice().particle_count()).map(|i| solver.position(i)).collect()
+    (0..solver.topology().particle_count()).map(|i| solver.position(i)).collect()
 }
 
 pub fn velocities(solver: &ClothSolver) -> Vec<Vec3> {
-    (0..solver.lattice().particle_count()).map(|i| solver.velocity(i)).collect()
+    (0..solver.topology().particle_count()).map(|i| solver.velocity(i)).collect()
 }
 
 /// The bits of all positions relative to the origin, and velocities.
 pub fn bits(solver: &ClothSolver) -> Vec<[u32; 6]> {
-    (0..solver.lattice().particle_count())
+    (0..solver.topology().particle_count())
         .map(|i| {
             let (x, v) = (solver.local_position(i), solver.velocity(i));
             [x.x, x.y, x.z, v.x, v.y, v.z].map(f32::to_bits)
@@ -126,7 +126,7 @@ pub fn fastest(solver: &ClothSolver) -> f64 {
 /// Linear and angular momentum about the world's origin. The velocity is that of the last substep's
 /// middle, but along it the lever does not change.
 pub fn momenta(solver: &ClothSolver) -> (DVec3, DVec3) {
-    let count = solver.lattice().particle_count();
+    let count = solver.topology().particle_count();
     (0..count).fold((DVec3::ZERO, DVec3::ZERO), |(linear, angular), i| {
         let p = solver.velocity(i).as_dvec3() * f64::from(solver.mass(i));
         (linear + p, angular + solver.position(i).as_dvec3().cross(p))
@@ -135,7 +135,7 @@ pub fn momenta(solver: &ClothSolver) -> (DVec3, DVec3) {
 
 /// Strains of structural and shear springs, from rest shape and positions alone.
 pub fn strains(solver: &ClothSolver) -> Vec<f64> {
-    let lattice = solver.lattice();
+    let lattice = solver.lattice().unwrap();
     let (rows, columns) = (lattice.rows(), lattice.columns());
     let rest = lattice.rest_positions();
     let mut out = Vec::new();
@@ -180,4 +180,38 @@ pub fn table(text: &str) -> Vec<Vec<String>> {
         .skip(1)
         .map(|line| line.split(',').map(str::to_owned).collect())
         .collect()
+}
+
+/// A sheet of `rows` x `columns` particles in the xz plane, `cell` apart, triangulated with diagonals
+/// at random; inner particles are off by up to `jitter` cells. Rows along z, columns along x, the
+/// first particle at the origin.
+pub fn jittered(
+    rows: usize,
+    columns: usize,
+    cell: f32,
+    jitter: f32,
+    seed: u64,
+) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut dice = Dice(seed);
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for r in 0..rows {
+        for c in 0..columns {
+            let inner = r > 0 && r + 1 < rows && c > 0 && c + 1 < columns;
+            let (x, z) = (dice.roll() * jitter, dice.roll() * jitter);
+            let off = if inner { Vec3::new(x, 0.0, z) } else { Vec3::ZERO };
+            positions.push((Vec3::new(c as f32, 0.0, r as f32) + off) * cell);
+            if r + 1 == rows || c + 1 == columns {
+                continue;
+            }
+            let at = (r * columns + c) as u32;
+            let (right, below, across) = (at + 1, at + columns as u32, at + columns as u32 + 1);
+            if dice.roll() > 0.0 {
+                triangles.extend([[at, below, across], [at, across, right]]);
+            } else {
+                triangles.extend([[at, below, right], [right, below, across]]);
+            }
+        }
+    }
+    (positions, triangles)
 }

@@ -7,6 +7,7 @@ mod common;
 mod contact;
 mod determinism;
 mod free_flight;
+mod graph_refusals;
 mod hanging;
 mod limit;
 mod momentum;

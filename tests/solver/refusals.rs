@@ -86,7 +86,7 @@ fn every_number_of_the_settings_has_a_range() {
     let error = refused("lumping", |s| s.set_settings(equal));
     assert_eq!(
         error,
-        SolverError::OtherLumping { lattice: MassLumping::Lumped, asked: MassLumping::Equal }
+        SolverError::OtherLumping { made: MassLumping::Lumped, asked: MassLumping::Equal }
     );
 }
 

@@ -91,7 +91,7 @@ fn the_oscillator_converges_to_second_order() {
             if moving {
                 for i in 0..4 {
                     let away = solver.position(i).x.signum();
-                    solver.set_position(i, solver.lattice().rest_positions()[i]).unwrap();
+                    solver.set_position(i, solver.topology().rest_positions()[i]).unwrap();
                     solver.set_velocity(i, Vec3::X * away * speed).unwrap();
                 }
             }

@@ -63,7 +63,7 @@ fn quadratic_terms(
 
 /// Largest `omega^2` of those terms with the solver's masses.
 fn highest(solver: &ClothSolver, terms: &[(Vec<(usize, f64)>, f64)]) -> f64 {
-    let count = solver.lattice().particle_count();
+    let count = solver.topology().particle_count();
     let mut inverse_mass: Vec<_> = (0..count).map(|i| 1.0 / f64::from(solver.mass(i))).collect();
     for &pin in solver.pins() {
         inverse_mass[pin as usize] = 0.0;
