@@ -19,8 +19,8 @@ pub struct ClothIntake {
     pub vertices: usize,
     /// Particles of the cloth: places that triangles use.
     pub particles: usize,
-    /// Vertices that no triangle of the cloth uses. They are drawn with a neighbour, or with the
-    /// first particle.
+    /// Vertices at places that no triangle of the cloth uses. They are drawn with a neighbour, or
+    /// with the first particle.
     pub unused_vertices: usize,
     /// Triangles of the cloth.
     pub triangles: usize,

@@ -27,7 +27,7 @@ impl SkippedTriangles {
 /// A surface of at least two triangles.
 #[derive(Debug)]
 pub(super) struct Surface {
-    /// The particle of each vertex; [`NONE`] where no triangle uses it.
+    /// The particle of each vertex; [`NONE`] where no triangle uses its place.
     pub particle_of_vertex: Vec<u32>,
     /// The first vertex of each particle, ascending.
     pub vertex_of_particle: Vec<u32>,
@@ -79,19 +79,14 @@ impl Surface {
     /// Numbers the places that triangles use, in the order of their first vertices.
     fn of_vertices(first_of: &[u32], mut kept: Vec<[u32; 3]>, skipped: SkippedTriangles) -> Self {
         let is_particle = used_by(&kept, first_of.len());
+        let vertex_of_particle: Vec<u32> =
+            (0..first_of.len() as u32).filter(|vertex| is_particle[*vertex as usize]).collect();
         let mut particle_of_vertex = vec![NONE; first_of.len()];
-        let mut vertex_of_particle = Vec::new();
-        for (vertex, &first) in first_of.iter().enumerate() {
-            if first == NONE || !is_particle[first as usize] {
-                continue;
-            }
-            if first as usize == vertex {
-                particle_of_vertex[vertex] = vertex_of_particle.len() as u32;
-                vertex_of_particle.push(first);
-            } else {
-                // The first comes first.
-                particle_of_vertex[vertex] = particle_of_vertex[first as usize];
-            }
+        for (particle, &vertex) in vertex_of_particle.iter().enumerate() {
+            particle_of_vertex[vertex as usize] = particle as u32;
+        }
+        for (vertex, &first) in first_of.iter().enumerate().filter(|(_, first)| **first != NONE) {
+            particle_of_vertex[vertex] = particle_of_vertex[first as usize];
         }
         for corner in kept.iter_mut().flatten() {
             *corner = particle_of_vertex[*corner as usize];

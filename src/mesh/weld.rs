@@ -26,10 +26,10 @@ pub(super) fn tolerance(positions: &[Vec3], used: &[bool]) -> f32 {
     (RELATIVE * side).max(ROUNDING * furthest).max(f32::MIN_POSITIVE)
 }
 
-/// For each vertex the first one that it is welded to (itself, if it is the first at its place);
-/// [`NONE`] for those that are not used.
+/// For each vertex the first used one at its place, which may be itself; [`NONE`] where there is
+/// none, so that no triangle uses the place.
 ///
-/// A vertex joins the first vertex within the tolerance that has not itself joined another: the
+/// A vertex joins the first one within the tolerance that has not itself joined another: the
 /// outcome depends on nothing but the order of the vertices.
 pub(super) fn weld(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let cell_of = |p: Vec3| (p / (CELL * tolerance)).floor().to_array().map(|x| x as i64);
@@ -37,9 +37,11 @@ pub(super) fn weld(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32
     // The last first vertex in each cell, and the one before each.
     let mut last_in = HashMap::<[i64; 3], u32>::with_capacity(positions.len());
     let mut before = vec![NONE; positions.len()];
-    for (vertex, &position) in positions.iter().enumerate().filter(|(v, _)| used[*v]) {
+    let all = 0..positions.len();
+    for vertex in all.clone().filter(|v| used[*v]).chain(all.filter(|v| !used[*v])) {
+        let position = positions[vertex];
         let (low, high) = (cell_of(position - tolerance), cell_of(position + tolerance));
-        let mut found = vertex as u32;
+        let mut found = if used[vertex] { vertex as u32 } else { NONE };
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
@@ -134,6 +136,7 @@ mod tests {
         assert_eq!(welded(&[Vec3::splat(1e-44), Vec3::ZERO]), [0, 0]);
         assert_eq!(welded(&[]), [] as [u32; 0]);
         let positions = [Vec3::ZERO, Vec3::X, Vec3::ZERO];
-        assert_eq!(weld(&positions, &[false, true, true], 1e-5), [NONE, 1, 2]);
+        assert_eq!(weld(&positions, &[false, true, true], 1e-5), [2, 1, 2]);
+        assert_eq!(weld(&positions, &[false, true, false], 1e-5), [NONE, 1, NONE]);
     }
 }

@@ -12,3 +12,4 @@ mod mesh;
 mod pins;
 mod refusals;
 mod setup;
+mod shapes;
