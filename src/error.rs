@@ -153,16 +153,16 @@ impl ClothError {
     pub(crate) fn blame(&self) -> Blame {
         match self {
             // What is skinned may cease to be so unseen, as poses may mend.
-            Self::Mesh { problem: MeshProblem::Skinned, .. } => Blame::Pose,
+            Self::Mesh { problem: MeshProblem::Skinned, .. }
+            | Self::Pin { problem: PinProblem::AnchorScale(_), .. }
+            | Self::Scale { .. }
+            | Self::NoTransform { .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } => Blame::Collider,
             Self::Parameter { .. } => Blame::Settings,
-            Self::Pin { problem: PinProblem::AnchorScale(_), .. }
-            | Self::Scale { .. }
-            | Self::NoTransform { .. } => Blame::Pose,
             Self::Pin { .. } => Blame::Pins,
             Self::Solver { .. } => Blame::Motion,
             Self::VariableStep { .. } => Blame::Schedule,

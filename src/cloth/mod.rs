@@ -6,9 +6,9 @@ pub(crate) mod grid;
 mod material;
 mod pins;
 pub(crate) mod pose;
+mod rest_cache;
 mod settings;
 pub(crate) mod setup;
-mod sheet;
 mod simulation;
 pub(crate) mod weights;
 
@@ -20,7 +20,7 @@ pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
 pub use weights::{ClothWeights, ColorChannel, VertexFactor, WeightProblem};
 
-pub(crate) use sheet::RestCache;
+pub(crate) use rest_cache::RestCache;
 
 use bevy::prelude::*;
 

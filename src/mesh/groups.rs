@@ -5,7 +5,7 @@ use bevy::math::Vec3;
 
 /// Cosine of the largest angle, 10 degrees, between two normals that are meant to be one. Both
 /// sides of a UV seam differ by rounding, both sides of a hard edge by more than this.
-const SAME: f32 = 0.984_807_75;
+const SAME: f32 = 0.984_807_7;
 
 /// Vertices of one particle that share a normal.
 #[derive(Debug, PartialEq)]

@@ -137,3 +137,31 @@ fn topology(
     };
     Ok(Arc::new(lattice).into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_lives_as_long_as_a_cloth_has_it() {
+        let mut cache = RestCache::default();
+        let sheet = |size| RestShape::Sheet { size: Vec2::splat(size), particles: UVec2::splat(3) };
+        let factors = Factors { mass: vec![2.0; 9], stiffness: vec![1.0; 9] };
+        let equal = factors.clone();
+        let mut get = |size: f32, scale, factors| {
+            let topology = cache.topology(&sheet(size), scale, MassLumping::Lumped, factors);
+            topology.unwrap().as_lattice().unwrap().clone()
+        };
+        let first = get(1.0, 2.0, None);
+        assert!(Arc::ptr_eq(&first, &get(2.0, 1.0, None)), "the same size in the end");
+        let heavy = get(1.0, 2.0, Some(&factors));
+        assert!(!Arc::ptr_eq(&first, &heavy));
+        assert!(Arc::ptr_eq(&heavy, &get(1.0, 2.0, Some(&equal))));
+        let watch = Arc::downgrade(&first);
+        drop(first);
+        assert_eq!(watch.strong_count(), 0, "nobody has it any more");
+        // What is new takes the place of what is gone.
+        get(1.0, 2.0, None);
+        assert!(cache.topologies.len() <= 2);
+    }
+}
