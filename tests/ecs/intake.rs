@@ -383,7 +383,7 @@ fn pins_that_choose_nothing_are_told() {
     let mut plain = flat(4, 5);
     let mut positions: Vec<_> =
         attribute(&plain, Mesh::ATTRIBUTE_POSITION).iter().map(Vec3::to_array).collect();
-    positions.push([0.0; 3]);
+    positions.push([9.0; 3]);
     plain.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
     let cylinder = Cylinder::new(0.5, 1.0).mesh().build();
     let above = |above: f32| ClothPins::color(ColorChannel::Green, above);
