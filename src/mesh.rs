@@ -1,4 +1,13 @@
 //! The rest mesh in, the cloth's own mesh out.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `rest` | finds a cloth's mesh asset, waits for it, makes the copy that is drawn into |
+//! | `raw` | reads the asset's data: the door, where they are checked |
+//! | `weld`, `surface` | vertices at one place become one, what is no triangle is left out |
+//! | `intake` | the surface becomes rows and columns, or stays triangles |
+//! | `groups`, `normals` | normals of any triangles, and of rows and columns |
+//! | `draw` | writes positions and normals, once a frame |
 
 mod draw;
 mod groups;
