@@ -94,12 +94,16 @@ fn normals_are_smooth_over_seams_and_split_at_hard_edges() {
 #[track_caller]
 fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
     let mut app = app();
-    let entity = spawn_mesh(&mut app, mesh, pins);
+    // Aslant, so that what stands upright in its plane moves too.
+    app.insert_resource(ClothGravity(Vec3::new(2.0, -9.3, 2.0)));
+    // Braked, so that it is nearly at rest in the end.
+    let material = ClothMaterial { drag: 3.0, ..default() };
+    let entity = spawn_mesh(&mut app, mesh, (pins, material));
     updates(&mut app, ticks);
     assert_eq!(failure(&app, entity), None, "{what}");
     let running = simulation(&app, entity);
     assert_eq!(running.tick_count(), ticks as u64);
-    assert!(!running.pinned().is_empty() && running.pinned().len() < running.particle_count() / 2);
+    assert!(!running.pinned().is_empty() && running.pinned().len() < running.particle_count());
     let rest = attribute(mesh, Mesh::ATTRIBUTE_POSITION);
     let shown = attribute(drawn(&app, entity), Mesh::ATTRIBUTE_POSITION);
     let normals = attribute(drawn(&app, entity), Mesh::ATTRIBUTE_NORMAL);
@@ -116,7 +120,7 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
         assert!(off < 1e-5, "{what}: a pin slips");
     }
     let moved = shown.iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-    assert!(moved > 0.01, "{what}: nothing moves");
+    assert!(moved > 1e-3, "{what}: nothing moves");
     // Edges as they are drawn, not as the solver counts them.
     let mut longest = 0.0_f32;
     let indices: Vec<_> = mesh.indices().unwrap().iter().collect();
@@ -128,7 +132,7 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
             }
         }
     }
-    assert!(longest < 0.12, "{what}: an edge is stretched by {longest}");
+    assert!(longest < 0.105, "{what}: an edge is stretched by {longest}");
 }
 
 #[test]
@@ -184,7 +188,6 @@ fn irregular_disc(rings: u32) -> Mesh {
 #[test]
 fn an_irregular_mesh_of_20_000_triangles_hangs() {
     let mesh = irregular_disc(58);
-    let pins = ClothPins::within(Vec3::new(-0.5, 0.8, -1.0), Vec3::new(0.5, 1.1, 1.0));
     let mut app = app();
     let entity = spawn_mesh(&mut app, &mesh, ());
     app.update();
@@ -192,7 +195,7 @@ fn an_irregular_mesh_of_20_000_triangles_hangs() {
     assert_eq!((intake.triangles, intake.skipped.total()), (6 * 58 * 58, 0));
     assert_eq!(intake.vertices, intake.particles);
     assert!(intake.grid.is_err());
-    hang("irregular disc", &mesh, pins, 90);
+    hang("irregular disc", &mesh, top(&mesh, 0.2), 120);
 }
 
 /// A tube with two sleeves: wherever a hole is cut into it, the hole's border is carried outwards.
