@@ -47,7 +47,7 @@ impl ClothSolver {
         if !(tick > 0.0 && tick <= 1.0) {
             return Err(SolverError::Tick(tick));
         }
-        self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);
+        self.plan_ticks(tick);
         Ok(&self.plan)
     }
 

@@ -10,9 +10,9 @@ use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Lattice;
 
 /// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
-const LEAST_LENGTH: f32 = 1e-12;
+pub(super) const LEAST_LENGTH: f32 = 1e-12;
 /// Least divisor \[1/kg\]: between two held particles nothing can move.
-const LEAST_DIVISOR: f32 = 1e-12;
+pub(super) const LEAST_DIVISOR: f32 = 1e-12;
 
 /// Moves the ends of springs towards their target lengths.
 pub(super) struct CorrectSprings<'a> {
@@ -67,21 +67,21 @@ impl Kernel for CorrectSprings<'_> {
 }
 
 /// One spring as it is now.
-struct Spring {
-    length: f32,
+pub(super) struct Spring {
+    pub length: f32,
     /// Rest length \[m\]; 0 where there is no spring.
-    rest: f32,
+    pub rest: f32,
     /// Compliance factor; infinite where there is no spring.
-    factor: f32,
+    pub factor: f32,
     /// Sum of the inverse masses of both ends \[1/kg\], not zero.
-    inverse_masses: f32,
+    pub inverse_masses: f32,
 }
 
 impl Spring {
     /// What brings it to so many rest lengths, as the correction of an end of inverse mass one
     /// \[m kg\]; negative where it is shorter.
     #[inline(always)]
-    fn pull_to(&self, limit: f32) -> f32 {
+    pub fn pull_to(&self, limit: f32) -> f32 {
         let excess = (self.length - self.rest * limit) / self.inverse_masses;
         if self.rest > 0.0 { excess } else { -1.0 }
     }

@@ -133,7 +133,7 @@ impl AccumulateForces<'_> {
 }
 
 #[inline(always)]
-fn pull(d: Vec3, rest: f32, constant: f32) -> Vec3 {
+pub(super) fn pull(d: Vec3, rest: f32, constant: f32) -> Vec3 {
     let length = larger(d.dot(d).sqrt(), LEAST_LENGTH);
     d * (constant - constant * rest / length)
 }

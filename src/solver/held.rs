@@ -1,6 +1,7 @@
 //! What depends on which particles are held: inverse masses, tethers, clamped hinges.
 
 use super::bending::Hinges;
+use super::graph::Strengths;
 use super::lanes::Array;
 use super::lattice::Layout;
 use super::tethers::TetherSet;
@@ -21,6 +22,8 @@ pub(super) struct Held {
     pub tethers: Vec<TetherSet>,
     /// Hinges of a lattice's weft and warp.
     pub hinges: [Hinges; 2],
+    /// Explicit constants of a graph.
+    pub strengths: Option<Strengths>,
 }
 
 impl Held {
@@ -34,6 +37,7 @@ impl Held {
         Self {
             tethers: TetherSet::build(topology, &slots),
             hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
+            strengths: topology.as_graph().map(|graph| Strengths::new(graph, &held)),
             particles,
             slots,
             inverse_mass: Array::zeros(layout.len()),

@@ -81,7 +81,7 @@ use measure::{Survey, TakeSurvey};
 use plan::Bound;
 use state::{Scratch, State};
 use tethers::PullTethers;
-use threads::{Lines, SolveWarp, SolveWeft};
+use threads::{Lines, Reach, SolveWarp, SolveWeft};
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
@@ -128,7 +128,7 @@ impl ClothSolver {
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
         input.check(self.held.slots.len())?;
         if input.dt != self.plan.tick {
-            self.plan = Plan::new(&self.bound, &self.material, &self.settings, input.dt);
+            self.plan_ticks(input.dt);
         }
         if self.tethered_under != Some(input.gravity) {
             for set in &mut self.held.tethers {
@@ -150,7 +150,10 @@ impl ClothSolver {
         if !self.has_forces() {
             return;
         }
-        let Topology::Lattice(lattice) = &self.topology else { return };
+        let Topology::Lattice(lattice) = &self.topology else {
+            self.accumulate_graph_forces(input);
+            return;
+        };
         let plan = self.plan;
         let x = &self.state.x;
         let layout = lattice.layout;
@@ -228,21 +231,22 @@ impl ClothSolver {
 
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
+        self.fill_places();
+        // Springs that carry what was asked of them need no tethers.
+        let mut tethered = self.plan.clamped.thread;
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();
                 if self.solve_threads() {
                     self.limit_strain();
                 }
-                self.pull_tethers();
+                tethered = true;
             }
-            Form::Springs => {
-                self.limit_strain();
-                // Springs that carry what was asked of them need no help.
-                if self.plan.clamped.thread {
-                    self.pull_tethers();
-                }
-            }
+            Form::Springs => self.limit_strain(),
+        }
+        self.empty_places();
+        if tethered {
+            self.pull_tethers();
         }
     }
 
@@ -269,6 +273,9 @@ impl ClothSolver {
     }
 
     fn correct_springs(&mut self, rule: Rule) {
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+            room.correct_springs(self.isa, graph, rule);
+        }
         let Topology::Lattice(lattice) = &self.topology else { return };
         self.isa.run(CorrectSprings {
             lattice,
@@ -286,9 +293,12 @@ impl ClothSolver {
         if stiffness <= 0.0 {
             return true;
         }
-        let limit = self.limit();
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
+        let reach = Reach { compliance, limit: self.limit() };
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+            return room.solve_chains(isa, graph, reach);
+        }
         let Topology::Lattice(lattice) = &self.topology else { return false };
         let layout = lattice.layout;
         let State { x, d, .. } = &mut self.state;
@@ -296,18 +306,16 @@ impl ClothSolver {
         let weft = Lines {
             layout: layout.transposed(),
             springs: &lattice.weft_transposed,
-            compliance,
+            reach,
             inverse_mass: &self.held.inverse_mass_transposed,
-            limit,
             line,
         };
         let weft_beyond = isa.run(SolveWeft { layout, lines: weft, x, d, strip });
         let warp = Lines {
             layout,
             springs: &lattice.warp,
-            compliance,
+            reach,
             inverse_mass: &self.held.inverse_mass,
-            limit,
             line,
         };
         let warp_beyond = isa.run(SolveWarp { layout, lines: warp, x, d });
@@ -375,13 +383,17 @@ impl ClothSolver {
     }
 
     fn take_survey(&self) -> Survey {
-        self.isa.run(TakeSurvey {
+        let mut survey = self.isa.run(TakeSurvey {
             layout: self.topology.layout(),
             lattice: self.topology.as_lattice().map(|lattice| &**lattice),
             x: &self.state.x,
             d: &self.state.d,
             start: &self.state.start,
-        })
+        });
+        if let Topology::Graph(graph) = &self.topology {
+            survey.max_strain = graph::largest_strain(self.isa, graph, &self.state.x);
+        }
+        survey
     }
 
     fn has_forces(&self) -> bool {
@@ -393,5 +405,32 @@ impl ClothSolver {
     fn span(&self) -> Span {
         let n = self.plan.substeps as f32;
         Span { from: self.done as f32 / n, to: (self.done + 1) as f32 / n }
+    }
+
+    fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
+        self.fill_places();
+        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
+        else {
+            return;
+        };
+        let Scratch { a, b, graph: Some(room), .. } = &mut self.scratch else { return };
+        let (isa, plan) = (self.isa, &self.plan);
+        room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
+        if plan.damping > 0.0 {
+            room.add_damping(isa, graph, strengths, &self.material, &self.state, a, b);
+        }
+    }
+
+    /// A graph's particles are gathered from places; on a lattice there is nothing to do.
+    fn fill_places(&mut self) {
+        if let Some(room) = &mut self.scratch.graph {
+            room.fill(self.isa, &self.held.inverse_mass, &self.state);
+        }
+    }
+
+    fn empty_places(&mut self) {
+        if let Some(room) = &self.scratch.graph {
+            room.empty(self.isa, &mut self.state.d);
+        }
     }
 }

@@ -8,6 +8,7 @@ use core::fmt;
 
 use super::bending::Hinges;
 use super::forces::SpringConstants;
+use super::graph::Demand;
 use super::held::Held;
 use super::lattice::{Lattice, MassLumping};
 use super::parameters::{Bending, FormChoice, Material, Settings, Substeps};
@@ -84,6 +85,8 @@ pub struct Plan {
     pub(super) explicit: SpringConstants,
     /// Rigidity of the second-difference hinges \[N m\]; 0 where flexion springs stand in.
     pub(super) hinge_rigidity: f32,
+    /// What a graph makes the constants of its springs of.
+    pub(super) demand: Demand,
 }
 
 impl fmt::Display for Plan {
@@ -163,12 +166,19 @@ impl Plan {
             Form::Threads => Constants { thread: 0.0, shear: 0.0, ..asked },
         };
         let used = bound.clamp(explicit, stable);
+        let highest = match bound {
+            Bound::Graph(_) => bound.rate(&explicit).min(stable),
+            _ => bound.rate(&used),
+        };
         let rate = bound.rate(&Constants {
             thread: material.damping,
             shear: if asked.shear > 0.0 { material.damping } else { 0.0 },
             ..Constants::default()
         });
-        let damping = material.damping * (1.0 / (rate * step)).min(1.0);
+        let damping = match bound {
+            Bound::Graph(_) => material.damping,
+            _ => material.damping * (1.0 / (rate * step)).min(1.0),
+        };
         // Threads are solved with the stiffness asked for.
         let (thread_stiffness, shear_stiffness) = match form {
             Form::Springs => (used.thread, used.shear),
@@ -179,12 +189,12 @@ impl Plan {
             reason,
             substeps,
             step,
-            margin: bound.rate(&used) * step * step / 4.0,
+            margin: highest * step * step / 4.0,
             clamped: Clamped {
                 thread: used.thread < explicit.thread,
                 shear: used.shear < explicit.shear,
                 bending: used.bend < explicit.bend || used.flexion < explicit.flexion,
-                damping: damping < material.damping,
+                damping: material.damping > 0.0 && rate * step > 1.0,
             },
             thread_stiffness,
             shear_stiffness,
@@ -202,6 +212,12 @@ impl Plan {
                 flexion: used.flexion,
             },
             hinge_rigidity: used.bend,
+            demand: Demand {
+                asked: explicit,
+                stable,
+                damping: [material.damping, if asked.shear > 0.0 { material.damping } else { 0.0 }],
+                stable_damping: 1.0 / step,
+            },
         }
     }
 }
@@ -225,12 +241,12 @@ fn flexion_constant(rigidity: f32) -> f32 {
 }
 
 /// Constants of explicit forces.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Constants {
-    thread: f32,
-    shear: f32,
-    bend: f32,
-    flexion: f32,
+    pub thread: f32,
+    pub shear: f32,
+    pub bend: f32,
+    pub flexion: f32,
 }
 
 /// Squared frequencies that a lattice's explicit forces reach at most, for constants of one.
@@ -250,15 +266,54 @@ pub(super) enum Bound {
     },
     /// Any other lattice: Gershgorin's circles, an entry a particle.
     Circles(Vec<Circle>),
+    /// A graph: the same, and each particle's springs are lowered by themselves.
+    Graph(Vec<Circle>),
 }
 
 /// Row sums of one particle, over its mass.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Circle {
-    thread: f32,
-    shear: f32,
-    bend: f32,
-    flexion: f32,
+    pub thread: f32,
+    pub shear: f32,
+    pub bend: f32,
+    pub flexion: f32,
+}
+
+/// Parts of a particle's constants that the substeps carry.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shares {
+    pub thread: f32,
+    pub shear: f32,
+    pub bending: f32,
+    pub damping: f32,
+}
+
+impl Shares {
+    pub const WHOLE: Self = Self { thread: 1.0, shear: 1.0, bending: 1.0, damping: 1.0 };
+}
+
+impl Circle {
+    fn rate(&self, k: &Constants) -> f32 {
+        k.thread * self.thread
+            + k.shear * self.shear
+            + k.bend * self.bend
+            + k.flexion * self.flexion
+    }
+
+    /// Lowers the constants of one particle as [`Bound::clamp`] does those of all.
+    pub fn shares(&self, asked: &Constants, stable: f32) -> Shares {
+        if self.rate(asked) <= stable {
+            return Shares::WHOLE;
+        }
+        let part = if asked.thread + asked.shear > 0.0 { SHARE } else { 1.0 };
+        let bending = asked.bend * self.bend + asked.flexion * self.flexion;
+        let (shear, thread) = (asked.shear * self.shear, asked.thread * self.thread);
+        // A quotient by zero is infinite: the whole.
+        let lowered = |rate: f32, to: f32| (to / rate).min(1.0);
+        let shares = (lowered(bending, part * stable), lowered(shear, part * stable));
+        let left = stable - bending * shares.0 - shear * shares.1;
+        Shares { thread: lowered(thread, left), shear: shares.1, bending: shares.0, damping: 1.0 }
+    }
 }
 
 impl Bound {
@@ -269,7 +324,10 @@ impl Bound {
                 Self::uniform(lattice, hinges, inverse_mass)
             }
             Topology::Lattice(lattice) => Self::circles(lattice, hinges, inverse_mass),
-            Topology::Graph(_) => Self::Circles(Vec::new()),
+            Topology::Graph(graph) => {
+                let strengths = held.strengths.as_ref();
+                Self::Graph(strengths.map_or(Vec::new(), |s| s.circles(graph, inverse_mass)))
+            }
         }
     }
 
@@ -335,15 +393,9 @@ impl Bound {
                     (along_weft + along_warp).max(along_weft + diagonal).max(along_warp + diagonal);
                 (highest + 4.0 * k.flexion * (flexion[0] + flexion[1])) * inverse_mass
             }
-            Self::Circles(circles) => circles
-                .iter()
-                .map(|c| {
-                    k.thread * c.thread
-                        + k.shear * c.shear
-                        + k.bend * c.bend
-                        + k.flexion * c.flexion
-                })
-                .fold(0.0, f32::max),
+            Self::Circles(circles) | Self::Graph(circles) => {
+                circles.iter().map(|circle| circle.rate(k)).fold(0.0, f32::max)
+            }
         }
     }
 
@@ -354,6 +406,9 @@ impl Bound {
             return asked;
         }
         let none = Constants::default();
+        if let Self::Graph(circles) = self {
+            return mean(circles, asked, stable);
+        }
         let part = if asked.thread + asked.shear > 0.0 { SHARE } else { 1.0 };
         let share = |only: Constants| (part * stable / self.rate(&only)).min(1.0);
         let bending = share(Constants { bend: asked.bend, flexion: asked.flexion, ..none });
@@ -368,5 +423,26 @@ impl Bound {
         let thread = (left / self.rate(&Constants { thread: asked.thread, ..none })).min(1.0);
         used.thread = asked.thread * thread;
         used
+    }
+}
+
+/// The constants that particles have in the mean, where each has what the substeps carry.
+fn mean(circles: &[Circle], asked: Constants, stable: f32) -> Constants {
+    let mut sums = [0.0_f64; 3];
+    for shares in circles.iter().map(|circle| circle.shares(&asked, stable)) {
+        for (sum, share) in sums.iter_mut().zip([shares.thread, shares.shear, shares.bending]) {
+            *sum += f64::from(1.0 - share);
+        }
+    }
+    let [thread, shear, bending] = sums.map(|sum| {
+        let lost = (sum / circles.len() as f64) as f32;
+        // That of a few in many particles shows all the same.
+        if sum > 0.0 { (1.0 - lost).min(1.0 - f32::EPSILON) } else { 1.0 }
+    });
+    Constants {
+        thread: asked.thread * thread,
+        shear: asked.shear * shear,
+        bend: asked.bend * bending,
+        flexion: asked.flexion * bending,
     }
 }

@@ -58,6 +58,7 @@ impl ClothSolver {
             bound,
             state,
         };
+        solver.replan();
         solver.survey = solver.take_survey();
         Ok(solver)
     }
@@ -118,8 +119,23 @@ impl ClothSolver {
     fn replan(&mut self) {
         self.held.set_density(&self.topology, self.material.area_density);
         self.bound = Bound::new(&self.topology, &self.held);
-        self.plan = Plan::new(&self.bound, &self.material, &self.settings, self.plan.tick);
+        if let (Topology::Graph(graph), Some(strengths)) =
+            (&self.topology, &mut self.held.strengths)
+        {
+            strengths.set_bending(graph, self.settings.bending);
+        }
+        self.plan_ticks(self.plan.tick);
         self.tethered_under = None;
+    }
+
+    /// Makes the plan for ticks of another length \[s\].
+    pub(super) fn plan_ticks(&mut self, tick: f32) {
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);
+        if let (Topology::Graph(graph), Some(strengths)) =
+            (&self.topology, &mut self.held.strengths)
+        {
+            strengths.set(graph, &self.bound, &self.plan.demand);
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use bevy::math::Vec3;
 
 use super::bending::Moments;
 use super::contact::ContactRoom;
+use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
 use super::topology::Topology;
@@ -89,6 +90,8 @@ pub(crate) struct Scratch {
     pub strip: Soa,
     /// The unknowns of a block of threads.
     pub line: Line,
+    /// What only a graph's stages work in.
+    pub graph: Option<Room>,
     /// What contact remembers within a tick.
     pub contact: ContactRoom,
 }
@@ -99,6 +102,17 @@ pub(crate) struct Line {
     pub direction: Soa,
     pub inverse_pivot: Array,
     pub residual: Array,
+}
+
+impl Line {
+    /// Room for threads of so many springs, times [`LANES`].
+    pub fn new(longest: usize) -> Self {
+        Self {
+            direction: Soa::zeros(longest),
+            inverse_pivot: Array::zeros(longest),
+            residual: Array::zeros(longest),
+        }
+    }
 }
 
 impl Scratch {
@@ -113,11 +127,8 @@ impl Scratch {
             b: Soa::zeros(len),
             moments: Moments::new(woven),
             strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
-            line: Line {
-                direction: Soa::zeros(longest),
-                inverse_pivot: Array::zeros(longest),
-                residual: Array::zeros(longest),
-            },
+            line: Line::new(longest),
+            graph: topology.as_graph().map(|graph| Room::new(graph)),
             contact: ContactRoom::new(layout),
         }
     }

@@ -45,11 +45,8 @@ pub(super) struct SolveWeft<'a> {
 pub(super) struct Lines<'a> {
     pub layout: Layout,
     pub springs: &'a Family,
-    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
-    pub compliance: f32,
+    pub reach: Reach,
     pub inverse_mass: &'a [f32],
-    /// Longest that a spring may be, in rest lengths.
-    pub limit: f32,
     /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
 }
@@ -206,27 +203,8 @@ impl Lines<'_> {
             let w1 = Block::load(self.inverse_mass, self.layout.slot(place, thread));
             let rest = Block::load(&self.springs.rest, spring);
             let factor = Block::load(&self.springs.compliance, spring);
-            let mut next = Pivot::default();
-            for i in 0..LANES {
-                let span = x1.at(i) - x0.at(i);
-                // Not `Vec3::length`, whose square root may be a call.
-                let length = span.dot(span).sqrt();
-                excess.0[i] = larger(length - rest.0[i] * self.limit, excess.0[i]);
-                let n = span * (1.0 / larger(length, LEAST_LENGTH));
-                let diagonal = w0.0[i] + w1.0[i];
-                // In this order the larger of the two is a number even where the first is NaN.
-                let soft = larger(factor.0[i] * self.compliance, diagonal * LEAST_COMPLIANCE);
-                let beside = w0.0[i] * n.dot(last.direction.at(i));
-                let carried = beside * last.inverse.0[i];
-                let pivot = larger(diagonal + soft - beside * carried, LEAST_PIVOT);
-                next.direction.set(i, n);
-                next.inverse.0[i] = 1.0 / pivot;
-                next.residual.0[i] = length - rest.0[i] + carried * last.residual.0[i];
-            }
-            let at = (place - 1) * LANES;
-            next.direction.store(&mut self.line.direction, at);
-            next.inverse.store(&mut self.line.inverse_pivot, at);
-            next.residual.store(&mut self.line.residual, at);
+            let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
+            next.store(self.line, (place - 1) * LANES);
             (x0, w0, last) = (x1, w1, next);
         }
     }
@@ -235,36 +213,29 @@ impl Lines<'_> {
     /// particles between them.
     #[inline(always)]
     fn substitute(&mut self, thread: usize, ends: &mut impl Ends) {
-        let mut next_pull = Block3::ZERO;
+        let mut tension = Tension::default();
         for place in (1..self.layout.rows).rev() {
-            let at = (place - 1) * LANES;
-            let n = Block3::load(&self.line.direction, at);
-            let inverse = Block::load(&self.line.inverse_pivot, at);
-            let residual = Block::load(&self.line.residual, at);
+            let pivot = Pivot::load(self.line, (place - 1) * LANES);
             let w = Block::load(self.inverse_mass, self.layout.slot(place, thread));
-            let mut pull = Block3::ZERO;
-            let mut correction = Block3::ZERO;
-            for i in 0..LANES {
-                let beside = w.0[i] * n.at(i).dot(next_pull.at(i));
-                let tension = (residual.0[i] + beside) * inverse.0[i];
-                pull.set(i, n.at(i) * tension);
-                correction.set(i, (next_pull.at(i) - pull.at(i)) * w.0[i]);
-            }
-            ends.correct(place, correction);
-            next_pull = pull;
+            ends.correct(place, tension.next(&pivot, &w));
         }
         let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
-        let mut correction = Block3::ZERO;
-        for i in 0..LANES {
-            correction.set(i, next_pull.at(i) * w.0[i]);
-        }
-        ends.correct(0, correction);
+        ends.correct(0, tension.last(&w));
     }
+}
+
+/// How soft the springs are, and how long they may be.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
+    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
+    pub compliance: f32,
+    /// Longest that a spring may be, in rest lengths.
+    pub limit: f32,
 }
 
 /// One step of the elimination.
 #[derive(Clone, Copy)]
-struct Pivot {
+pub(super) struct Pivot {
     direction: Block3,
     inverse: Block,
     residual: Block,
@@ -273,5 +244,97 @@ struct Pivot {
 impl Default for Pivot {
     fn default() -> Self {
         Self { direction: Block3::ZERO, inverse: Block::ZERO, residual: Block::ZERO }
+    }
+}
+
+impl Pivot {
+    /// The step after this one, for springs between particles at `x` of inverse masses `w`. Notes by
+    /// how much they exceed their limit; those without a rest length are none.
+    #[inline(always)]
+    pub fn next(
+        &self,
+        reach: &Reach,
+        x: [&Block3; 2],
+        w: [&Block; 2],
+        rest: &Block,
+        factor: &Block,
+        excess: &mut Block,
+    ) -> Self {
+        let mut next = Self::default();
+        for i in 0..LANES {
+            let span = x[1].at(i) - x[0].at(i);
+            // Not `Vec3::length`, whose square root may be a call.
+            let length = span.dot(span).sqrt();
+            let over = length - rest.0[i] * reach.limit;
+            let over = if rest.0[i] > 0.0 { over } else { 0.0 };
+            excess.0[i] = larger(over, excess.0[i]);
+            let n = span * (1.0 / larger(length, LEAST_LENGTH));
+            let diagonal = w[0].0[i] + w[1].0[i];
+            // In this order the larger of the two is a number even where the first is NaN.
+            let soft = larger(factor.0[i] * reach.compliance, diagonal * LEAST_COMPLIANCE);
+            let beside = w[0].0[i] * n.dot(self.direction.at(i));
+            let carried = beside * self.inverse.0[i];
+            let pivot = larger(diagonal + soft - beside * carried, LEAST_PIVOT);
+            next.direction.set(i, n);
+            next.inverse.0[i] = 1.0 / pivot;
+            next.residual.0[i] = length - rest.0[i] + carried * self.residual.0[i];
+        }
+        next
+    }
+
+    #[inline(always)]
+    pub fn store(&self, line: &mut Line, at: usize) {
+        self.direction.store(&mut line.direction, at);
+        self.inverse.store(&mut line.inverse_pivot, at);
+        self.residual.store(&mut line.residual, at);
+    }
+
+    #[inline(always)]
+    pub fn load(line: &Line, at: usize) -> Self {
+        Self {
+            direction: Block3::load(&line.direction, at),
+            inverse: Block::load(&line.inverse_pivot, at),
+            residual: Block::load(&line.residual, at),
+        }
+    }
+}
+
+/// The pull of the springs that come after a place.
+#[derive(Clone, Copy)]
+pub(super) struct Tension {
+    pull: Block3,
+}
+
+impl Default for Tension {
+    fn default() -> Self {
+        Self { pull: Block3::ZERO }
+    }
+}
+
+impl Tension {
+    /// Goes on to the springs before particles of inverse masses `w`; gives these their corrections.
+    #[inline(always)]
+    pub fn next(&mut self, pivot: &Pivot, w: &Block) -> Block3 {
+        let mut pull = Block3::ZERO;
+        let mut correction = Block3::ZERO;
+        for i in 0..LANES {
+            let n = pivot.direction.at(i);
+            let beside = w.0[i] * n.dot(self.pull.at(i));
+            let tension = (pivot.residual.0[i] + beside) * pivot.inverse.0[i];
+            pull.set(i, n * tension);
+            correction.set(i, (self.pull.at(i) - pull.at(i)) * w.0[i]);
+        }
+        self.pull = pull;
+        correction
+    }
+
+    /// Corrections of the first particles.
+    #[inline(always)]
+    pub fn last(&self, w: &Block) -> Block3 {
+        let mut correction = Block3::ZERO;
+        for i in 0..LANES {
+            correction.set(i, self.pull.at(i) * w.0[i]);
+        }
+        correction
     }
 }

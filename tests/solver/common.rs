@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material, PinMotion,
-    Settings, StepInput, Substeps, TickReport,
+    ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
+    PinMotion, Settings, StepInput, Substeps, TickReport, Topology,
 };
 
 pub const TICK: f32 = 1.0 / 64.0;
@@ -66,14 +66,15 @@ pub fn curtain(size: Vec2, rows: usize, columns: usize, lumping: MassLumping) ->
 }
 
 /// A cloth in its rest shape, moved by `offset`.
-pub fn at_rest(
-    lattice: &Arc<Lattice>,
+pub fn at_rest<T: Clone + Into<Topology>>(
+    topology: &T,
     offset: Vec3,
     material: Material,
     settings: Settings,
 ) -> ClothSolver {
-    let positions: Vec<_> = lattice.rest_positions().iter().map(|&p| p + offset).collect();
-    ClothSolver::new(lattice.clone(), &positions, material, settings).unwrap()
+    let topology: Topology = topology.clone().into();
+    let positions: Vec<_> = topology.rest_positions().iter().map(|&p| p + offset).collect();
+    ClothSolver::new(topology, &positions, material, settings).unwrap()
 }
 
 pub fn still(solver: &ClothSolver) -> Vec<PinMotion> {
@@ -207,6 +208,41 @@ pub fn jittered(
             let at = (r * columns + c) as u32;
             let (right, below, across) = (at + 1, at + columns as u32, at + columns as u32 + 1);
             if dice.roll() > 0.0 {
+                triangles.extend([[at, below, across], [at, across, right]]);
+            } else {
+                triangles.extend([[at, below, right], [right, below, across]]);
+            }
+        }
+    }
+    (positions, triangles)
+}
+
+/// A graph of a [`jittered`] sheet, lumped.
+pub fn mesh(rows: usize, columns: usize, cell: f32, jitter: f32) -> Arc<Graph> {
+    let (positions, triangles) = jittered(rows, columns, cell, jitter, 7);
+    Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap())
+}
+
+/// A sheet of nearly equilateral triangles of side `side` in the xz plane, rows along x; odd rows
+/// begin half a side later, with the same number of particles, and the borders across are cut
+/// straight.
+pub fn hexagonal(rows: usize, columns: usize, side: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let height = side * 0.75_f32.sqrt();
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for r in 0..rows {
+        for c in 0..columns {
+            let shift = if r % 2 == 1 { 0.5 } else { 0.0 };
+            let last = columns as f32 - 1.0;
+            let x = if c == 0 { 0.0 } else { (c as f32 + shift).min(last) };
+            let x = if c + 2 == columns && r % 2 == 1 { last - 0.5 } else { x };
+            positions.push(Vec3::new(x * side, 0.0, r as f32 * height));
+            if r + 1 == rows || c + 1 == columns {
+                continue;
+            }
+            let at = (r * columns + c) as u32;
+            let (right, below, across) = (at + 1, at + columns as u32, at + columns as u32 + 1);
+            if r % 2 == 1 {
                 triangles.extend([[at, below, across], [at, across, right]]);
             } else {
                 triangles.extend([[at, below, right], [right, below, across]]);

@@ -7,6 +7,8 @@ mod common;
 mod contact;
 mod determinism;
 mod free_flight;
+mod graph;
+mod graph_bending;
 mod graph_refusals;
 mod hanging;
 mod limit;

@@ -103,7 +103,7 @@ fn check_weights(what: &'static str, particles: usize, weights: &[f32]) -> Resul
     if !weights.is_empty() && weights.len() != particles {
         return Err(GraphError::WrongWeightCount { what, particles, got: weights.len() });
     }
-    let unusable = |&weight: &f32| !(weight >= 1e-3 && weight <= 1e3);
+    let unusable = |&weight: &f32| !(1e-3..=1e3).contains(&weight);
     match weights.iter().position(unusable) {
         Some(particle) => Err(GraphError::Weight { what, particle, value: weights[particle] }),
         None => Ok(()),

@@ -35,7 +35,8 @@ pub(super) struct Edge {
 }
 
 impl Mesh<'_> {
-    fn at(&self, slot: u32) -> DVec3 {
+    /// Where a particle is at rest \[m\].
+    pub fn at(&self, slot: u32) -> DVec3 {
         self.positions[slot as usize].as_dvec3()
     }
 

@@ -5,20 +5,43 @@
 //! | `error`, `check` | what is refused |
 //! | `order` | where the particles lie in memory |
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
+//! | `hinges`, `threads` | bending across edges, and along the threads of cells |
+//! | `table`, `places` | what each particle gathers, and from where |
+//! | `forces`, `strengths` | explicit forces, and their constants in use |
+//! | `chains`, `solve` | the thread form: lines of springs, solved whole |
+//! | `pairs` | springs in batches: shear, Provot's limit, strain |
+//! | `stages` | the stages of a substep |
 
+mod chains;
 mod check;
 mod edges;
 mod error;
+mod forces;
+mod hinges;
 mod order;
+mod pairs;
+mod places;
+mod solve;
 mod springs;
+mod stages;
+mod strengths;
+mod table;
+mod threads;
 
 use bevy::math::Vec3;
 
 pub use error::GraphError;
 pub(crate) use springs::Link;
+pub(crate) use stages::{Room, largest_strain};
+pub(crate) use strengths::{Demand, Strengths};
 
+use super::lanes::Array;
 use super::lattice::{Layout, MassLumping};
+use chains::Chains;
 use edges::Mesh;
+use hinges::Hinges;
+use pairs::Pairs;
+use table::Table;
 
 /// Factors of single particles, in their order; an empty list stands for ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,6 +73,17 @@ pub struct Graph {
     pub(crate) structural: Vec<Link>,
     /// Shear springs.
     pub(crate) shear: Vec<Link>,
+    /// The same in batches.
+    structural_pairs: Pairs,
+    shear_pairs: Pairs,
+    /// Structural springs laid end to end.
+    chains: Chains,
+    /// Structural, then shear springs by particle, and their rest lengths \[m\].
+    springs: Table,
+    spring_rest: Array,
+    /// Flexion springs across the edges: shape for a constant as of a lattice's \[1/m4\].
+    flexion: Vec<Link>,
+    hinges: Hinges,
     /// Area by slot whose mass a particle carries \[m2\].
     pub(crate) area: Vec<f32>,
     total_area: f32,
@@ -102,11 +136,26 @@ impl Graph {
         let mesh = Mesh { positions: &by_slot, triangles: &corners };
         let edges = mesh.edges();
         let total_area = (0..triangles.len()).map(|t| mesh.area(t)).sum::<f64>() as f32;
+        let count = positions.len();
+        let structural = springs::structural(&edges, lumping, weights.stiffness);
+        let shear = springs::shear(&mesh, &edges, weights.stiffness);
+        let springs = springs_table(count, structural.iter().chain(&shear));
+        let mut spring_rest = springs.room();
+        let link = |i: usize| structural.get(i).unwrap_or_else(|| &shear[i - structural.len()]);
+        springs.fill(&mut spring_rest, |i| link(i).rest);
+        let exact: Vec<_> = by_slot.iter().map(|p| p.as_dvec3()).collect();
         Ok(Self {
-            layout: Layout::one_row(positions.len()),
+            layout: Layout::one_row(count),
             lumping,
-            structural: springs::structural(&edges, lumping, weights.stiffness),
-            shear: springs::shear(&mesh, &edges, weights.stiffness),
+            structural_pairs: Pairs::new(count, &structural),
+            shear_pairs: Pairs::new(count, &shear),
+            chains: Chains::new(&exact, &structural),
+            flexion: springs::flexion(&mesh, &edges, weights.stiffness),
+            hinges: Hinges::new(&mesh, &edges, lumping, |ends| springs::between(&stiffness, ends)),
+            springs,
+            spring_rest,
+            structural,
+            shear,
             area: springs::areas(&mesh, &edges, lumping, weights),
             total_area,
             flat: false,
@@ -159,4 +208,17 @@ impl Graph {
     pub(crate) fn rest(&self, slot: usize) -> Vec3 {
         self.rest_positions[self.particle_at[slot] as usize]
     }
+
+    /// Springs by particle.
+    fn table(&self, links: &[Link]) -> Table {
+        springs_table(self.particle_count(), links.iter())
+    }
+}
+
+fn springs_table<'a>(particles: usize, links: impl Iterator<Item = &'a Link>) -> Table {
+    let entries = links
+        .enumerate()
+        .flat_map(|(i, &Link { ends: [a, b], .. })| [(a, b, i as u32), (b, a, i as u32)])
+        .collect();
+    Table::new(Layout::one_row(particles).len(), entries, |slot| slot)
 }

@@ -1,5 +1,5 @@
 //! The order of the particles in memory: neighbours near each other, so that what a particle gathers
-//! is in the nearest cache (Cuthill and McKee 1969: breadth first, neighbours of few edges before
+//! is in the nearest cache (Cuthill and `McKee` 1969: breadth first, neighbours of few edges before
 //! those of many).
 
 /// The slot of each particle.

@@ -48,7 +48,26 @@ pub(super) fn shear(mesh: &Mesh<'_>, edges: &[Edge], stiffness: &[f32]) -> Vec<L
     edges.iter().filter(|edge| edge.diagonal).flat_map(cell).collect()
 }
 
-fn between(stiffness: &[f32], [a, b]: [u32; 2]) -> f32 {
+/// Flexion springs between the corners opposite of an edge (Provot 1995). A hinge of an edge l between
+/// triangles of mean height h stores what the lattice's does in cells of side h and width l; where the
+/// corners are not across from each other their spring lengthens less, and is stiffer for it.
+pub(super) fn flexion(mesh: &Mesh<'_>, edges: &[Edge], stiffness: &[f32]) -> Vec<Link> {
+    let link = |edge: &Edge| {
+        let height = edge.area / edge.length;
+        let rest = mesh.distance(edge.opposite[0], edge.opposite[1]);
+        let slant = rest / (2.0 * height);
+        let shape = edge.length / height.powi(5) * slant * slant;
+        let shape = shape as f32 * between(stiffness, edge.ends);
+        Link { ends: edge.opposite, rest: rest as f32, shape }
+    };
+    // Of two sheets sewn together along all edges the corners may be one particle.
+    let is_hinge =
+        |edge: &&Edge| edge.sides == 2 && !edge.diagonal && edge.opposite[0] != edge.opposite[1];
+    edges.iter().filter(is_hinge).map(link).collect()
+}
+
+/// A factor of both ends.
+pub(super) fn between(stiffness: &[f32], [a, b]: [u32; 2]) -> f32 {
     if stiffness.is_empty() { 1.0 } else { 0.5 * (stiffness[a as usize] + stiffness[b as usize]) }
 }
 

@@ -1,0 +1,163 @@
+//! Springs sorted into batches that share no particle, [`LANES`] side by side.
+
+use super::Link;
+use super::places::{Place, row};
+use crate::solver::constraint::{LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring};
+use crate::solver::isa::Kernel;
+use crate::solver::lanes::{Array, Block, Block3, LANES, Soa, larger};
+
+/// Colours that are told apart; what has none of them gets a batch of its own.
+const COLOURS: usize = 64;
+
+/// Gives things that touch particles colours, the lowest that none of their particles has yet.
+pub(super) struct Palette {
+    taken: Vec<u64>,
+    beyond: u32,
+}
+
+impl Palette {
+    pub fn new(particles: usize) -> Self {
+        Self { taken: vec![0; particles], beyond: COLOURS as u32 }
+    }
+
+    pub fn colour(&mut self, slots: &[u32]) -> u32 {
+        let taken = slots.iter().fold(0, |taken, &slot| taken | self.taken[slot as usize]);
+        if taken == u64::MAX {
+            self.beyond += 1;
+            return self.beyond - 1;
+        }
+        let colour = taken.trailing_ones();
+        for &slot in slots {
+            self.taken[slot as usize] |= 1 << colour;
+        }
+        colour
+    }
+}
+
+/// Springs in rows of [`LANES`] that share no particle, but for the one beside the cloth that fills
+/// unused lanes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pairs {
+    /// Slots of first and second ends.
+    first: Vec<u32>,
+    second: Vec<u32>,
+    /// Rest length \[m\]; 0 in unused lanes.
+    rest: Array,
+    /// 1 / shape factor; infinite in unused lanes.
+    compliance: Array,
+}
+
+impl Pairs {
+    pub fn new(particles: usize, links: &[Link]) -> Self {
+        let mut palette = Palette::new(particles);
+        let mut coloured: Vec<(u32, usize)> = links
+            .iter()
+            .enumerate()
+            .map(|(link, Link { ends, .. })| (palette.colour(ends), link))
+            .collect();
+        coloured.sort_unstable();
+        let mut order = Vec::new();
+        for batch in coloured.chunk_by(|a, b| a.0 == b.0) {
+            order.extend(batch.iter().map(|&(_, link)| Some(links[link])));
+            order.resize(order.len().next_multiple_of(LANES), None);
+        }
+        let beside = particles as u32;
+        let end = |i: usize| move |link: &Option<Link>| link.map_or(beside, |link| link.ends[i]);
+        let mut rest = Array::zeros(order.len());
+        let mut compliance = Array::zeros(order.len());
+        for (i, link) in order.iter().enumerate() {
+            rest[i] = link.map_or(0.0, |link| link.rest);
+            compliance[i] = link.map_or(f32::INFINITY, |link| 1.0 / link.shape);
+        }
+        Self {
+            first: order.iter().map(end(0)).collect(),
+            second: order.iter().map(end(1)).collect(),
+            rest,
+            compliance,
+        }
+    }
+}
+
+/// Moves the ends of springs towards their target lengths.
+pub(crate) struct CorrectPairs<'a> {
+    pub pairs: &'a Pairs,
+    pub rule: Rule,
+    pub places: &'a mut [Place],
+}
+
+impl Kernel for CorrectPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        match self.rule {
+            Rule::Shear { compliance, limit } => self.correct(|spring| {
+                let elastic = (spring.length - spring.rest)
+                    / (spring.inverse_masses + spring.factor * compliance);
+                larger(elastic, spring.pull_to(limit))
+            }),
+            Rule::Limit { limit, .. } => self.correct(|spring| larger(spring.pull_to(limit), 0.0)),
+        }
+    }
+}
+
+impl CorrectPairs<'_> {
+    #[inline(always)]
+    fn correct(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
+        for at in (0..self.pairs.first.len()).step_by(LANES) {
+            let (p, q) = (row(&self.pairs.first, at), row(&self.pairs.second, at));
+            let rest = Block::load(&self.pairs.rest, at);
+            let factor = Block::load(&self.pairs.compliance, at);
+            let (mut span, mut wp, mut wq) = (Block3::ZERO, Block::ZERO, Block::ZERO);
+            for i in 0..LANES {
+                let (p, q) = (&self.places[p[i] as usize], &self.places[q[i] as usize]);
+                span.set(i, q.position() - p.position());
+                wp.0[i] = p.inverse_mass();
+                wq.0[i] = q.inverse_mass();
+            }
+            for i in 0..LANES {
+                let way = span.at(i);
+                let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
+                let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
+                let spring =
+                    Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
+                span.set(i, way * (law(spring) / length));
+            }
+            for i in 0..LANES {
+                let pull = span.at(i);
+                self.places[p[i] as usize].displace(pull * wp.0[i]);
+                self.places[q[i] as usize].displace(pull * -wq.0[i]);
+            }
+        }
+    }
+}
+
+/// The largest strain of springs.
+pub(crate) struct LargestStrain<'a> {
+    pub pairs: &'a Pairs,
+    pub x: &'a Soa,
+}
+
+impl Kernel for LargestStrain<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let mut largest = Block::splat(-1.0);
+        for at in (0..self.pairs.first.len()).step_by(LANES) {
+            let (p, q) = (row(&self.pairs.first, at), row(&self.pairs.second, at));
+            let rest = Block::load(&self.pairs.rest, at);
+            let mut span = Block3::ZERO;
+            for i in 0..LANES {
+                span.set(i, self.x.get(q[i] as usize) - self.x.get(p[i] as usize));
+            }
+            for i in 0..LANES {
+                let way = span.at(i);
+                let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
+                let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
+                largest.0[i] = larger(strain, largest.0[i]);
+            }
+        }
+        largest.largest()
+    }
+}

@@ -1,0 +1,85 @@
+//! Solving the chains of a mesh, each whole: see `threads` for the elimination.
+
+use super::chains::{Bundle, Chains};
+use super::places::{Place, row};
+use crate::solver::isa::Kernel;
+use crate::solver::lanes::{Array, Block, Block3, LANES};
+use crate::solver::state::Line;
+use crate::solver::threads::{Pivot, Reach, Tension};
+
+/// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.
+pub(crate) struct SolveChains<'a> {
+    pub chains: &'a Chains,
+    pub reach: Reach,
+    pub places: &'a mut [Place],
+    pub line: &'a mut Line,
+    /// Inverse masses along the chains of a bundle.
+    pub inverse_mass: &'a mut Array,
+}
+
+impl Kernel for SolveChains<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        let mut excess = Block::ZERO;
+        let chains = self.chains;
+        for bundle in &chains.bundles {
+            self.eliminate(bundle, &mut excess);
+            self.substitute(bundle);
+        }
+        excess.largest() > 0.0
+    }
+}
+
+impl SolveChains<'_> {
+    #[inline(always)]
+    fn gather(&self, at: usize) -> (Block3, Block) {
+        let slots = row(&self.chains.slots, at);
+        let (mut x, mut w) = (Block3::ZERO, Block::ZERO);
+        for i in 0..LANES {
+            let place = &self.places[slots[i] as usize];
+            x.set(i, place.position());
+            w.0[i] = place.inverse_mass();
+        }
+        (x, w)
+    }
+
+    #[inline(always)]
+    fn scatter(&mut self, at: usize, correction: Block3) {
+        let slots = row(&self.chains.slots, at);
+        for i in 0..LANES {
+            self.places[slots[i] as usize].displace(correction.at(i));
+        }
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, bundle: &Bundle, excess: &mut Block) {
+        let (mut x0, mut w0) = self.gather(bundle.first);
+        w0.store(self.inverse_mass, 0);
+        let mut last = Pivot::default();
+        for place in 1..bundle.rows {
+            let at = bundle.first + place * LANES;
+            let (x1, w1) = self.gather(at);
+            let rest = Block::load(&self.chains.rest, at);
+            let factor = Block::load(&self.chains.compliance, at);
+            let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
+            next.store(self.line, (place - 1) * LANES);
+            w1.store(self.inverse_mass, place * LANES);
+            (x0, w0, last) = (x1, w1, next);
+        }
+    }
+
+    #[inline(always)]
+    fn substitute(&mut self, bundle: &Bundle) {
+        let mut tension = Tension::default();
+        for place in (1..bundle.rows).rev() {
+            let pivot = Pivot::load(self.line, (place - 1) * LANES);
+            let w = Block::load(self.inverse_mass, place * LANES);
+            let correction = tension.next(&pivot, &w);
+            self.scatter(bundle.first + place * LANES, correction);
+        }
+        let w = Block::load(self.inverse_mass, 0);
+        self.scatter(bundle.first, tension.last(&w));
+    }
+}

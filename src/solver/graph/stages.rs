@@ -1,0 +1,144 @@
+//! The stages of a substep that are different on a mesh. They work on places, particles one after the
+//! other, which are filled before and emptied after.
+
+use bevy::math::Vec3;
+
+use super::Graph;
+use super::forces::{Damped, GatherDamping, GatherForces, Pulls};
+use super::hinges::{Bent, Moment, Turn};
+use super::pairs::{CorrectPairs, LargestStrain};
+use super::places::{FillPlaces, Place, TakeDisplacements};
+use super::solve::SolveChains;
+use super::strengths::Strengths;
+use crate::solver::constraint::Rule;
+use crate::solver::forces::DampingTarget;
+use crate::solver::isa::Isa;
+use crate::solver::lanes::{Array, LANES, Soa};
+use crate::solver::parameters::Material;
+use crate::solver::plan::Plan;
+use crate::solver::state::{Line, State};
+use crate::solver::threads::Reach;
+
+/// Room that the stages work in; nothing in it outlives a substep.
+#[derive(Clone, Debug)]
+pub(crate) struct Room {
+    places: Vec<Place>,
+    moments: Vec<Moment>,
+    /// Unknowns of a bundle of chains, and its inverse masses.
+    line: Line,
+    inverse_mass: Array,
+}
+
+impl Room {
+    pub fn new(graph: &Graph) -> Self {
+        let longest = graph.chains.longest() * LANES;
+        Self {
+            places: vec![Place::default(); graph.layout.len()],
+            moments: vec![[0.0; 4]; graph.hinges.room()],
+            line: Line::new(longest),
+            inverse_mass: Array::zeros(longest),
+        }
+    }
+
+    /// Fills the places.
+    pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State) {
+        let (x, d) = (&state.x, &state.d);
+        isa.run(FillPlaces { inverse_mass, x, d, places: &mut self.places });
+    }
+
+    /// Takes the corrected displacements back.
+    pub fn empty(&self, isa: Isa, d: &mut Soa) {
+        isa.run(TakeDisplacements { places: &self.places, d });
+    }
+
+    /// Accelerations of springs, hinges and gravity, from places as they are.
+    pub fn accumulate_forces(
+        &mut self,
+        isa: Isa,
+        graph: &Graph,
+        strengths: &Strengths,
+        plan: &Plan,
+        gravity: Vec3,
+        a: &mut Soa,
+    ) {
+        let bends = plan.hinge_rigidity > 0.0;
+        if bends {
+            isa.run(Turn {
+                hinges: &graph.hinges,
+                constants: &strengths.hinges,
+                places: &self.places,
+                moments: &mut self.moments,
+            });
+        }
+        let explicit = plan.explicit;
+        let springs =
+            Pulls { table: &graph.springs, rest: &graph.spring_rest, constant: &strengths.springs };
+        let flexion =
+            strengths.flexion.as_ref().filter(|_| explicit.flexion > 0.0).map(|flexion| Pulls {
+                table: &flexion.table,
+                rest: &flexion.rest,
+                constant: &flexion.constants,
+            });
+        let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
+        isa.run(GatherForces {
+            springs: [pulls.then_some(springs), flexion],
+            bent: bends.then_some(Bent { hinges: &graph.hinges, moments: &self.moments }),
+            gravity,
+            places: &self.places,
+            a,
+        });
+    }
+
+    /// Damping, in the two steps that it takes on a lattice.
+    pub fn add_damping(
+        &self,
+        isa: Isa,
+        graph: &Graph,
+        strengths: &Strengths,
+        material: &Material,
+        state: &State,
+        a: &mut Soa,
+        predicted: &mut Soa,
+    ) {
+        let gain = 0.5 * state.last_step * state.unit;
+        let springs = Damped {
+            table: &graph.springs,
+            constant: &strengths.damping,
+            rate: 1.0 / state.unit,
+            form: material.damping_form,
+            places: &self.places,
+        };
+        let target = DampingTarget::Predict { gain, a, predicted };
+        isa.run(GatherDamping { springs, d: &state.d, target });
+        let target = DampingTarget::Accelerations(a);
+        isa.run(GatherDamping { springs, d: predicted, target });
+    }
+
+    /// Corrects springs one batch after the other.
+    pub fn correct_springs(&mut self, isa: Isa, graph: &Graph, rule: Rule) {
+        let (structural, shear) = match rule {
+            Rule::Shear { .. } => (false, true),
+            Rule::Limit { shear, .. } => (true, shear),
+        };
+        let families = [(structural, &graph.structural_pairs), (shear, &graph.shear_pairs)];
+        for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
+            isa.run(CorrectPairs { pairs, rule, places: &mut self.places });
+        }
+    }
+
+    /// Solves the chains. Tells whether any spring came to them beyond its limit.
+    pub fn solve_chains(&mut self, isa: Isa, graph: &Graph, reach: Reach) -> bool {
+        isa.run(SolveChains {
+            chains: &graph.chains,
+            reach,
+            places: &mut self.places,
+            line: &mut self.line,
+            inverse_mass: &mut self.inverse_mass,
+        })
+    }
+}
+
+/// The largest strain of a structural spring.
+pub(crate) fn largest_strain(isa: Isa, graph: &Graph, x: &Soa) -> f32 {
+    isa.run(LargestStrain { pairs: &graph.structural_pairs, x })
+}
