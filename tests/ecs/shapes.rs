@@ -90,15 +90,17 @@ fn normals_are_smooth_over_seams_and_split_at_hard_edges() {
     }
 }
 
-/// Hangs a mesh for some ticks and checks that it stays whole.
+/// Hangs a mesh for some ticks, with at most so many substeps in 1/60 s, and checks that it stays
+/// whole.
 #[track_caller]
-fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
+fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize, budget: u32) {
     let mut app = app();
     // Aslant, so that what stands upright in its plane moves too.
     app.insert_resource(ClothGravity(Vec3::new(2.0, -9.3, 2.0)));
     // Braked, so that it is nearly at rest in the end.
     let material = ClothMaterial { drag: 3.0, ..default() };
-    let entity = spawn_mesh(&mut app, mesh, (pins, material));
+    let settings = ClothSettings { substeps: Substeps::Automatic { budget }, ..default() };
+    let entity = spawn_mesh(&mut app, mesh, (pins, material, settings));
     updates(&mut app, ticks);
     assert_eq!(failure(&app, entity), None, "{what}");
     let running = simulation(&app, entity);
@@ -121,7 +123,7 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
     }
     let moved = shown.iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(moved > 1e-3, "{what}: nothing moves");
-    // Edges as they are drawn, not as the solver counts them.
+    // Edges as they are drawn, not as the solver counts them, against its limit of 10 %.
     let mut longest = 0.0_f32;
     let indices: Vec<_> = mesh.indices().unwrap().iter().collect();
     for &[a, b, c] in indices.as_chunks::<3>().0 {
@@ -138,7 +140,7 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize) {
 #[test]
 fn bevys_own_meshes_hang_and_stay_whole() {
     for (what, mesh, _) in primitives() {
-        hang(what, &mesh, top(&mesh, 0.05), 120);
+        hang(what, &mesh, top(&mesh, 0.05), 120, 20);
     }
 }
 
@@ -195,7 +197,8 @@ fn an_irregular_mesh_of_20_000_triangles_hangs() {
     assert_eq!((intake.triangles, intake.skipped.total()), (6 * 58 * 58, 0));
     assert_eq!(intake.vertices, intake.particles);
     assert!(intake.grid.is_err());
-    hang("irregular disc", &mesh, top(&mesh, 0.2), 120);
+    // Where the rim leaves the pins, single edges carry so much that the usual 20 do not hold them.
+    hang("irregular disc", &mesh, top(&mesh, 0.2), 64, 60);
 }
 
 /// A tube with two sleeves: wherever a hole is cut into it, the hole's border is carried outwards.
@@ -257,7 +260,7 @@ fn a_shirt_of_tubes_hangs_from_its_collar() {
     let border = 2 * 32 + 2 * 16;
     let (v, f) = (intake.particles as i64, intake.triangles as i64);
     assert_eq!(2 * v - f - border, -4);
-    hang("shirt", &mesh, top(&mesh, 0.01), 120);
+    hang("shirt", &mesh, top(&mesh, 0.01), 120, 20);
 }
 
 #[test]
@@ -282,7 +285,7 @@ fn a_book_of_pages_hangs_although_three_triangles_meet_at_its_spine() {
     app.update();
     let intake = intake(&app, entity);
     assert_eq!((intake.particles, intake.pieces, intake.crowded_edges), (6 + 3 * 42, 1, 5));
-    hang("book", &mesh, top(&mesh, 0.01), 120);
+    hang("book", &mesh, top(&mesh, 0.01), 120, 20);
 }
 
 #[test]
