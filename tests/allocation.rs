@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material,
-    PinMotion, Pose, Settings, StepInput, Substeps,
+    Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
+    PinMotion, Pose, Settings, StepInput, Substeps, Topology,
 };
 
 thread_local! {
@@ -50,8 +50,7 @@ fn allocations<T>(act: impl FnOnce() -> T) -> usize {
 }
 
 /// A cloth with everything on, pins enough for all tethers, and a motion for each.
-fn busy(form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
-    let lattice = Arc::new(Lattice::sheet(Vec2::ONE, 19, 35, MassLumping::Lumped).unwrap());
+fn busy(topology: Topology, form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
     let material = Material {
         area_density: 0.2,
         thread_stiffness: 300.0,
@@ -65,8 +64,8 @@ fn busy(form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
         thickness: 0.005,
     };
     let settings = Settings { form, bending, substeps: Substeps::Fixed(5), ..Settings::default() };
-    let start = lattice.rest_positions().to_vec();
-    let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
+    let start = topology.rest_positions().to_vec();
+    let mut solver = ClothSolver::new(topology, &start, material, settings).unwrap();
     solver.set_pins(&[0, 34, 300, 350, 400, 664]).unwrap();
     let pins = solver
         .pins()
@@ -74,6 +73,23 @@ fn busy(form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
         .map(|&p| PinMotion { start: start[p as usize], end: start[p as usize] + Vec3::Y * 0.001 })
         .collect();
     (solver, pins)
+}
+
+fn sheet() -> Topology {
+    Arc::new(Lattice::sheet(Vec2::ONE, 19, 35, MassLumping::Lumped).unwrap()).into()
+}
+
+/// The same particles as a mesh: rectangles on one half, parallelograms on the other.
+fn mesh() -> Topology {
+    let mut positions = sheet().rest_positions().to_vec();
+    for p in &mut positions {
+        p.x += 0.4 * p.z.max(0.0);
+    }
+    let triangles: Vec<_> = (0..18 * 35)
+        .filter(|at| at % 35 != 34)
+        .flat_map(|at| [[at, at + 35, at + 36], [at, at + 36, at + 1]])
+        .collect();
+    Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap()).into()
 }
 
 #[test]
@@ -88,9 +104,10 @@ fn a_tick_and_its_stages_do_not_allocate() {
     let (from, to) =
         (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
     let colliders = [Collider { shape: &ball, start: from, end: to, friction: 0.5 }; 2];
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    let forms = [FormChoice::Springs, FormChoice::Threads];
+    for (topology, form) in [sheet(), mesh()].iter().flat_map(|t| forms.map(|form| (t, form))) {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
-            let (mut solver, pins) = busy(form, bending);
+            let (mut solver, pins) = busy(topology.clone(), form, bending);
             let gravity = Vec3::NEG_Y * 9.81;
             let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders };
             // The first tick too, another length of tick, and another gravity.

@@ -9,6 +9,7 @@ mod determinism;
 mod free_flight;
 mod graph;
 mod graph_bending;
+mod graph_determinism;
 mod graph_refusals;
 mod hanging;
 mod limit;

@@ -115,12 +115,11 @@ impl Rows {
 fn lay(positions: &[DVec3], links: &[Link]) -> Vec<Chain> {
     let mut layer = Layer::new(positions, links);
     let mut chains = Vec::new();
-    for link in 0..links.len() {
+    for (link, &Link { ends: [a, b], .. }) in links.iter().enumerate() {
         if layer.used[link] {
             continue;
         }
         layer.used[link] = true;
-        let [a, b] = links[link].ends;
         let mut chain = Chain { slots: vec![a, b], links: vec![link as u32] };
         layer.extend(&mut chain);
         chain.slots.reverse();

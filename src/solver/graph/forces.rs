@@ -4,7 +4,7 @@
 use bevy::math::Vec3;
 
 use super::hinges::Bent;
-use super::places::{Place, row};
+use super::places::{Place, gather_positions, gather_soa};
 use super::table::Table;
 use crate::solver::forces::{DampingTarget, pull};
 use crate::solver::isa::Kernel;
@@ -62,15 +62,8 @@ impl Pulls<'_> {
         let (from, to) = self.table.rows(block);
         let here = positions(here);
         for at in (from..to).step_by(LANES) {
-            let slots = row(&self.table.to, at);
             let (rest, constant) = (Block::load(self.rest, at), Block::load(self.constant, at));
-            let mut there = Block3::ZERO;
-            for i in 0..LANES {
-                let [x, y, z, _] = all[slots[i] as usize].x;
-                there.x.0[i] = x;
-                there.y.0[i] = y;
-                there.z.0[i] = z;
-            }
+            let there = gather_positions(all, &self.table.to, at);
             for i in 0..LANES {
                 let d = there.at(i) - here.at(i);
                 force.set(i, force.at(i) + pull(d, rest.0[i], constant.0[i]));
@@ -145,26 +138,25 @@ impl Damped<'_> {
         let mut force = Block3::ZERO;
         let (from, to) = self.table.rows(block);
         for at in (from..to).step_by(LANES) {
-            let slots = row(&self.table.to, at);
             let constant = Block::load(self.constant, at);
-            let (mut span, mut relative) = (Block3::ZERO, Block3::ZERO);
-            for i in 0..LANES {
-                let slot = slots[i] as usize;
-                let [x, y, z, _] = self.places[slot].x;
-                span.set(i, Vec3::new(x, y, z) - here.at(i));
-                relative.set(i, d.get(slot) - here_d.at(i));
-            }
-            for i in 0..LANES {
-                let constant = constant.0[i] * self.rate;
-                let pull = match self.form {
-                    DampingForm::Relative => relative.at(i) * constant,
-                    DampingForm::Axial => {
-                        let span = span.at(i);
-                        let square = larger(span.dot(span), LEAST_SQUARE);
-                        span * (constant * relative.at(i).dot(span) / square)
+            let there_d = gather_soa(d, &self.table.to, at);
+            match self.form {
+                DampingForm::Relative => {
+                    for i in 0..LANES {
+                        let relative = there_d.at(i) - here_d.at(i);
+                        force.set(i, force.at(i) + relative * (constant.0[i] * self.rate));
                     }
-                };
-                force.set(i, force.at(i) + pull);
+                }
+                DampingForm::Axial => {
+                    let there = gather_positions(self.places, &self.table.to, at);
+                    for i in 0..LANES {
+                        let relative = there_d.at(i) - here_d.at(i);
+                        let span = there.at(i) - here.at(i);
+                        let square = larger(span.dot(span), LEAST_SQUARE);
+                        let pull = constant.0[i] * self.rate * relative.dot(span) / square;
+                        force.set(i, force.at(i) + span * pull);
+                    }
+                }
             }
         }
         force

@@ -14,7 +14,7 @@
 //! (`threads`).
 
 use super::edges::{Edge, Mesh};
-use super::places::{Place, row};
+use super::places::{Place, gather_positions, gather_vectors};
 use super::table::Table;
 use super::threads::{Bend, Cells};
 use bevy::math::DVec3;
@@ -185,10 +185,10 @@ impl Kernel for Turn<'_> {
         let hinges = self.hinges;
         for (block, moments) in self.moments.chunks_exact_mut(LANES).enumerate() {
             let at = block * LANES;
-            let from = gather(self.places, &hinges.slots[0], at);
+            let from = gather_positions(self.places, &hinges.slots[0], at);
             let mut turn = Block3::ZERO;
             for corner in 0..3 {
-                let x = gather(self.places, &hinges.slots[corner + 1], at);
+                let x = gather_positions(self.places, &hinges.slots[corner + 1], at);
                 let weight = Block::load(&hinges.weights[corner], at);
                 for i in 0..LANES {
                     turn.set(i, turn.at(i) + (x.at(i) - from.at(i)) * weight.0[i]);
@@ -212,19 +212,6 @@ impl Kernel for Turn<'_> {
     }
 }
 
-#[inline(always)]
-fn gather(places: &[Place], slots: &[u32], at: usize) -> Block3 {
-    let slots = row(slots, at);
-    let mut out = Block3::ZERO;
-    for i in 0..LANES {
-        let [x, y, z, _] = places[slots[i] as usize].x;
-        out.x.0[i] = x;
-        out.y.0[i] = y;
-        out.z.0[i] = z;
-    }
-    out
-}
-
 /// The hinges' moments, for the forces of a block of particles.
 #[derive(Clone, Copy)]
 pub(crate) struct Bent<'a> {
@@ -239,15 +226,8 @@ impl Bent<'_> {
         let table = &self.hinges.table;
         let (from, to) = table.rows(block);
         for at in (from..to).step_by(LANES) {
-            let hinges = row(&table.to, at);
             let weight = Block::load(&self.hinges.own_weight, at);
-            let mut moment = Block3::ZERO;
-            for i in 0..LANES {
-                let [x, y, z, _] = self.moments[hinges[i] as usize];
-                moment.x.0[i] = x;
-                moment.y.0[i] = y;
-                moment.z.0[i] = z;
-            }
+            let moment = gather_vectors(self.moments, &table.to, at);
             for i in 0..LANES {
                 force.set(i, force.at(i) - moment.at(i) * weight.0[i]);
             }

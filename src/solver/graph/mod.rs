@@ -5,6 +5,7 @@
 //! | `error`, `check` | what is refused |
 //! | `order` | where the particles lie in memory |
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
+//! | `flat` | whether straight ways lead along the cloth |
 //! | `hinges`, `threads` | bending across edges, and along the threads of cells |
 //! | `table`, `places` | what each particle gathers, and from where |
 //! | `forces`, `strengths` | explicit forces, and their constants in use |
@@ -16,6 +17,7 @@ mod chains;
 mod check;
 mod edges;
 mod error;
+mod flat;
 mod forces;
 mod hinges;
 mod order;
@@ -66,6 +68,8 @@ pub struct Graph {
     rest_positions: Vec<Vec3>,
     /// Corners of the triangles, in the order given.
     triangles: Vec<[u32; 3]>,
+    /// Factors of mass and stiffness, in the order given; empty for ones.
+    weights: [Vec<f32>; 2],
     /// The slot of each particle, and the particle of each slot.
     slot_of: Vec<u32>,
     particle_at: Vec<u32>,
@@ -129,6 +133,7 @@ impl Graph {
             let at = |&particle: &u32| factors[particle as usize];
             if factors.is_empty() { Vec::new() } else { particle_at.iter().map(at).collect() }
         };
+        let given = [weights.mass.to_vec(), weights.stiffness.to_vec()];
         let (mass, stiffness) = (in_order(weights.mass), in_order(weights.stiffness));
         let weights = Weights { mass: &mass, stiffness: &stiffness };
         let by_slot: Vec<_> = particle_at.iter().map(|&p| positions[p as usize]).collect();
@@ -158,12 +163,23 @@ impl Graph {
             shear,
             area: springs::areas(&mesh, &edges, lumping, weights),
             total_area,
-            flat: false,
+            flat: flat::is_flat_and_convex(&mesh, &edges),
+            weights: given,
             rest_positions: positions.to_vec(),
             triangles: triangles.to_vec(),
             slot_of,
             particle_at,
         })
+    }
+
+    /// The same cloth with masses and springs of the border lumped otherwise.
+    ///
+    /// # Errors
+    /// None that [`Graph::new`] did not find before.
+    pub fn with_lumping(&self, lumping: MassLumping) -> Result<Self, GraphError> {
+        let [mass, stiffness] = &self.weights;
+        let weights = Weights { mass, stiffness };
+        Self::with_weights(&self.rest_positions, &self.triangles, lumping, weights)
     }
 
     /// Number of particles.

@@ -1,7 +1,7 @@
 //! Springs sorted into batches that share no particle, [`LANES`] side by side.
 
 use super::Link;
-use super::places::{Place, row};
+use super::places::{Place, gather_moved, gather_soa, scatter};
 use crate::solver::constraint::{LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring};
 use crate::solver::isa::Kernel;
 use crate::solver::lanes::{Array, Block, Block3, LANES, Soa, larger};
@@ -105,29 +105,24 @@ impl CorrectPairs<'_> {
     #[inline(always)]
     fn correct(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
         for at in (0..self.pairs.first.len()).step_by(LANES) {
-            let (p, q) = (row(&self.pairs.first, at), row(&self.pairs.second, at));
+            let (first, second) = (&self.pairs.first, &self.pairs.second);
             let rest = Block::load(&self.pairs.rest, at);
             let factor = Block::load(&self.pairs.compliance, at);
-            let (mut span, mut wp, mut wq) = (Block3::ZERO, Block::ZERO, Block::ZERO);
+            let (xp, wp) = gather_moved(self.places, first, at);
+            let (xq, wq) = gather_moved(self.places, second, at);
+            let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
             for i in 0..LANES {
-                let (p, q) = (&self.places[p[i] as usize], &self.places[q[i] as usize]);
-                span.set(i, q.position() - p.position());
-                wp.0[i] = p.inverse_mass();
-                wq.0[i] = q.inverse_mass();
-            }
-            for i in 0..LANES {
-                let way = span.at(i);
+                let way = xq.at(i) - xp.at(i);
                 let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
                 let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
                 let spring =
                     Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
-                span.set(i, way * (law(spring) / length));
+                let pull = way * (law(spring) / length);
+                dp.set(i, pull * wp.0[i]);
+                dq.set(i, pull * -wq.0[i]);
             }
-            for i in 0..LANES {
-                let pull = span.at(i);
-                self.places[p[i] as usize].displace(pull * wp.0[i]);
-                self.places[q[i] as usize].displace(pull * -wq.0[i]);
-            }
+            scatter(self.places, first, at, &dp);
+            scatter(self.places, second, at, &dq);
         }
     }
 }
@@ -145,14 +140,11 @@ impl Kernel for LargestStrain<'_> {
     fn run(self) -> f32 {
         let mut largest = Block::splat(-1.0);
         for at in (0..self.pairs.first.len()).step_by(LANES) {
-            let (p, q) = (row(&self.pairs.first, at), row(&self.pairs.second, at));
             let rest = Block::load(&self.pairs.rest, at);
-            let mut span = Block3::ZERO;
+            let p = gather_soa(self.x, &self.pairs.first, at);
+            let q = gather_soa(self.x, &self.pairs.second, at);
             for i in 0..LANES {
-                span.set(i, self.x.get(q[i] as usize) - self.x.get(p[i] as usize));
-            }
-            for i in 0..LANES {
-                let way = span.at(i);
+                let way = q.at(i) - p.at(i);
                 let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
                 let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
                 largest.0[i] = larger(strain, largest.0[i]);

@@ -1,9 +1,9 @@
 //! Solving the chains of a mesh, each whole: see `threads` for the elimination.
 
 use super::chains::{Bundle, Chains};
-use super::places::{Place, row};
+use super::places::{Place, gather_moved, scatter};
 use crate::solver::isa::Kernel;
-use crate::solver::lanes::{Array, Block, Block3, LANES};
+use crate::solver::lanes::{Array, Block, LANES};
 use crate::solver::state::Line;
 use crate::solver::threads::{Pivot, Reach, Tension};
 
@@ -34,33 +34,13 @@ impl Kernel for SolveChains<'_> {
 
 impl SolveChains<'_> {
     #[inline(always)]
-    fn gather(&self, at: usize) -> (Block3, Block) {
-        let slots = row(&self.chains.slots, at);
-        let (mut x, mut w) = (Block3::ZERO, Block::ZERO);
-        for i in 0..LANES {
-            let place = &self.places[slots[i] as usize];
-            x.set(i, place.position());
-            w.0[i] = place.inverse_mass();
-        }
-        (x, w)
-    }
-
-    #[inline(always)]
-    fn scatter(&mut self, at: usize, correction: Block3) {
-        let slots = row(&self.chains.slots, at);
-        for i in 0..LANES {
-            self.places[slots[i] as usize].displace(correction.at(i));
-        }
-    }
-
-    #[inline(always)]
     fn eliminate(&mut self, bundle: &Bundle, excess: &mut Block) {
-        let (mut x0, mut w0) = self.gather(bundle.first);
+        let (mut x0, mut w0) = gather_moved(self.places, &self.chains.slots, bundle.first);
         w0.store(self.inverse_mass, 0);
         let mut last = Pivot::default();
         for place in 1..bundle.rows {
             let at = bundle.first + place * LANES;
-            let (x1, w1) = self.gather(at);
+            let (x1, w1) = gather_moved(self.places, &self.chains.slots, at);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
             let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
@@ -77,9 +57,9 @@ impl SolveChains<'_> {
             let pivot = Pivot::load(self.line, (place - 1) * LANES);
             let w = Block::load(self.inverse_mass, place * LANES);
             let correction = tension.next(&pivot, &w);
-            self.scatter(bundle.first + place * LANES, correction);
+            scatter(self.places, &self.chains.slots, bundle.first + place * LANES, &correction);
         }
         let w = Block::load(self.inverse_mass, 0);
-        self.scatter(bundle.first, tension.last(&w));
+        scatter(self.places, &self.chains.slots, bundle.first, &tension.last(&w));
     }
 }
