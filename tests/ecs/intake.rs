@@ -518,3 +518,28 @@ fn why_a_mesh_is_no_grid_is_kept() {
     let entity = taken_in(&mut app, holed, ());
     assert_eq!(intake(&app, entity).grid, Err(GridProblem::Border));
 }
+
+#[test]
+fn weights_and_masses_of_a_graph_are_changed_live() {
+    let mut app = app();
+    let mesh = Cylinder::new(0.5, 1.0).mesh().resolution(12).segments(4).build();
+    let count = mesh.count_vertices();
+    let entity = taken_in(&mut app, mesh, ());
+    updates(&mut app, 10);
+    let total = |app: &App| {
+        let running = simulation(app, entity);
+        (0..running.particle_count()).map(|p| running.mass(p).unwrap()).sum::<f32>()
+    };
+    let (before, place) = (total(&app), position(&app, entity, 0));
+    let weights = ClothWeights { mass: VertexFactor::Data(vec![2.0; count]), ..default() };
+    app.world_mut().entity_mut(entity).insert(weights);
+    app.update();
+    assert!((total(&app) - 2.0 * before).abs() < 1e-4 * before);
+    app.world_mut().get_mut::<ClothSettings>(entity).unwrap().masses = MassLumping::Equal;
+    app.update();
+    assert_eq!(failure(&app, entity), None);
+    assert!((total(&app) - 2.0 * before).abs() < 1e-4 * before, "the weights stay");
+    assert_eq!(simulation(&app, entity).mass(0), simulation(&app, entity).mass(1));
+    // Two more ticks of falling at some 1.6 m/s.
+    assert!(position(&app, entity, 0).distance(place) < 0.1);
+}
