@@ -1,11 +1,11 @@
 //! What can go wrong, told to the entity that it concerns.
 
 use crate::{
-    cloth::PinProblem,
+    cloth::{PinProblem, WeightProblem},
     collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
-    solver::{LatticeError, ParameterError, SolverError},
+    solver::{GraphError, LatticeError, ParameterError, SolverError},
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -36,6 +36,14 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: LatticeError,
     },
+    /// The triangles of the mesh make no cloth at the entity's scale.
+    #[error("cloth {entity}: {problem}; change its mesh or its scale")]
+    Graph {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its rest shape.
+        problem: GraphError,
+    },
     /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `SdfCollider` or `WindZone` is out of its
     /// range. A running cloth keeps the last good ones, a collider or zone is left out.
     #[error("{entity}: {problem}; change `{component}`")]
@@ -46,6 +54,14 @@ pub enum ClothError {
         component: &'static str,
         /// The number and its range.
         problem: ParameterError,
+    },
+    /// `ClothWeights` cannot be used. A running cloth keeps the last good ones.
+    #[error("cloth {entity}: {problem}; change `ClothWeights`")]
+    Weights {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with them.
+        problem: WeightProblem,
     },
     /// A pin holds nothing, or is held by nothing.
     #[error("cloth {entity}, pin {pin}: {problem}")]
@@ -130,6 +146,7 @@ pub struct ClothFailure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Blame {
     Shape,
+    Weights,
     Material,
     Settings,
     Pins,
@@ -149,8 +166,14 @@ pub(crate) enum Blame {
 impl ClothError {
     pub(crate) fn blame(&self) -> Blame {
         match self {
-            Self::Mesh { .. } | Self::Shape { .. } => Blame::Shape,
+            // What is skinned may cease to be so unseen, as poses may mend.
+            Self::Mesh { problem: MeshProblem::Skinned, .. }
+            | Self::Pin { problem: PinProblem::AnchorScale(_), .. }
+            | Self::Scale { .. }
+            | Self::NoTransform { .. } => Blame::Pose,
+            Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
+            Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {
                 Blame::Collider
@@ -161,9 +184,6 @@ impl ClothError {
             Self::Parameter { component: "ClothAir", .. } => Blame::Air,
             Self::Parameter { component: "WindZone", .. } => Blame::Zone,
             Self::Parameter { .. } => Blame::Settings,
-            Self::Pin { problem: PinProblem::AnchorScale(_), .. }
-            | Self::Scale { .. }
-            | Self::NoTransform { .. } => Blame::Pose,
             Self::Pin { .. } => Blame::Pins,
             Self::Solver { .. } => Blame::Motion,
             Self::VariableStep { .. } => Blame::Schedule,

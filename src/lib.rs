@@ -57,7 +57,7 @@
 //!
 //! # Limits
 //!
-//! - A cloth is a rectangular sheet, or a mesh that is an open grid of quads.
+//! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
 //! - Cloths do not meet each other, nor themselves, and do not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
@@ -80,8 +80,8 @@ mod wind;
 pub use cloth::{
     Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
     ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
-    ClothSleep, ClothTeleport, GridProblem, Pin, PinHold, PinProblem, PinSelection, ResetCloth,
-    TeleportCloth,
+    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, Pin, PinHold, PinProblem,
+    PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -90,7 +90,7 @@ pub use collider::{
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
-pub use mesh::MeshProblem;
+pub use mesh::{ClothIntake, MeshProblem, SkippedTriangles};
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;
 pub use wind::{ClothWind, ClothWindOverride, WindZone};
@@ -101,9 +101,9 @@ pub mod prelude {
         BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
         ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial,
         ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
-        ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWind,
-        ClothWindOverride, ColliderImpulse, Pin, PinHold, PinSelection, ResetCloth, SdfCells,
-        SdfCollider, SdfShape, TeleportCloth, WindZone,
+        ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
+        ClothWindOverride, ColliderImpulse, ColorChannel, Pin, PinHold, PinSelection, ResetCloth,
+        SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, MassLumping, Substeps, WindFlow, WindShape,

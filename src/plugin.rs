@@ -4,7 +4,7 @@ use crate::{
     cloth::{
         Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
         ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
-        ClothTeleport, LatticeCache,
+        ClothTeleport, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
         following::{ask_for_reset, ask_for_teleport},
         rest::choose_steps,
@@ -109,6 +109,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothMaterial>()
             .register_type::<ClothSettings>()
             .register_type::<ClothPins>()
+            .register_type::<ClothWeights>()
             .register_type::<ClothInterpolation>()
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
@@ -128,7 +129,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothWind>()
             .init_resource::<WindZones>()
             .init_resource::<ClothExecution>()
-            .init_resource::<LatticeCache>()
+            .init_resource::<RestCache>()
             .init_resource::<ColliderSnapshot>()
             .init_resource::<Disturbances>()
             .init_resource::<Runner>()

@@ -9,10 +9,11 @@ mod material;
 mod pins;
 pub(crate) mod pose;
 pub(crate) mod rest;
+mod rest_cache;
 mod settings;
 pub(crate) mod setup;
-mod sheet;
 mod simulation;
+pub(crate) mod weights;
 
 pub use air::ClothAir;
 pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
@@ -23,8 +24,9 @@ pub use pins::{ClothPins, Pin, PinHold, PinProblem, PinSelection};
 pub use rest::{ClothFrozen, ClothSleep};
 pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
+pub use weights::{ClothWeights, ColorChannel, VertexFactor, WeightProblem};
 
-pub(crate) use sheet::LatticeCache;
+pub(crate) use rest_cache::RestCache;
 
 use bevy::prelude::*;
 
@@ -87,10 +89,14 @@ impl Cloth {
         Self { shape: ClothShape::Sheet { size, particles } }
     }
 
-    /// The mesh of the entity's `Mesh3d`, whatever its shape in space.
+    /// The triangles of the entity's `Mesh3d`, whatever their shape in space.
     ///
-    /// Its triangles must make an open grid of rows x columns quads, the vertices in any order. The
-    /// mesh may still be loading. The cloth draws into a copy of its own: the asset is never
+    /// Vertices at the same place (within 1e-5 of the mesh's largest side) are one particle: seams
+    /// of the texture do not open, and hard edges stay hard. Triangles without area are left out,
+    /// and counted in [`ClothSimulation::intake`]. An open grid of rows x columns quads, the
+    /// vertices in any order, is solved faster than other meshes.
+    ///
+    /// The mesh may still be loading. The cloth draws into a copy of its own: the asset is never
     /// written to, and any number of cloths can be made from it.
     pub fn from_mesh() -> Self {
         Self { shape: ClothShape::Mesh }

@@ -1,6 +1,10 @@
 //! Which particles are held, and by what: data, not closures.
 
-use crate::solver::{ParameterError, check_soft_pin};
+use super::ColorChannel;
+use crate::{
+    mesh::RestShape,
+    solver::{ParameterError, check_soft_pin},
+};
 use bevy::prelude::*;
 
 /// The particles of a cloth that are held. May be changed at any time.
@@ -65,9 +69,17 @@ pub enum PinSelection {
         /// Largest coordinates \[m\].
         max: Vec3,
     },
-    /// The four corners.
+    /// All vertices whose colour, in one channel, is higher than a threshold.
+    Color {
+        /// The channel.
+        channel: ColorChannel,
+        /// The threshold, 0 to 1. Higher holds less.
+        above: f32,
+    },
+    /// The four corners of a sheet or of a mesh that is a grid.
     Corners,
-    /// The first row: of a sheet, its edge at -z.
+    /// The first row: of a sheet, its edge at -z. This and the next three are for sheets and for
+    /// meshes that are a grid.
     FirstRow,
     /// The last row: of a sheet, its edge at +z.
     LastRow,
@@ -107,6 +119,11 @@ impl ClothPins {
         PinSelection::Within { min, max }.into()
     }
 
+    /// Holds the vertices whose colour, in one channel, is higher than `above`, 0 to 1.
+    pub fn color(channel: ColorChannel, above: f32) -> Self {
+        PinSelection::Color { channel, above }.into()
+    }
+
     /// Lets `anchor` hold all pins so far that have no anchor.
     pub fn anchored_to(mut self, anchor: Entity) -> Self {
         for pin in &mut self.pins {
@@ -133,10 +150,9 @@ impl ClothPins {
 
 /// The shape of a cloth, as far as choosing particles of it goes.
 pub(crate) struct Choices<'a> {
-    pub rows: usize,
-    pub columns: usize,
-    /// Particle of each vertex; `None` where they are the same.
-    pub particle_of_vertex: Option<&'a [u32]>,
+    /// Rows and columns, where it has any.
+    pub grid: Option<(usize, usize)>,
+    pub shape: &'a RestShape,
     /// Rest positions \[m\], by particle.
     pub rest: &'a [Vec3],
     /// Factor from rest positions to the cloth's own frame.
@@ -154,9 +170,20 @@ pub enum PinProblem {
         /// Vertices of the cloth.
         count: usize,
     },
-    /// No particle is chosen.
-    #[error("no particle is chosen; compare the box with the mesh's positions in its own frame")]
+    /// No triangle of the cloth uses the vertex.
+    #[error("no triangle of the cloth uses vertex {0}; choose another, or pins `within` a box")]
+    UnusedVertex(u32),
+    /// The box or the colours choose nothing.
+    #[error(
+        "no particle is chosen; compare the box with the mesh's positions in its own frame, or the threshold with its colours"
+    )]
     Empty,
+    /// The mesh has no colours.
+    #[error("its mesh has no vertex colours; paint it, or choose vertices or a box")]
+    NoColors,
+    /// The mesh has no rows and columns.
+    #[error("its mesh is no grid of rows and columns; choose vertices, a box or a colour")]
+    NotAGrid,
     /// The anchor does not exist, or has no `Transform`.
     #[error("its anchor {0} is not there or has no Transform; its particles are released")]
     NoAnchor(Entity),
@@ -187,8 +214,7 @@ impl PinSelection {
         cloth: &Choices,
         mut hold: impl FnMut(u32),
     ) -> Result<(), PinProblem> {
-        let (rows, columns) = (cloth.rows, cloth.columns);
-        let count = rows * columns;
+        let count = cloth.rest.len();
         let mut chosen = false;
         let mut pick = |particle: usize| {
             chosen = true;
@@ -196,13 +222,9 @@ impl PinSelection {
         };
         match self {
             Self::Vertices(vertices) => {
-                if let Some(&vertex) = vertices.iter().find(|v| **v as usize >= count) {
-                    return Err(PinProblem::NoSuchVertex { vertex, count });
-                }
-                let map = cloth.particle_of_vertex;
-                vertices.iter().for_each(|&v| {
-                    pick(map.map_or(v as usize, |map| map[v as usize] as usize));
-                });
+                let particles = vertices.iter().map(|&vertex| particle_of(cloth.shape, vertex));
+                let particles = particles.collect::<Result<Vec<_>, _>>()?;
+                particles.into_iter().for_each(|particle| pick(particle as usize));
             }
             Self::Within { min, max } => (0..count)
                 .filter(|&i| {
@@ -210,15 +232,44 @@ impl PinSelection {
                     place.cmpge(*min).all() && place.cmple(*max).all()
                 })
                 .for_each(pick),
+            Self::Color { channel, above } => {
+                let colors = cloth.shape.colors().ok_or(PinProblem::NoColors)?;
+                let used = cloth.shape.used_vertices();
+                used.filter(|(vertex, _)| colors[*vertex][*channel as usize] > *above)
+                    .for_each(|(_, particle)| pick(particle));
+            }
+            Self::All => (0..count).for_each(pick),
+            Self::Corners
+            | Self::FirstRow
+            | Self::LastRow
+            | Self::FirstColumn
+            | Self::LastColumn => {
+                let (rows, columns) = cloth.grid.ok_or(PinProblem::NotAGrid)?;
+                self.for_each_of_grid(rows, columns, pick);
+            }
+        }
+        if chosen { Ok(()) } else { Err(PinProblem::Empty) }
+    }
+
+    fn for_each_of_grid(&self, rows: usize, columns: usize, pick: impl FnMut(usize)) {
+        let count = rows * columns;
+        match self {
             Self::Corners => {
                 [0, columns - 1, count - columns, count - 1].into_iter().for_each(pick);
             }
             Self::FirstRow => (0..columns).for_each(pick),
             Self::LastRow => (count - columns..count).for_each(pick),
-            Self::FirstColumn => (0..rows).for_each(|r| pick(r * columns)),
-            Self::LastColumn => (0..rows).for_each(|r| pick(r * columns + columns - 1)),
-            Self::All => (0..count).for_each(pick),
+            Self::FirstColumn => (0..rows).map(|r| r * columns).for_each(pick),
+            Self::LastColumn => (1..=rows).map(|r| r * columns - 1).for_each(pick),
+            _ => {}
         }
-        if chosen { Ok(()) } else { Err(PinProblem::Empty) }
     }
+}
+
+fn particle_of(shape: &RestShape, vertex: u32) -> Result<u32, PinProblem> {
+    let count = shape.vertex_count();
+    if vertex as usize >= count {
+        return Err(PinProblem::NoSuchVertex { vertex, count });
+    }
+    shape.particle_of(vertex).ok_or(PinProblem::UnusedVertex(vertex))
 }

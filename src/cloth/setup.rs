@@ -1,7 +1,8 @@
 //! From components to a running cloth, and from changed components to a changed cloth.
 
 use super::{
-    Cloth, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, LatticeCache,
+    Cloth, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, ClothWeights,
+    RestCache,
     attachment::Attachments,
     following::Following,
     pose::{PoseError, pose_now, to_world},
@@ -9,12 +10,11 @@ use super::{
 };
 use crate::{
     error::{Blame, ClothError, ClothFailure, Failures},
-    mesh::{self, ClothMesh, MeshSource, RestShape},
-    solver::{ClothSolver, Lattice, LatticeError, MassLumping, Pose, SolverError, Topology},
+    mesh::{self, ClothMesh, MeshProblem, MeshSource, RestShape, SkippedTriangles},
+    solver::{ClothSolver, MassLumping, Pose, SolverError, Topology},
     step::ClothStep,
 };
-use bevy::prelude::*;
-use std::sync::Arc;
+use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 
 /// What a cloth is set up from.
 type Ingredients = (
@@ -22,7 +22,9 @@ type Ingredients = (
     Ref<'static, Cloth>,
     Ref<'static, ClothMaterial>,
     Ref<'static, ClothSettings>,
+    Option<Ref<'static, ClothWeights>>,
     Option<Ref<'static, Mesh3d>>,
+    Has<SkinnedMesh>,
     Option<&'static ClothMesh>,
     Option<&'static ClothSimulation>,
 );
@@ -32,11 +34,11 @@ pub(crate) fn set_up_cloths(
     cloths: Query<Ingredients>,
     transforms: TransformHelper,
     mut meshes: MeshSource,
-    mut lattices: ResMut<LatticeCache>,
+    mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, cloth, material, settings, mesh3d, own, simulation) in &cloths {
+    for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
         let source = mesh::source_of(mesh3d.as_deref(), own);
         if let Some(running) = simulation
             && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
@@ -45,59 +47,105 @@ pub(crate) fn set_up_cloths(
             continue;
         }
         let mesh_changed = mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
-        let changed =
-            cloth.is_changed() || material.is_changed() || settings.is_changed() || mesh_changed;
+        let weights_changed = weights.as_ref().is_some_and(DetectChanges::is_changed);
+        let changed = cloth.is_changed()
+            || material.is_changed()
+            || settings.is_changed()
+            || weights_changed
+            || mesh_changed;
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
         if failures.has(entity) && !changed && !failures.blames(entity, Blame::Pose) {
             continue;
         }
+        let told = simulation.and_then(ClothSimulation::intake);
         let made = set_up(
             entity,
-            &cloth,
-            *material,
-            *settings,
-            source,
+            (&cloth, *material, *settings, weights.as_deref()),
+            (source, skinned),
             &transforms,
             &meshes,
-            &mut lattices,
+            &mut cache,
         );
         match made {
             // Still loading.
             Ok(None) => {}
-            Ok(Some((simulation, rest))) => {
+            Ok(Some(made)) => {
                 let mut target = commands.entity(entity);
                 target.try_remove::<ClothFailure>();
-                if let Some(drawn) = meshes.own_mesh(&simulation, &rest, source) {
+                if made.intake() != told {
+                    tell_skipped(entity, &made);
+                }
+                if let Some(drawn) = meshes.own_mesh(&made.rest_shape, source) {
                     target.try_insert(drawn);
                 }
-                target.try_insert(simulation);
+                target.try_insert(made);
             }
             Err(error) => failures.report(entity, error),
         }
     }
 }
 
-/// The running cloth and the shape it has at rest; `None` while its mesh is still loading.
+/// Says, once, what of a mesh is no part of its cloth.
+fn tell_skipped(entity: Entity, cloth: &ClothSimulation) {
+    if let Some(intake) = cloth.intake()
+        && intake.skipped.total() > 0
+    {
+        let SkippedTriangles { collapsed, zero_area, duplicate } = intake.skipped;
+        tracing::warn!(
+            "cloth {entity}: {} of its mesh's triangles are left out ({collapsed} collapsed, {zero_area} \
+             without area, {duplicate} duplicate), {} make the cloth",
+            intake.skipped.total(),
+            intake.triangles,
+        );
+    }
+}
+
+/// The running cloth; `None` while its mesh is still loading.
 fn set_up(
     entity: Entity,
-    cloth: &Cloth,
-    material: ClothMaterial,
-    settings: ClothSettings,
-    source: Option<&Handle<Mesh>>,
+    (cloth, material, settings, weights): (
+        &Cloth,
+        ClothMaterial,
+        ClothSettings,
+        Option<&ClothWeights>,
+    ),
+    (source, skinned): (Option<&Handle<Mesh>>, bool),
     transforms: &TransformHelper,
     meshes: &MeshSource,
-    lattices: &mut LatticeCache,
-) -> Result<Option<(ClothSimulation, RestShape)>, ClothError> {
+    cache: &mut RestCache,
+) -> Result<Option<ClothSimulation>, ClothError> {
     let pose = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
-    let Some(rest) = rest_shape(entity, cloth, source, meshes)? else {
+    if skinned {
+        return Err(ClothError::Mesh { entity, problem: MeshProblem::Skinned });
+    }
+    let Some(rest) = rest_shape(entity, cloth, source, meshes, cache)? else {
         return Ok(None);
     };
-    let lattice = lattice(&rest, pose.scale, settings.masses, lattices)
-        .map_err(|problem| ClothError::Shape { entity, problem })?;
-    let simulation = build(cloth, material, settings, pose, &rest, lattice)
+    let topology = topology(entity, &rest, pose.scale, settings.masses, weights, cache)?;
+    let simulation = build(cloth, material, settings, weights, pose, rest, topology)
         .map_err(|problem| solver_error(entity, problem))?;
-    Ok(Some((simulation, rest)))
+    Ok(Some(simulation))
+}
+
+/// The rest shape as the solver has it.
+fn topology(
+    entity: Entity,
+    rest: &RestShape,
+    scale: f32,
+    masses: MassLumping,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+) -> Result<Topology, ClothError> {
+    let factors = match weights {
+        Some(weights) => {
+            weights.factors(rest).map_err(|problem| ClothError::Weights { entity, problem })?
+        }
+        None => None,
+    };
+    cache
+        .topology(rest, scale, masses, factors.as_ref())
+        .map_err(|problem| solver_error(entity, problem))
 }
 
 /// Whether a running cloth no longer is what its components say.
@@ -137,27 +185,12 @@ fn rest_shape(
     cloth: &Cloth,
     source: Option<&Handle<Mesh>>,
     meshes: &MeshSource,
+    cache: &mut RestCache,
 ) -> Result<Option<RestShape>, ClothError> {
     match cloth.shape {
         ClothShape::Sheet { size, particles } => Ok(Some(RestShape::Sheet { size, particles })),
         ClothShape::Mesh => {
-            meshes.read(source).map_err(|problem| ClothError::Mesh { entity, problem })
-        }
-    }
-}
-
-/// The lattice of a rest shape, made larger by `scale`.
-fn lattice(
-    rest: &RestShape,
-    scale: f32,
-    masses: MassLumping,
-    lattices: &mut LatticeCache,
-) -> Result<Arc<Lattice>, LatticeError> {
-    match rest {
-        RestShape::Sheet { size, particles } => lattices.sheet(*size * scale, *particles, masses),
-        RestShape::Grid { topology, positions } => {
-            let positions: Vec<_> = positions.iter().map(|p| *p * scale).collect();
-            Lattice::new(topology.rows, topology.columns, &positions, masses).map(Arc::new)
+            meshes.read(source, cache).map_err(|problem| ClothError::Mesh { entity, problem })
         }
     }
 }
@@ -167,14 +200,15 @@ fn build(
     cloth: &Cloth,
     material: ClothMaterial,
     settings: ClothSettings,
+    weights: Option<&ClothWeights>,
     pose: Pose,
-    rest: &RestShape,
-    lattice: Arc<Lattice>,
+    rest_shape: RestShape,
+    topology: Topology,
 ) -> Result<ClothSimulation, SolverError> {
     let unscaled = Pose { scale: 1.0, ..pose };
-    let start: Vec<_> = lattice.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
+    let start: Vec<_> = topology.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
     Ok(ClothSimulation {
-        solver: ClothSolver::new(lattice, &start, material.into(), settings.into())?,
+        solver: ClothSolver::new(topology, &start, material.into(), settings.into())?,
         attachments: Attachments::default(),
         following: Following::default(),
         rest: Rest::default(),
@@ -183,7 +217,8 @@ fn build(
         settings,
         pins: ClothPins::default(),
         placed: pose,
-        particle_of_vertex: rest.particle_of_vertex(),
+        rest_shape,
+        weights: weights.cloned(),
         step: ClothStep::default(),
         outcome: None,
         last_tick: None,
@@ -193,22 +228,36 @@ fn build(
     })
 }
 
-/// Applies changed materials and settings. Numbers out of range are refused, the last good ones
-/// stay.
+/// Applies changed materials, settings and weights. Numbers out of range are refused, the last good
+/// ones stay.
 pub(crate) fn apply_changes(
-    mut cloths: Query<(Entity, Ref<ClothMaterial>, Ref<ClothSettings>, &mut ClothSimulation)>,
+    mut cloths: Query<(
+        Entity,
+        Ref<ClothMaterial>,
+        Ref<ClothSettings>,
+        Option<Ref<ClothWeights>>,
+        &mut ClothSimulation,
+    )>,
+    mut cache: ResMut<RestCache>,
     mut failures: Failures,
 ) {
-    for (entity, material, settings, mut cloth) in &mut cloths {
-        if !material.is_changed() && !settings.is_changed() {
+    for (entity, material, settings, weights, mut cloth) in &mut cloths {
+        let weights_changed = match &weights {
+            Some(weights) => weights.is_changed(),
+            None => cloth.weights.is_some() || failures.blames(entity, Blame::Weights),
+        };
+        if !material.is_changed() && !settings.is_changed() && !weights_changed {
             continue;
         }
         let cloth = &mut *cloth;
         let mut changed = false;
-        let outcome = apply_material(cloth, *material, &mut changed);
+        let outcome = apply_material(cloth, *material, &mut changed)
+            .map_err(|problem| solver_error(entity, problem));
         tell(entity, Blame::Material, outcome, &mut failures);
-        let outcome = apply_settings(cloth, *settings, &mut changed);
+        let outcome = apply_settings(entity, cloth, *settings, &mut cache, &mut changed);
         tell(entity, Blame::Settings, outcome, &mut failures);
+        let outcome = apply_weights(entity, cloth, weights.as_deref(), &mut cache, &mut changed);
+        tell(entity, Blame::Weights, outcome, &mut failures);
         if changed {
             cloth.wake();
         }
@@ -233,15 +282,18 @@ fn apply_material(
 }
 
 fn apply_settings(
+    entity: Entity,
     cloth: &mut ClothSimulation,
     settings: ClothSettings,
+    cache: &mut RestCache,
     changed: &mut bool,
-) -> Result<(), SolverError> {
+) -> Result<(), ClothError> {
     if settings != cloth.settings {
         if settings.masses == cloth.settings.masses {
-            cloth.solver.set_settings(settings.into())?;
+            cloth.solver.set_settings(settings.into()).map_err(|e| solver_error(entity, e))?;
         } else {
-            cloth.solver = with_masses(cloth, settings)?;
+            let weights = cloth.weights.as_ref();
+            cloth.solver = remade(entity, cloth, settings, weights, cache)?;
         }
         cloth.settings = settings;
         *changed = true;
@@ -249,35 +301,50 @@ fn apply_settings(
     Ok(())
 }
 
-/// The solver over a rest shape of other masses, in the same place and motion.
-fn with_masses(
-    cloth: &ClothSimulation,
-    settings: ClothSettings,
-) -> Result<ClothSolver, SolverError> {
-    let topology = match cloth.solver.topology() {
-        Topology::Lattice(old) => {
-            let (rows, columns) = (old.rows(), old.columns());
-            let new = Lattice::new(rows, columns, old.rest_positions(), settings.masses)?;
-            Topology::from(Arc::new(new))
-        }
-        Topology::Graph(old) => Topology::from(Arc::new(old.with_lumping(settings.masses)?)),
-    };
-    let positions: Vec<_> = cloth.positions().collect();
-    let material = cloth.material.into();
-    let mut solver = ClothSolver::new(topology, &positions, material, settings.into())?;
-    for particle in 0..positions.len() {
-        solver.set_velocity(particle, cloth.solver.velocity(particle))?;
+fn apply_weights(
+    entity: Entity,
+    cloth: &mut ClothSimulation,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+    changed: &mut bool,
+) -> Result<(), ClothError> {
+    if weights != cloth.weights.as_ref() {
+        cloth.solver = remade(entity, cloth, cloth.settings, weights, cache)?;
+        cloth.weights = weights.cloned();
+        *changed = true;
     }
-    solver.set_pins(cloth.solver.pins())?;
-    let soft: Vec<_> = cloth.solver.soft_pins().copied().collect();
-    solver.set_soft_pins(&soft)?;
-    Ok(solver)
+    Ok(())
 }
 
-fn tell(entity: Entity, blame: Blame, outcome: Result<(), SolverError>, failures: &mut Failures) {
+/// The solver over a rest shape of other masses or weights, in the same place and motion.
+fn remade(
+    entity: Entity,
+    cloth: &ClothSimulation,
+    settings: ClothSettings,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+) -> Result<ClothSolver, ClothError> {
+    let scale = cloth.placed.scale;
+    let topology = topology(entity, &cloth.rest_shape, scale, settings.masses, weights, cache)?;
+    let remake = || {
+        let positions: Vec<_> = cloth.positions().collect();
+        let material = cloth.material.into();
+        let mut solver = ClothSolver::new(topology, &positions, material, settings.into())?;
+        for particle in 0..positions.len() {
+            solver.set_velocity(particle, cloth.solver.velocity(particle))?;
+        }
+        solver.set_pins(cloth.solver.pins())?;
+        let soft: Vec<_> = cloth.solver.soft_pins().copied().collect();
+        solver.set_soft_pins(&soft)?;
+        Ok(solver)
+    };
+    remake().map_err(|problem| solver_error(entity, problem))
+}
+
+fn tell(entity: Entity, blame: Blame, outcome: Result<(), ClothError>, failures: &mut Failures) {
     match outcome {
         Ok(()) => failures.clear(entity, blame),
-        Err(problem) => failures.report(entity, solver_error(entity, problem)),
+        Err(error) => failures.report(entity, error),
     }
 }
 
@@ -290,6 +357,7 @@ pub(crate) fn solver_error(entity: Entity, problem: SolverError) -> ClothError {
             ClothError::Parameter { entity, component, problem }
         }
         SolverError::Lattice(problem) => ClothError::Shape { entity, problem },
+        SolverError::Graph(problem) => ClothError::Graph { entity, problem },
         problem => ClothError::Solver { entity, problem },
     }
 }

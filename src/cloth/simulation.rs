@@ -1,10 +1,11 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
 
 use super::{
-    ClothMaterial, ClothPins, ClothSettings, ClothShape, attachment::Attachments,
+    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
     following::Following, pins::Choices, rest::Rest,
 };
 use crate::{
+    mesh::{ClothIntake, RestShape},
     solver::{
         ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
     },
@@ -32,8 +33,10 @@ pub struct ClothSimulation {
     pub(crate) pins: ClothPins,
     /// The entity's pose at setup.
     pub(crate) placed: Pose,
-    /// The particle of each vertex; `None` where they are the same.
-    pub(crate) particle_of_vertex: Option<Box<[u32]>>,
+    /// Unscaled, in the entity's frame.
+    pub(crate) rest_shape: RestShape,
+    /// The weights in force; `None` where the cloth is the same everywhere.
+    pub(crate) weights: Option<ClothWeights>,
     /// This tick's surroundings.
     pub(crate) step: ClothStep,
     /// This tick's result, until it is looked at.
@@ -124,15 +127,30 @@ impl ClothSimulation {
         self.solver.topology().spring_count()
     }
 
-    /// The particle of a vertex of the mesh, `None` where there is no such vertex.
+    /// What became of the mesh as it was made this cloth; `None` for a sheet.
+    pub fn intake(&self) -> Option<&ClothIntake> {
+        self.rest_shape.intake()
+    }
+
+    /// The particle of a vertex of the mesh, `None` where there is no such vertex, or where no
+    /// triangle of the cloth uses it.
     pub fn particle_of_vertex(&self, vertex: u32) -> Option<u32> {
-        let inside = (vertex as usize) < self.particle_count();
-        inside.then(|| self.particle_of_vertex.as_ref().map_or(vertex, |map| map[vertex as usize]))
+        self.rest_shape.particle_of(vertex)
     }
 
     /// Position of a particle in the world \[m\], `None` where there is no such particle.
     pub fn position(&self, particle: usize) -> Option<Vec3> {
         (particle < self.particle_count()).then(|| self.solver.position(particle))
+    }
+
+    /// Mass of a particle \[kg\], `None` where there is no such particle.
+    pub fn mass(&self, particle: usize) -> Option<f32> {
+        (particle < self.particle_count()).then(|| self.solver.mass(particle))
+    }
+
+    /// Rest positions of all particles \[m\], in the entity's frame times its scale at setup.
+    pub fn rest_positions(&self) -> &[Vec3] {
+        self.topology().rest_positions()
     }
 
     /// Velocity of a particle [m/s], `None` where there is no such particle.
@@ -175,10 +193,9 @@ impl ClothSimulation {
     /// What choosing particles needs to know.
     pub(crate) fn choices(&self) -> Choices<'_> {
         Choices {
-            rows: self.rows(),
-            columns: self.columns(),
-            particle_of_vertex: self.particle_of_vertex.as_deref(),
-            rest: self.solver.topology().rest_positions(),
+            grid: self.lattice().map(|lattice| (lattice.rows(), lattice.columns())),
+            shape: &self.rest_shape,
+            rest: self.rest_positions(),
             inverse_scale: 1.0 / self.placed.scale,
         }
     }

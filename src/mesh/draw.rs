@@ -1,6 +1,6 @@
 //! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
 
-use super::{MeshProblem, normals::CellRows};
+use super::{MeshProblem, RestShape, intake::NormalPlan, normals::CellRows};
 use crate::{
     cloth::{
         ClothInterpolation, ClothSimulation,
@@ -29,13 +29,15 @@ pub(crate) struct ClothMesh {
     pub handle: Handle<Mesh>,
     /// The mesh that it is a copy of.
     pub source: Option<Handle<Mesh>>,
-    /// The vertex of each particle; `None` where they are the same.
-    vertex_of_particle: Option<Box<[u32]>>,
+    /// What it draws: the particle and the normal of each vertex.
+    rest: RestShape,
     /// Positions in the entity's frame, by particle.
     points: Vec<Vec3>,
     /// The same, as last written.
     written: Vec<Vec3>,
+    /// Room to work out normals in, by rows or by groups.
     cells: CellRows,
+    sums: Vec<Vec3>,
     drawn: Option<Drawn>,
 }
 
@@ -50,20 +52,23 @@ struct Drawn {
 }
 
 impl ClothMesh {
-    pub fn new(
-        handle: Handle<Mesh>,
-        source: Option<Handle<Mesh>>,
-        vertex_of_particle: Option<Box<[u32]>>,
-        rows: usize,
-        columns: usize,
-    ) -> Self {
+    pub fn new(handle: Handle<Mesh>, source: Option<Handle<Mesh>>, rest: RestShape) -> Self {
+        let count = rest.particle_count();
+        let columns = match &rest {
+            RestShape::Sheet { particles, .. } => particles.x as usize,
+            RestShape::Mesh(shape) => match shape.normals {
+                NormalPlan::Grid { columns, .. } => columns,
+                NormalPlan::Groups(_) => 0,
+            },
+        };
         Self {
             handle,
             source,
-            vertex_of_particle,
-            points: vec![Vec3::ZERO; rows * columns],
-            written: vec![Vec3::ZERO; rows * columns],
+            rest,
+            points: vec![Vec3::ZERO; count],
+            written: vec![Vec3::ZERO; count],
             cells: CellRows::new(columns),
+            sums: Vec::new(),
             drawn: None,
         }
     }
@@ -114,7 +119,7 @@ pub(crate) fn draw_cloths(
         if !first && !visibly_moved(own, bounds) {
             continue;
         }
-        match write(own, cloth.columns(), &mut meshes) {
+        match write(own, &mut meshes) {
             Ok(()) => {
                 if let Some(mut aabb) = aabb {
                     *aabb = bounds;
@@ -223,13 +228,9 @@ fn place_pinned(attachments: &Attachments, own: &mut ClothMesh, now: Drawn, inve
     }
 }
 
-fn write(
-    own: &mut ClothMesh,
-    columns: usize,
-    meshes: &mut Assets<Mesh>,
-) -> Result<(), MeshProblem> {
+fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProblem> {
     let mut mesh = meshes.get_mut(&own.handle).ok_or(MeshProblem::Changed)?;
-    let count = own.points.len();
+    let count = own.rest.vertex_count();
     // Looked at first: the asset counts as modified as soon as it is borrowed mutably.
     for attribute in [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL] {
         let values = mesh.try_attribute_option(attribute)?.ok_or(MeshProblem::Changed)?;
@@ -238,19 +239,50 @@ fn write(
         }
     }
     let mesh = &mut *mesh;
-    let vertices = own.vertex_of_particle.as_deref();
-    let vertex = |particle: usize| vertices.map_or(particle, |map| map[particle] as usize);
     if let VertexAttributeValues::Float32x3(out) =
         mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)?
     {
-        for (particle, point) in own.points.iter().enumerate() {
-            out[vertex(particle)] = point.to_array();
-        }
+        write_positions(own, out);
     }
     if let VertexAttributeValues::Float32x3(out) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_NORMAL)? {
-        let write = |particle, normal: Vec3| out[vertex(particle)] = normal.to_array();
-        own.cells.write_normals(&own.points, columns, write);
+        write_normals(own, out);
     }
     own.written.copy_from_slice(&own.points);
     Ok(())
+}
+
+fn write_positions(own: &ClothMesh, out: &mut [[f32; 3]]) {
+    match &own.rest {
+        RestShape::Sheet { .. } => {
+            for (out, point) in out.iter_mut().zip(&own.points) {
+                *out = point.to_array();
+            }
+        }
+        RestShape::Mesh(shape) => {
+            for (out, &particle) in out.iter_mut().zip(&shape.particle_of_vertex) {
+                *out = own.points[particle as usize].to_array();
+            }
+        }
+    }
+}
+
+fn write_normals(own: &mut ClothMesh, out: &mut [[f32; 3]]) {
+    let ClothMesh { rest, points, cells, sums, .. } = own;
+    match rest {
+        RestShape::Sheet { particles, .. } => {
+            let write = |particle: usize, normal: Vec3| out[particle] = normal.to_array();
+            cells.write_normals(points, particles.x as usize, write);
+        }
+        RestShape::Mesh(shape) => match &shape.normals {
+            NormalPlan::Grid { columns, vertex_of_particle } => {
+                let vertex = |particle: usize| match vertex_of_particle {
+                    Some(map) => map[particle] as usize,
+                    None => particle,
+                };
+                let write = |particle, normal: Vec3| out[vertex(particle)] = normal.to_array();
+                cells.write_normals(points, *columns, write);
+            }
+            NormalPlan::Groups(groups) => groups.write_normals(points, sums, out),
+        },
+    }
 }

@@ -50,7 +50,7 @@ impl CellRows {
 
 /// The direction of a vector whose squared length may be too small for a float.
 #[inline]
-fn unit(sum: Vec3) -> Vec3 {
+pub(super) fn unit(sum: Vec3) -> Vec3 {
     let square = sum.length_squared();
     if square > 1e-30 && square < 1e30 {
         return sum / square.sqrt();

@@ -1,17 +1,19 @@
 //! Reads the rest shape from a mesh, and makes the mesh that a cloth draws into.
 
-use super::ClothMesh;
-use crate::cloth::{
-    ClothSimulation, GridProblem,
-    grid::{GridTopology, recognize},
+use super::{
+    ClothMesh,
+    intake::{ClothIntake, MeshShape},
+    raw::{RawMesh, fingerprint},
 };
+use crate::cloth::RestCache;
 use bevy::{
     asset::{LoadState, RenderAssetUsages},
     camera::{primitives::Aabb, visibility::NoAutoAabb},
     ecs::system::SystemParam,
-    mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues},
+    mesh::{Indices, MeshAccessError, PrimitiveTopology},
     prelude::*,
 };
+use std::sync::Arc;
 
 /// Why a mesh cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,7 +27,7 @@ pub enum MeshProblem {
     )]
     NoMeshAssets,
     /// The asset server gave up loading it.
-    #[error("its mesh failed to load: {0}")]
+    #[error("its mesh failed to load: {0}; mend the file, then give the entity its `Mesh3d` anew")]
     LoadFailed(String),
     /// Its data went to the GPU and is no longer here.
     #[error(
@@ -34,17 +36,51 @@ pub enum MeshProblem {
     )]
     TakenToGpu,
     /// It has no positions of three floats.
-    #[error("its mesh has no positions of three floats")]
+    #[error("its mesh has no `Mesh::ATTRIBUTE_POSITION` of three floats; insert it")]
     NoPositions,
-    /// It is not an indexed triangle list.
-    #[error("its mesh is not an indexed triangle list")]
+    /// It is made of points or lines.
+    #[error("its mesh is made of points or lines; use a triangle list or strip")]
     NotTriangles,
-    /// A position is NaN or infinite.
-    #[error("the position of vertex {0} of its mesh is not finite")]
+    /// The indices of a triangle list (or, without indices, its vertices) are no multiple of three.
+    #[error("its mesh is a triangle list of {0} corners, which is no multiple of three")]
+    LooseIndices(usize),
+    /// It has no triangle.
+    #[error("its mesh has no triangles; give it two or more")]
+    Empty,
+    /// An index is beyond the vertices.
+    #[error("its mesh has the index {index}, but only {vertices} vertices")]
+    BadIndex {
+        /// The index.
+        index: u32,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// A position is NaN, infinite or beyond 1e6 m.
+    #[error("the position of vertex {0} of its mesh is not finite, or beyond 1e6 m")]
     NonFinite(usize),
-    /// Its triangles are no open grid of quads.
-    #[error("its mesh is not an open grid of quads, the only kind supported so far: {0}")]
-    NotAGrid(#[from] GridProblem),
+    /// No triangle has an area.
+    #[error(
+        "none of the {triangles} triangles of its mesh has an area: corners repeat, coincide or lie \
+         on a line; look at the export's scale and welding"
+    )]
+    AllDegenerate {
+        /// Triangles of the mesh.
+        triangles: usize,
+    },
+    /// Only one triangle is left.
+    #[error(
+        "one triangle makes no cloth ({skipped} others were skipped); use a mesh of two or more"
+    )]
+    OneTriangle {
+        /// Triangles that are the same, or have no area.
+        skipped: usize,
+    },
+    /// It is skinned: the skeleton would move the cloth a second time.
+    #[error(
+        "the entity has a `SkinnedMesh`, which would move the cloth a second time; remove it, and \
+         let pins follow the bones (`ClothPins::anchored_to`)"
+    )]
+    Skinned,
     /// Somebody removed the cloth's own mesh, or changed its vertices.
     #[error("its own mesh was removed or given other vertices; give the entity another `Mesh3d`")]
     Changed,
@@ -54,37 +90,64 @@ impl From<MeshAccessError> for MeshProblem {
     fn from(error: MeshAccessError) -> Self {
         match error {
             MeshAccessError::ExtractedToRenderWorld => Self::TakenToGpu,
-            MeshAccessError::NotFound => Self::NotTriangles,
+            MeshAccessError::NotFound => Self::Changed,
         }
     }
 }
 
 /// The shape of a cloth at rest, in its entity's frame.
+#[derive(Clone, Debug)]
 pub(crate) enum RestShape {
     Sheet { size: Vec2, particles: UVec2 },
-    Grid { topology: GridTopology, positions: Vec<Vec3> },
+    Mesh(Arc<MeshShape>),
 }
 
 impl RestShape {
-    /// The particle of each vertex; `None` where they are the same.
-    pub fn particle_of_vertex(&self) -> Option<Box<[u32]>> {
-        let vertices = self.vertex_of_particle()?;
-        let mut particles = vec![0; vertices.len()].into_boxed_slice();
-        for (particle, &vertex) in vertices.iter().enumerate() {
-            particles[vertex as usize] = particle as u32;
+    pub fn particle_count(&self) -> usize {
+        match self {
+            Self::Sheet { particles, .. } => particles.x as usize * particles.y as usize,
+            Self::Mesh(shape) => shape.positions.len(),
         }
-        Some(particles)
     }
 
-    /// The vertex of each particle; `None` where they are the same.
-    fn vertex_of_particle(&self) -> Option<&[u32]> {
+    pub fn vertex_count(&self) -> usize {
+        match self {
+            Self::Sheet { .. } => self.particle_count(),
+            Self::Mesh(shape) => shape.particle_of_vertex.len(),
+        }
+    }
+
+    /// The particle of a vertex; `None` where there is no such vertex, or no triangle uses it.
+    pub fn particle_of(&self, vertex: u32) -> Option<u32> {
+        match self {
+            Self::Sheet { .. } => ((vertex as usize) < self.particle_count()).then_some(vertex),
+            Self::Mesh(shape) => shape.particle_of(vertex),
+        }
+    }
+
+    /// The vertices that triangles use, and their particles.
+    pub fn used_vertices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (same, shape) = match self {
+            Self::Sheet { .. } => (self.particle_count(), None),
+            Self::Mesh(shape) => (0, Some(shape)),
+        };
+        let mapped = shape.into_iter().flat_map(|shape| shape.used_vertices());
+        (0..same).map(|i| (i, i)).chain(mapped)
+    }
+
+    /// Vertex colours, where the mesh has any.
+    pub fn colors(&self) -> Option<&[[f32; 4]]> {
         match self {
             Self::Sheet { .. } => None,
-            Self::Grid { topology, .. } => {
-                let vertices = &topology.vertex_of_particle;
-                let same = vertices.iter().enumerate().all(|(i, &v)| i == v as usize);
-                (!same).then_some(vertices)
-            }
+            Self::Mesh(shape) => shape.colors.as_deref(),
+        }
+    }
+
+    /// What became of the mesh.
+    pub fn intake(&self) -> Option<&ClothIntake> {
+        match self {
+            Self::Sheet { .. } => None,
+            Self::Mesh(shape) => Some(&shape.intake),
         }
     }
 }
@@ -123,7 +186,7 @@ impl MeshSource<'_> {
         Ok(mesh)
     }
 
-    /// Positions and indices of a triangle list; `None` while it is loading.
+    /// Positions and indices of a mesh's triangles; `None` while it is loading.
     pub fn triangles(
         &self,
         handle: Option<&Handle<Mesh>>,
@@ -131,61 +194,42 @@ impl MeshSource<'_> {
         let Some(mesh) = self.get(handle)? else {
             return Ok(None);
         };
-        if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-            return Err(MeshProblem::NotTriangles);
-        }
-        let Some(VertexAttributeValues::Float32x3(positions)) =
-            mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION)?
-        else {
-            return Err(MeshProblem::NoPositions);
-        };
-        let positions: Vec<_> = positions.iter().map(|p| Vec3::from_array(*p)).collect();
-        if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(MeshProblem::NonFinite(vertex));
-        }
-        let indices = mesh.try_indices()?.iter().map(|index| index as u32).collect();
-        Ok(Some((positions, indices)))
+        let raw = RawMesh::read(mesh)?;
+        Ok(Some((raw.positions, raw.triangles.into_flattened())))
     }
 
     /// The rest shape of a mesh; `None` while it is loading.
-    pub fn read(&self, handle: Option<&Handle<Mesh>>) -> Result<Option<RestShape>, MeshProblem> {
-        let Some((positions, indices)) = self.triangles(handle)? else {
+    pub fn read(
+        &self,
+        handle: Option<&Handle<Mesh>>,
+        cache: &mut RestCache,
+    ) -> Result<Option<RestShape>, MeshProblem> {
+        let Some(mesh) = self.get(handle)? else {
             return Ok(None);
         };
-        let (triangles, rest) = indices.as_chunks::<3>();
-        if !rest.is_empty() {
-            return Err(MeshProblem::NotTriangles);
-        }
-        let topology = recognize(triangles, positions.len())?;
-        let in_order = topology.vertex_of_particle.iter().map(|&v| positions[v as usize]).collect();
-        Ok(Some(RestShape::Grid { topology, positions: in_order }))
+        let fingerprint = fingerprint(mesh)?;
+        let make = || MeshShape::new(RawMesh::read(mesh)?, fingerprint);
+        cache.mesh(fingerprint, make).map(|shape| Some(RestShape::Mesh(shape)))
     }
 
     /// A mesh of its own for a cloth; nothing where the app has no meshes.
     pub fn own_mesh(
         &mut self,
-        cloth: &ClothSimulation,
         rest: &RestShape,
         source: Option<&Handle<Mesh>>,
     ) -> Option<impl Bundle + use<>> {
         let meshes = self.meshes.as_mut()?;
         let (mesh, source) = match rest {
             RestShape::Sheet { size, particles } => (sheet_mesh(*size, *particles), None),
-            RestShape::Grid { .. } => (copy_of(meshes.get(source?)?), source.cloned()),
+            RestShape::Mesh(_) => (copy_of(meshes.get(source?)?), source.cloned()),
         };
         let handle = meshes.add(mesh);
-        let own = ClothMesh::new(
-            handle.clone(),
-            source,
-            rest.vertex_of_particle().map(Box::from),
-            cloth.rows(),
-            cloth.columns(),
-        );
+        let own = ClothMesh::new(handle.clone(), source, rest.clone());
         Some((Mesh3d(handle), own, Aabb::default(), NoAutoAabb))
     }
 }
 
-/// A copy that stays in the main world, with normals to write.
+/// A copy that stays in the main world, with normals to write and no joints to follow.
 fn copy_of(source: &Mesh) -> Mesh {
     let mut mesh = source.clone();
     mesh.asset_usage = RenderAssetUsages::default();
@@ -193,6 +237,10 @@ fn copy_of(source: &Mesh) -> Mesh {
         (mesh.try_contains_attribute(Mesh::ATTRIBUTE_NORMAL), mesh.count_vertices())
     {
         mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 1.0, 0.0]; count]);
+    }
+    for joints in [Mesh::ATTRIBUTE_JOINT_INDEX, Mesh::ATTRIBUTE_JOINT_WEIGHT] {
+        // Nothing to remove is as good.
+        let _ = mesh.try_remove_attribute(joints);
     }
     mesh
 }

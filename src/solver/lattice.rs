@@ -53,6 +53,22 @@ pub enum LatticeError {
         /// Its neighbour.
         second: usize,
     },
+    /// Factors of mass or stiffness are not as many as the particles.
+    #[error("there are {got} factors for {expected} particles")]
+    WrongFactorCount {
+        /// Particles.
+        expected: usize,
+        /// Factors given.
+        got: usize,
+    },
+    /// A factor of mass or stiffness is not positive and finite.
+    #[error("the factor of particle {particle} is {value}, but must be positive and finite")]
+    BadFactor {
+        /// The particle, row by row.
+        particle: usize,
+        /// Its factor.
+        value: f32,
+    },
 }
 
 /// How particles are laid out in memory: rows of `columns` particles, padded so that rows are whole
@@ -127,13 +143,13 @@ impl Family {
         Self { rest: Array::zeros(len), shape: Array::zeros(len), compliance }
     }
 
-    fn set(&mut self, at: usize, rest: f32, shape: f32) {
+    pub(super) fn set(&mut self, at: usize, rest: f32, shape: f32) {
         self.rest[at] = rest;
         self.shape[at] = shape;
         self.compliance[at] = 1.0 / shape;
     }
 
-    fn transposed(&self, from: Layout) -> Self {
+    pub(super) fn transposed(&self, from: Layout) -> Self {
         let mut out = Self::empty(from.transposed().len());
         for r in 0..from.rows {
             for c in 0..from.columns {
@@ -180,6 +196,8 @@ pub struct Lattice {
     pub(crate) antidiagonal_rest: Array,
     /// Area of cloth that a particle stands for \[m2\].
     pub(crate) area: Vec<f32>,
+    /// Area of cloth that a particle weighs as much as \[m2\].
+    pub(crate) mass_area: Vec<f32>,
     /// Whether all cells are the same rectangle of a flat sheet.
     pub(crate) uniform: bool,
     /// Whether rest distances through space are distances along the cloth (flat and convex).
@@ -213,6 +231,7 @@ impl Lattice {
         let (warp, weft) = structural(layout, &grid, lumping)?;
         let (diagonal, antidiagonal_rest) = shear(layout, &grid);
         let uniform = grid.is_uniform();
+        let area = areas(layout, &grid, lumping);
         Ok(Self {
             layout,
             lumping,
@@ -222,7 +241,8 @@ impl Lattice {
             weft,
             diagonal,
             antidiagonal_rest,
-            area: areas(layout, &grid, lumping),
+            mass_area: area.clone(),
+            area,
             uniform,
             flat: uniform,
         })

@@ -59,6 +59,7 @@ mod threads;
 mod topology;
 mod transpose;
 mod ways;
+mod weights;
 mod wind;
 
 use bevy::math::Vec3;

@@ -112,7 +112,7 @@ impl Topology {
     /// Area of cloth \[m2\] whose mass the particle of a slot carries.
     pub(crate) fn area(&self, slot: usize) -> f32 {
         match self {
-            Self::Lattice(lattice) => lattice.area[slot],
+            Self::Lattice(lattice) => lattice.mass_area[slot],
             Self::Graph(graph) => graph.area[slot],
         }
     }

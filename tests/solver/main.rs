@@ -24,4 +24,5 @@ mod stability;
 mod survival;
 mod symmetry;
 mod tethers;
+mod weights;
 mod wind;

@@ -1,0 +1,167 @@
+//! Rest shapes in use: equal cloths share one, and the last cloth takes it with it.
+
+use super::weights::Factors;
+use crate::{
+    mesh::{Connection, MeshProblem, MeshShape, RestShape},
+    solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights},
+};
+use bevy::{platform::collections::HashMap, prelude::*};
+use std::sync::{Arc, Weak};
+
+/// Everything that the solver's view of a rest shape depends on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct TopologyKey {
+    shape: ShapeKey,
+    lumping: MassLumping,
+    /// Fingerprint of the factors of mass and stiffness.
+    factors: Option<u64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum ShapeKey {
+    Sheet { size: [u32; 2], particles: UVec2 },
+    Mesh { fingerprint: u64, scale: u32 },
+}
+
+/// A [`Topology`] that does not keep it alive.
+enum WeakTopology {
+    Lattice(Weak<Lattice>),
+    Graph(Weak<Graph>),
+}
+
+impl WeakTopology {
+    fn of(topology: &Topology) -> Self {
+        match topology {
+            Topology::Lattice(lattice) => Self::Lattice(Arc::downgrade(lattice)),
+            Topology::Graph(graph) => Self::Graph(Arc::downgrade(graph)),
+        }
+    }
+
+    fn upgrade(&self) -> Option<Topology> {
+        match self {
+            Self::Lattice(lattice) => lattice.upgrade().map(Topology::Lattice),
+            Self::Graph(graph) => graph.upgrade().map(Topology::Graph),
+        }
+    }
+
+    fn is_in_use(&self) -> bool {
+        match self {
+            Self::Lattice(lattice) => lattice.strong_count() > 0,
+            Self::Graph(graph) => graph.strong_count() > 0,
+        }
+    }
+}
+
+/// The rest shapes in use.
+#[derive(Resource, Default)]
+pub(crate) struct RestCache {
+    meshes: HashMap<u64, Weak<MeshShape>>,
+    topologies: HashMap<TopologyKey, WeakTopology>,
+}
+
+impl RestCache {
+    /// The rest shape of a mesh, made only if no cloth has it.
+    pub fn mesh(
+        &mut self,
+        fingerprint: u64,
+        make: impl FnOnce() -> Result<MeshShape, MeshProblem>,
+    ) -> Result<Arc<MeshShape>, MeshProblem> {
+        if let Some(shape) = self.meshes.get(&fingerprint).and_then(Weak::upgrade) {
+            return Ok(shape);
+        }
+        let shape = Arc::new(make()?);
+        self.meshes.retain(|_, other| other.strong_count() > 0);
+        self.meshes.insert(fingerprint, Arc::downgrade(&shape));
+        Ok(shape)
+    }
+
+    /// A rest shape as the solver has it, made larger by `scale`.
+    pub fn topology(
+        &mut self,
+        rest: &RestShape,
+        scale: f32,
+        lumping: MassLumping,
+        factors: Option<&Factors>,
+    ) -> Result<Topology, SolverError> {
+        let shape = match rest {
+            RestShape::Sheet { size, particles } => ShapeKey::Sheet {
+                size: (*size * scale).to_array().map(f32::to_bits),
+                particles: *particles,
+            },
+            RestShape::Mesh(shape) => {
+                ShapeKey::Mesh { fingerprint: shape.fingerprint, scale: scale.to_bits() }
+            }
+        };
+        let key = TopologyKey { shape, lumping, factors: factors.map(Factors::fingerprint) };
+        if let Some(topology) = self.topologies.get(&key).and_then(WeakTopology::upgrade) {
+            return Ok(topology);
+        }
+        let topology = topology(rest, scale, lumping, factors)?;
+        self.topologies.retain(|_, other| other.is_in_use());
+        self.topologies.insert(key, WeakTopology::of(&topology));
+        Ok(topology)
+    }
+}
+
+fn topology(
+    rest: &RestShape,
+    scale: f32,
+    lumping: MassLumping,
+    factors: Option<&Factors>,
+) -> Result<Topology, SolverError> {
+    let lattice = match rest {
+        RestShape::Sheet { size, particles } => {
+            let (rows, columns) = (particles.y as usize, particles.x as usize);
+            Lattice::sheet(*size * scale, rows, columns, lumping)?
+        }
+        RestShape::Mesh(shape) => {
+            let positions: Vec<_> = shape.positions.iter().map(|p| *p * scale).collect();
+            match &shape.connection {
+                Connection::Grid { rows, columns } => {
+                    Lattice::new(*rows, *columns, &positions, lumping)?
+                }
+                Connection::Triangles(triangles) => {
+                    let weights = factors.map_or(Weights::default(), |factors| Weights {
+                        mass: &factors.mass,
+                        stiffness: &factors.stiffness,
+                    });
+                    let graph = Graph::with_weights(&positions, triangles, lumping, weights)?;
+                    return Ok(Arc::new(graph).into());
+                }
+            }
+        }
+    };
+    let lattice = match factors {
+        Some(factors) => lattice.with_weights(&factors.mass, &factors.stiffness)?,
+        None => lattice,
+    };
+    Ok(Arc::new(lattice).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_lives_as_long_as_a_cloth_has_it() {
+        let mut cache = RestCache::default();
+        let sheet = |size| RestShape::Sheet { size: Vec2::splat(size), particles: UVec2::splat(3) };
+        let factors = Factors { mass: vec![2.0; 9], stiffness: vec![1.0; 9] };
+        let equal = factors.clone();
+        let mut get = |size: f32, scale, factors| {
+            let topology = cache.topology(&sheet(size), scale, MassLumping::Lumped, factors);
+            topology.unwrap().as_lattice().unwrap().clone()
+        };
+        let first = get(1.0, 2.0, None);
+        assert!(Arc::ptr_eq(&first, &get(2.0, 1.0, None)), "the same size in the end");
+        let heavy = get(1.0, 2.0, Some(&factors));
+        assert!(!Arc::ptr_eq(&first, &heavy));
+        assert!(Arc::ptr_eq(&heavy, &get(1.0, 2.0, Some(&equal))));
+        let watch = Arc::downgrade(&first);
+        drop(first);
+        assert_eq!(watch.strong_count(), 0, "nobody has it any more");
+        // What is new takes the place of what is gone.
+        get(1.0, 2.0, None);
+        assert!(cache.topologies.len() <= 2);
+    }
+}
