@@ -344,7 +344,12 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
         ("no mesh", count(8), None, Box::new(mesh(MeshProblem::NoMesh))),
         ("lines", count(8), Some(lines()), Box::new(mesh(MeshProblem::NotTriangles))),
         ("no data", count(8), Some(bare()), Box::new(mesh(MeshProblem::NoPositions))),
-        ("no indices", count(8), Some(soup()), Box::new(mesh(MeshProblem::NotTriangles))),
+        (
+            "no indices, and no volume",
+            count(8),
+            Some(soup()),
+            Box::new(bake(|e| matches!(e, BakeError::NoVolume))),
+        ),
         (
             "NaN",
             count(8),
@@ -367,7 +372,7 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
             "a partial triangle",
             count(8),
             Some(broken_box(|_, i| i.truncate(35))),
-            Box::new(bake(|e| matches!(e, BakeError::PartialTriangle { index_count: 35 }))),
+            Box::new(mesh(MeshProblem::LooseIndices(35))),
         ),
         (
             "an index too large",
@@ -397,7 +402,7 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
             "huge",
             count(8),
             Some(broken_box(|p, _| p.as_flattened_mut().iter_mut().for_each(|x| *x *= 1e38))),
-            Box::new(bake(|e| matches!(e, BakeError::CellSize { .. }))),
+            Box::new(mesh(MeshProblem::NonFinite(0))),
         ),
         (
             "tiny",

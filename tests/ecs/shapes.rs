@@ -100,7 +100,8 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize, budget: u32) {
     // Braked, so that it is nearly at rest in the end.
     let material = ClothMaterial { drag: 3.0, ..default() };
     let settings = ClothSettings { substeps: Substeps::Automatic { budget }, ..default() };
-    let entity = spawn_mesh(&mut app, mesh, (pins, material, settings));
+    // Nor asleep: it is looked at after so many ticks.
+    let entity = spawn_mesh(&mut app, mesh, (pins, material, settings, ClothSleep::NEVER));
     updates(&mut app, ticks);
     assert_eq!(failure(&app, entity), None, "{what}");
     let running = simulation(&app, entity);
