@@ -28,6 +28,8 @@ use sweep::Sweep;
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
+/// Makes up for what rounding takes off the sum of many small ways.
+const ROUNDED_UP: f32 = 1.0 + 1e-5;
 
 /// The part of a tick that a substep covers, from 0 to 1.
 #[derive(Clone, Copy, Debug)]
@@ -77,77 +79,72 @@ impl Kernel for ResolveContacts<'_> {
 
     #[inline(always)]
     fn run(mut self) -> u32 {
-        let way = self.look_at_moves();
+        let way = self.furthest_way();
         let Skin { epsilon, layers, .. } = self.skin;
         self.room.wake(way, epsilon, layers, self.x, self.layout, self.origin, self.colliders);
         let mut touching = 0;
         for k in 0..self.room.awake.len() {
-            touching += self.meet(self.room.awake[k]);
+            touching += self.meet(k, way);
         }
         touching
     }
 }
 
 impl ResolveContacts<'_> {
-    /// Takes how far the particles of each block move in this substep: by their displacements, and
-    /// by what contact pushed them in the last one. Returns the furthest.
+    /// How far any particle goes in this substep \[m\].
     #[inline(always)]
-    fn look_at_moves(&mut self) -> f32 {
-        let mut furthest = 0.0;
+    fn furthest_way(&self) -> f32 {
+        let mut most = Block::ZERO;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
-                let d = Block3::load(self.d, slot);
-                let mut square = Block::ZERO;
+                let d = Block3::load(self.d, self.layout.slot(row, column));
                 for i in 0..LANES {
-                    square.0[i] = d.at(i).dot(d.at(i));
+                    most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
                 }
-                let block = slot / LANES;
-                let moved = square.largest().sqrt() + self.room.pushed[block];
-                self.room.moved[block] = moved;
-                self.room.pushed[block] = 0.0;
-                furthest = larger(moved, furthest);
             }
         }
-        furthest
+        most.largest().sqrt()
     }
 
-    /// Holds all particles out of one collider, and returns how many touched it.
+    /// Holds all particles out of one collider, and returns how many touched it. `way` is what the
+    /// fastest particle goes in this substep \[m\].
     #[inline(always)]
-    fn meet(&mut self, awake: Awake) -> u32 {
-        let collider = &self.colliders[awake.collider];
+    fn meet(&mut self, k: usize, way: f32) -> u32 {
+        let Awake { collider, first, gone } = self.room.awake[k];
         let (from, to) = (self.span.from, self.span.to);
-        let motion = Motion::new(collider, self.origin, self.skin.friction, from, to);
+        let collider_now = &self.colliders[collider];
+        let motion = Motion::new(collider_now, self.origin, self.skin.friction, from, to);
+        self.room.awake[k].gone = gone + motion.reach;
+        // Particles that another collider has pushed have gone further.
+        let way = way + self.room.pushed + motion.reach;
+        let gone = (self.room.gone + self.room.pushed + gone + motion.reach) * ROUNDED_UP;
+        let slow = self.skin.epsilon + motion.fast;
         let mut touching = 0;
         let mut tally = Tally { given: Block3::ZERO, left: Block::ZERO };
         let mut deepest = 0.0;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let block = slot / LANES;
-                let known = awake.clearances + block;
-                let way = self.room.moved[block] + self.room.pushed[block] + motion.reach;
-                let left = self.room.clearance[known] - way;
-                self.room.clearance[known] = left;
-                if left > 0.0 {
+                let known = first + slot / LANES;
+                if self.room.until[known] > gone {
                     continue;
                 }
-                if way > self.skin.epsilon + motion.fast {
+                if way > slow {
                     let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
                     sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given);
                 }
                 let (gap, count) = self.resolve(slot, &motion, &mut tally);
                 touching += count;
-                self.room.clearance[known] = larger(gap, 0.0);
-                self.room.pushed[block] += larger(-gap, 0.0);
+                self.room.until[known] = gone + larger(gap, 0.0);
                 deepest = larger(-gap, deepest);
             }
         }
+        self.room.pushed += deepest;
         if tally.left.largest() > 0.0 {
-            self.calm(awake, &motion, deepest);
+            self.calm(first, gone, &motion, deepest);
         }
         if motion.measured {
-            self.room.impulses[awake.collider] += sum(&tally.given) / self.skin.step;
+            self.room.impulses[collider] += sum(&tally.given) / self.skin.step;
         }
         touching
     }
@@ -156,12 +153,12 @@ impl ResolveContacts<'_> {
     /// near to the collider as they are deep, or twice, goes on at the speed allowed and no faster: the
     /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
     #[inline(never)]
-    fn calm(&mut self, awake: Awake, motion: &Motion<'_>, deepest: f32) {
+    fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
         let most = self.skin.most_push;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                if self.room.clearance[awake.clearances + slot / LANES] > 2.0 * deepest {
+                if self.room.until[first + slot / LANES] > gone + 2.0 * deepest {
                     continue;
                 }
                 let w = Block::load(self.inverse_mass, slot);

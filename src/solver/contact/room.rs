@@ -2,8 +2,8 @@
 //!
 //! Twice the same thought: something at a known distance cannot touch before that much way has been
 //! gone. A collider sleeps until the cloth has gone as far as there was between their boxes when the
-//! tick began; a block of particles is passed over until it has gone the clearance that it was last
-//! found to have.
+//! tick began; a block of particles is passed over until it can have gone the distance that it was last
+//! found to have. The way is that of the fastest particle: one number for all.
 
 use bevy::math::{Vec3, bounding::Aabb3d};
 
@@ -21,17 +21,14 @@ pub(in crate::solver) struct ContactRoom {
     blocks: usize,
     /// The colliders that the cloth may have come to, in their order.
     pub awake: Vec<Awake>,
-    /// How far the particles of a block may yet move before any can touch a collider \[m\]: for
-    /// each awake collider, all blocks.
-    pub clearance: Vec<f32>,
-    /// How far the particles of a block move in the substep at most \[m\], pushes of the last one
-    /// included.
-    pub moved: Vec<f32>,
-    /// How far contact has pushed them \[m\], since `moved` was taken.
-    pub pushed: Vec<f32>,
-    /// How far the cloth has gone since the tick began, at most \[m\].
-    gone: f32,
-    /// How far it may go before another collider wakes \[m\].
+    /// The way at which the particles of a block may touch a collider \[m\]: for each awake collider,
+    /// all blocks.
+    pub until: Vec<f32>,
+    /// How far any particle has gone since the tick began, at most \[m\].
+    pub gone: f32,
+    /// How far contact has pushed any particle in this substep, at most \[m\].
+    pub pushed: f32,
+    /// The way at which another collider wakes \[m\].
     until_next: f32,
     /// The cloth's box when the tick began, in world space.
     low: Vec3,
@@ -47,8 +44,10 @@ pub(in crate::solver) struct ContactRoom {
 pub(in crate::solver) struct Awake {
     /// Its index.
     pub collider: usize,
-    /// Where its clearances begin.
-    pub clearances: usize,
+    /// Where what is known of the blocks begins.
+    pub first: usize,
+    /// How far any point of it has gone since it woke \[m\].
+    pub gone: f32,
 }
 
 impl ContactRoom {
@@ -57,10 +56,9 @@ impl ContactRoom {
         Self {
             blocks,
             awake: Vec::with_capacity(FEW),
-            clearance: Vec::with_capacity(FEW * blocks),
-            moved: vec![0.0; blocks],
-            pushed: vec![0.0; blocks],
+            until: Vec::with_capacity(FEW * blocks),
             gone: 0.0,
+            pushed: 0.0,
             until_next: 0.0,
             low: Vec3::ZERO,
             high: Vec3::ZERO,
@@ -73,9 +71,8 @@ impl ContactRoom {
     /// `low` and `high` are the corners of a box around the cloth in world space.
     pub fn begin_tick(&mut self, low: Vec3, high: Vec3, colliders: &[Collider<'_>]) {
         self.awake.clear();
-        self.clearance.clear();
-        self.pushed.fill(0.0);
-        self.gone = 0.0;
+        self.until.clear();
+        (self.gone, self.pushed) = (0.0, 0.0);
         self.until_next = 0.0;
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
@@ -98,7 +95,9 @@ impl ContactRoom {
         origin: Vec3,
         colliders: &[Collider<'_>],
     ) {
-        self.gone += way;
+        let before = self.gone + self.pushed;
+        self.gone = before + way;
+        self.pushed = 0.0;
         if self.gone < self.until_next {
             return;
         }
@@ -120,14 +119,14 @@ impl ContactRoom {
                 self.until_next = self.until_next.min(gap);
                 continue;
             }
-            let clearances = self.clearance.len();
-            self.clearance.resize(clearances + self.blocks, 0.0);
+            let first = self.until.len();
+            self.until.resize(first + self.blocks, 0.0);
             if let Some(bounds) = &collider.motion.bounds() {
-                let gaps = &mut self.clearance[clearances..];
                 let held = epsilon + self.slack;
-                BlockGaps { layout, x, origin, bounds, held, gaps }.run();
+                let until = &mut self.until[first..];
+                BlockGaps { layout, x, origin, bounds, held, before, until }.run();
             }
-            self.awake.insert(place, Awake { collider: index, clearances });
+            self.awake.insert(place, Awake { collider: index, first, gone: 0.0 });
             place += 1;
         }
     }
@@ -140,7 +139,7 @@ fn box_gap(low: Vec3, high: Vec3, other: &Aabb3d) -> f32 {
     (min - high).max(low - max).max_element()
 }
 
-/// Distances of the blocks' boxes to a collider's.
+/// The ways at which blocks may come to a collider's box.
 struct BlockGaps<'a> {
     layout: Layout,
     x: &'a Soa,
@@ -148,7 +147,9 @@ struct BlockGaps<'a> {
     bounds: &'a Aabb3d,
     /// What the cloth is held from, and the slack \[m\].
     held: f32,
-    gaps: &'a mut [f32],
+    /// The way that the cloth has gone up to now \[m\].
+    before: f32,
+    until: &'a mut [f32],
 }
 
 impl Kernel for BlockGaps<'_> {
@@ -176,7 +177,7 @@ impl Kernel for BlockGaps<'_> {
                     let far = larger(larger(x, y), z) - self.held;
                     gap.0[i] = if i < inside { far } else { f32::INFINITY };
                 }
-                self.gaps[slot / LANES] = larger(gap.smallest(), 0.0);
+                self.until[slot / LANES] = self.before + larger(gap.smallest(), 0.0);
             }
         }
     }

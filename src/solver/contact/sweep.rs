@@ -49,12 +49,17 @@ impl Sweep<'_> {
         d: &mut Soa,
         given: &mut super::Block3,
     ) {
+        let slow = self.epsilon + self.motion.fast;
         for lane in 0..LANES {
             let w = inverse_mass[slot + lane];
             if w <= 0.0 {
                 continue;
             }
             let (start, way) = (x.get(slot + lane), d.get(slot + lane));
+            let reach = way.dot(way).sqrt() + self.motion.reach;
+            if reach <= slow {
+                continue;
+            }
             let from = self.motion.before.to_local(start);
             let to = self.motion.after.to_local(start + way);
             if let Some(end) = self.follow(from, to) {
