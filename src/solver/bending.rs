@@ -12,6 +12,8 @@ use super::lattice::{Family, Lattice, Layout};
 
 /// Turns below this count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;
+/// Relative difference of rest lengths below which they count as the same.
+const EVEN: f32 = 1e-5;
 /// Least turn that has a direction.
 const LEAST_TURN: f32 = 1e-9;
 
@@ -26,6 +28,9 @@ pub(super) struct Hinges {
     pub shape: Vec<f32>,
     /// Turn at rest; empty where all are flat.
     turn: Vec<f32>,
+    /// 1 / rest length \[1/m\] where it is the same for all springs, and all is flat: the force is then
+    /// a stencil over five particles.
+    even: Option<f32>,
 }
 
 impl Hinges {
@@ -49,6 +54,7 @@ impl Hinges {
                 .collect(),
             shape: vec![0.0; len],
             turn: vec![0.0; len],
+            even: None,
         };
         for slot in lattice.layout.slots() {
             let (l1, l2) = (springs.rest[slot - step], springs.rest[slot]);
@@ -63,6 +69,7 @@ impl Hinges {
         }
         if hinges.turn.iter().all(|&turn| turn == 0.0) {
             hinges.turn = Vec::new();
+            hinges.even = common(&hinges.inverse_rest);
         }
         hinges
     }
@@ -78,6 +85,13 @@ impl Hinges {
         let after = self.inverse_rest[slot];
         at(l, before) + at(slot, before + after) + at(r, after)
     }
+}
+
+/// What all numbers above zero are, to within rounding of the lengths that they come from.
+fn common(inverse_rest: &[f32]) -> Option<f32> {
+    let there = || inverse_rest.iter().copied().filter(|&inverse| inverse > 0.0);
+    let (low, high) = there().fold((f32::MAX, 0.0_f32), |(l, h), i| (l.min(i), h.max(i)));
+    (high > 0.0 && high - low <= EVEN * high).then_some(0.5 * (low + high))
 }
 
 fn rest_turn(lattice: &Lattice, slot: usize, step: usize, l1: f32, l2: f32) -> f32 {
@@ -128,6 +142,9 @@ impl Bend<'_> {
     /// Works out the moments that a row needs. Rows are taken in their order, from the first.
     #[inline(always)]
     pub fn begin_row(&mut self, row: usize) {
+        if self.is_even() {
+            return;
+        }
         if row == 0 {
             // Before the first row there are no hinges.
             self.moments.warp.clear();
@@ -154,6 +171,9 @@ impl Bend<'_> {
     #[inline(always)]
     pub fn forces(&self, row: usize, column: usize) -> Block3 {
         let slot = self.layout.slot(row, column);
+        if let [Some(weft), Some(warp)] = [self.hinges[0].even, self.hinges[1].even] {
+            return self.even_forces(slot, [weft, warp]);
+        }
         let at = LANES + column;
         let weft = hinge_forces(&self.hinges[0], slot, &self.moments.weft, [at - 1, at, at + 1]);
         // One row before the first stands where the third does.
@@ -162,6 +182,36 @@ impl Bend<'_> {
         let mut force = Block3::ZERO;
         for i in 0..LANES {
             force.set(i, weft.at(i) + warp.at(i));
+        }
+        force
+    }
+
+    fn is_even(&self) -> bool {
+        self.hinges.iter().all(|hinges| hinges.even.is_some())
+    }
+
+    /// The same where springs of a family are equally long and all is flat at rest.
+    #[inline(always)]
+    fn even_forces(&self, slot: usize, inverse_rest: [f32; 2]) -> Block3 {
+        let x = Block3::load(self.x, slot);
+        let mut force = Block3::ZERO;
+        for (hinges, inverse) in self.hinges.iter().zip(inverse_rest) {
+            let step = hinges.step;
+            let constant = self.rigidity * inverse * inverse;
+            let (x1, x3) = (Block3::load(self.x, slot - step), Block3::load(self.x, slot + step));
+            let (x0, x4) =
+                (Block3::load(self.x, slot - 2 * step), Block3::load(self.x, slot + 2 * step));
+            let shape_before = Block::load(&hinges.shape, slot - step);
+            let shape = Block::load(&hinges.shape, slot);
+            let shape_after = Block::load(&hinges.shape, slot + step);
+            for i in 0..LANES {
+                let before = (x.at(i) - x1.at(i)) - (x1.at(i) - x0.at(i));
+                let own = (x3.at(i) - x.at(i)) - (x.at(i) - x1.at(i));
+                let after = (x4.at(i) - x3.at(i)) - (x3.at(i) - x.at(i));
+                let ends = before * shape_before.0[i] + after * shape_after.0[i];
+                let sum = own * (2.0 * shape.0[i]) - ends;
+                force.set(i, force.at(i) + sum * constant);
+            }
         }
         force
     }
