@@ -3,6 +3,8 @@
 //! Every kernel is one body, compiled once for each instruction set and chosen at run time. Rust
 //! neither contracts nor reorders floating point, so all of them give the same bits.
 
+use super::transpose::{Plain, Transpose};
+
 /// A vector instruction set of x86-64. Other processors have [`Isa::Baseline`] alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Isa {
@@ -36,6 +38,26 @@ impl Isa {
         }
     }
 
+    /// Runs a kernel that is given the means to exchange rows and columns.
+    #[inline(always)]
+    pub(super) fn run_transposing<K: TransposingKernel>(self, kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        match self {
+            Self::Baseline => {}
+            Self::Avx2 => {
+                if let Some(v3) = pulp::x86::V3::try_new() {
+                    return v3.vectorize(CallWith(kernel, v3));
+                }
+            }
+            Self::Avx512 => {
+                if let Some(v4) = pulp::x86::V4::try_new() {
+                    return v4.vectorize(CallWith(kernel, v4));
+                }
+            }
+        }
+        kernel.run(Plain)
+    }
+
     /// Runs `kernel` compiled for this instruction set, or for the baseline where the machine
     /// lacks it.
     #[inline(always)]
@@ -67,6 +89,27 @@ pub(super) trait Kernel {
     type Output;
     /// Runs the loop.
     fn run(self) -> Self::Output;
+}
+
+/// A [`Kernel`] that exchanges rows and columns.
+pub(super) trait TransposingKernel {
+    /// What the loop returns.
+    type Output;
+    /// Runs the loop.
+    fn run(self, transpose: impl Transpose) -> Self::Output;
+}
+
+#[cfg(target_arch = "x86_64")]
+struct CallWith<K, T>(K, T);
+
+#[cfg(target_arch = "x86_64")]
+impl<K: TransposingKernel, T: Transpose> pulp::NullaryFnOnce for CallWith<K, T> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn call(self) -> K::Output {
+        self.0.run(self.1)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -97,7 +97,6 @@ use plan::Bound;
 use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, Reach, SolveWarp, SolveWeft};
-use transpose::Transpose;
 use wind::Place;
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
@@ -375,8 +374,7 @@ impl ClothSolver {
             inverse_mass: &self.held.inverse_mass_transposed,
             line,
         };
-        let weft_beyond =
-            isa.run(SolveWeft { layout, lines: weft, x, d, strip, transpose: Transpose::new(isa) });
+        let weft_beyond = isa.run_transposing(SolveWeft { layout, lines: weft, x, d, strip });
         let warp = Lines {
             layout,
             springs: &lattice.warp,
@@ -503,11 +501,12 @@ impl ClothSolver {
         else {
             return;
         };
-        let Scratch { a, b, graph: Some(room), .. } = &mut self.scratch else { return };
+        let Scratch { a, graph: Some(room), .. } = &mut self.scratch else { return };
         let (isa, plan) = (self.isa, &self.plan);
         room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
         if plan.damping > 0.0 {
-            room.add_damping(isa, graph, strengths, &self.material, &self.state, a, b);
+            let form = self.material.damping_form;
+            room.add_damping(isa, graph, strengths, form, &self.state, a);
         }
     }
 

@@ -7,7 +7,7 @@
 //! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
 
-use super::isa::Kernel;
+use super::isa::{Kernel, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
@@ -39,7 +39,6 @@ pub(super) struct SolveWeft<'a> {
     pub d: &'a mut Soa,
     /// Positions of a strip, then its corrections.
     pub strip: &'a mut Soa,
-    pub transpose: Transpose,
 }
 
 /// What the threads of one direction are made of, in the layout whose rows they run across.
@@ -71,18 +70,18 @@ impl Kernel for SolveWarp<'_> {
 }
 
 /// Tells the same as [`SolveWarp`].
-impl Kernel for SolveWeft<'_> {
+impl TransposingKernel for SolveWeft<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run(mut self) -> bool {
+    fn run(mut self, transpose: impl Transpose) -> bool {
         let mut excess = Block::ZERO;
         for row in (0..self.layout.rows).step_by(LANES) {
-            self.fill_strip(row);
+            self.fill_strip(transpose, row);
             let mut ends = Strip(self.strip);
             self.lines.eliminate(row, &ends, &mut excess);
             self.lines.substitute(row, &mut ends);
-            self.add_strip(row);
+            self.add_strip(transpose, row);
         }
         excess.largest() > 0.0
     }
@@ -90,11 +89,10 @@ impl Kernel for SolveWeft<'_> {
 
 impl SolveWeft<'_> {
     #[inline(always)]
-    fn fill_strip(&mut self, row: usize) {
+    fn fill_strip(&mut self, t: impl Transpose, row: usize) {
         for column in (0..self.layout.columns).step_by(LANES) {
             let slot = self.layout.slot(row, column);
             let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
-            let t = self.transpose;
             fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
             fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
             fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
@@ -102,11 +100,10 @@ impl SolveWeft<'_> {
     }
 
     #[inline(always)]
-    fn add_strip(&mut self, row: usize) {
+    fn add_strip(&mut self, t: impl Transpose, row: usize) {
         for column in (0..self.layout.columns).step_by(LANES) {
             let slot = self.layout.slot(row, column);
             let (d, strip) = (&mut *self.d, &*self.strip);
-            let t = self.transpose;
             add_tile(t, &strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
             add_tile(t, &strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
             add_tile(t, &strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
@@ -117,7 +114,7 @@ impl SolveWeft<'_> {
 /// Writes the sums of two arrays in a tile to a strip.
 #[inline(always)]
 fn fill_tile(
-    t: Transpose,
+    t: impl Transpose,
     x: &[f32],
     d: &[f32],
     slot: usize,
@@ -139,7 +136,14 @@ fn fill_tile(
 
 /// Adds a part of a strip to a tile.
 #[inline(always)]
-fn add_tile(t: Transpose, strip: &[f32], at: usize, d: &mut [f32], slot: usize, stride: usize) {
+fn add_tile(
+    t: impl Transpose,
+    strip: &[f32],
+    at: usize,
+    d: &mut [f32],
+    slot: usize,
+    stride: usize,
+) {
     let mut tile = [Block::ZERO; LANES];
     for (j, line) in tile.iter_mut().enumerate() {
         *line = Block::load(strip, at + j * LANES);

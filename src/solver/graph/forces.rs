@@ -4,12 +4,13 @@
 use bevy::math::Vec3;
 
 use super::hinges::Bent;
-use super::places::{Place, gather_positions, gather_soa};
+use super::places::{Places, gather, load, store};
 use super::table::Table;
-use crate::solver::forces::{DampingTarget, pull};
-use crate::solver::isa::Kernel;
+use crate::solver::forces::pull;
+use crate::solver::isa::TransposingKernel;
 use crate::solver::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use crate::solver::parameters::DampingForm;
+use crate::solver::transpose::{Four, Transpose};
 
 /// Least square of a spring's length \[m2\]: a collapsed one has no direction.
 const LEAST_SQUARE: f32 = 1e-24;
@@ -28,42 +29,51 @@ pub(crate) struct GatherForces<'a> {
     pub springs: [Option<Pulls<'a>>; 2],
     pub bent: Option<Bent<'a>>,
     pub gravity: Vec3,
-    pub places: &'a [Place],
+    pub places: &'a Places,
     pub a: &'a mut Soa,
 }
 
-impl Kernel for GatherForces<'_> {
+impl TransposingKernel for GatherForces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        for (block, places) in self.places.chunks_exact(LANES).enumerate() {
+    fn run(self, t: impl Transpose) {
+        let all = &self.places.x;
+        for slot in (0..all.len()).step_by(LANES) {
+            let block = slot / LANES;
+            let (here, w) = load(t, all, slot);
             let mut force = Block3::ZERO;
             for springs in self.springs.iter().flatten() {
-                springs.add(block, places, self.places, &mut force);
+                springs.add(t, block, &here, all, &mut force);
             }
             if let Some(bent) = &self.bent {
-                bent.add(block, &mut force);
+                bent.add(t, block, &mut force);
             }
             let mut a = Block3::ZERO;
-            for (i, place) in places.iter().enumerate() {
-                let w = place.inverse_mass();
+            for i in 0..LANES {
+                let w = w.0[i];
                 let g = if w > 0.0 { self.gravity } else { Vec3::ZERO };
                 a.set(i, force.at(i) * w + g);
             }
-            a.store(self.a, block * LANES);
+            a.store(self.a, slot);
         }
     }
 }
 
 impl Pulls<'_> {
     #[inline(always)]
-    fn add(&self, block: usize, here: &[Place], all: &[Place], force: &mut Block3) {
+    fn add(
+        &self,
+        t: impl Transpose,
+        block: usize,
+        here: &Block3,
+        all: &[Four],
+        force: &mut Block3,
+    ) {
         let (from, to) = self.table.rows(block);
-        let here = positions(here);
         for at in (from..to).step_by(LANES) {
             let (rest, constant) = (Block::load(self.rest, at), Block::load(self.constant, at));
-            let there = gather_positions(all, &self.table.to, at);
+            let there = gather(t, all, &self.table.to, at);
             for i in 0..LANES {
                 let d = there.at(i) - here.at(i);
                 force.set(i, force.at(i) + pull(d, rest.0[i], constant.0[i]));
@@ -72,21 +82,11 @@ impl Pulls<'_> {
     }
 }
 
-#[inline(always)]
-fn positions(places: &[Place]) -> Block3 {
-    let mut out = Block3::ZERO;
-    for (i, place) in places.iter().enumerate() {
-        let [x, y, z, _] = place.x;
-        out.set(i, Vec3::new(x, y, z));
-    }
-    out
-}
-
-/// Works out the damping force `D`, as `AddDamping` does on a lattice.
+/// Works out the damping force `D` of displacements, as `AddDamping` does on a lattice.
 pub(crate) struct GatherDamping<'a> {
     pub springs: Damped<'a>,
-    pub d: &'a Soa,
-    pub target: DampingTarget<'a>,
+    pub places: &'a Places,
+    pub target: Target<'a>,
 }
 
 /// The springs that are damped.
@@ -98,34 +98,49 @@ pub(crate) struct Damped<'a> {
     /// 1 / the time that makes velocities of displacements \[1/s\].
     pub rate: f32,
     pub form: DampingForm,
-    pub places: &'a [Place],
 }
 
-impl Kernel for GatherDamping<'_> {
+/// Where the damping goes.
+pub(crate) enum Target<'a> {
+    /// Displacements half a substep on: `d + gain (a + D w)`.
+    Predict {
+        /// Half a substep, times the time that makes velocities of displacements \[s2\].
+        gain: f32,
+        /// Accelerations without damping.
+        a: &'a Soa,
+        predicted: &'a mut [Four],
+    },
+    /// Accelerations: `a + D w`, of predicted displacements.
+    Accelerations { predicted: &'a [Four], a: &'a mut Soa },
+}
+
+impl TransposingKernel for GatherDamping<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        for (block, places) in self.springs.places.chunks_exact(LANES).enumerate() {
-            let slot = block * LANES;
-            let d = Block3::load(self.d, slot);
-            let force = self.springs.force(block, &positions(places), self.d, &d);
-            let mut out = Block3::ZERO;
-            match &mut self.target {
-                DampingTarget::Predict { gain, a, predicted } => {
+    fn run(self, t: impl Transpose) {
+        let Self { springs, places, target } = self;
+        match target {
+            Target::Predict { gain, a, predicted } => {
+                for slot in (0..predicted.len()).step_by(LANES) {
+                    let (force, d, w) = springs.force(t, slot, places, &places.d);
                     let a = Block3::load(a, slot);
-                    for (i, place) in places.iter().enumerate() {
-                        let damped = a.at(i) + force.at(i) * place.inverse_mass();
-                        out.set(i, d.at(i) + damped * *gain);
+                    let mut out = Block3::ZERO;
+                    for i in 0..LANES {
+                        let damped = a.at(i) + force.at(i) * w.0[i];
+                        out.set(i, d.at(i) + damped * gain);
                     }
-                    out.store(predicted, slot);
+                    store(t, predicted, slot, out, Block::ZERO);
                 }
-                DampingTarget::Accelerations(to) => {
-                    let a = Block3::load(to, slot);
-                    for (i, place) in places.iter().enumerate() {
-                        out.set(i, a.at(i) + force.at(i) * place.inverse_mass());
+            }
+            Target::Accelerations { predicted, a } => {
+                for slot in (0..predicted.len()).step_by(LANES) {
+                    let (force, _, w) = springs.force(t, slot, places, predicted);
+                    let mut out = Block3::load(a, slot);
+                    for i in 0..LANES {
+                        out.set(i, out.at(i) + force.at(i) * w.0[i]);
                     }
-                    out.store(to, slot);
+                    out.store(a, slot);
                 }
             }
         }
@@ -133,13 +148,22 @@ impl Kernel for GatherDamping<'_> {
 }
 
 impl Damped<'_> {
+    /// The forces on a block of particles, their displacements and inverse masses.
     #[inline(always)]
-    fn force(&self, block: usize, here: &Block3, d: &Soa, here_d: &Block3) -> Block3 {
+    fn force(
+        &self,
+        t: impl Transpose,
+        slot: usize,
+        places: &Places,
+        d: &[Four],
+    ) -> (Block3, Block3, Block) {
+        let (here, w) = load(t, &places.x, slot);
+        let here_d = load(t, d, slot).0;
         let mut force = Block3::ZERO;
-        let (from, to) = self.table.rows(block);
+        let (from, to) = self.table.rows(slot / LANES);
         for at in (from..to).step_by(LANES) {
             let constant = Block::load(self.constant, at);
-            let there_d = gather_soa(d, &self.table.to, at);
+            let there_d = gather(t, d, &self.table.to, at);
             match self.form {
                 DampingForm::Relative => {
                     for i in 0..LANES {
@@ -148,7 +172,7 @@ impl Damped<'_> {
                     }
                 }
                 DampingForm::Axial => {
-                    let there = gather_positions(self.places, &self.table.to, at);
+                    let there = gather(t, &places.x, &self.table.to, at);
                     for i in 0..LANES {
                         let relative = there_d.at(i) - here_d.at(i);
                         let span = there.at(i) - here.at(i);
@@ -159,6 +183,6 @@ impl Damped<'_> {
                 }
             }
         }
-        force
+        (force, here_d, w)
     }
 }

@@ -14,14 +14,15 @@
 //! (`threads`).
 
 use super::edges::{Edge, Mesh};
-use super::places::{Place, gather_positions, gather_vectors};
+use super::places::{Places, gather, store};
 use super::table::Table;
 use super::threads::{Bend, Cells};
 use bevy::math::DVec3;
 
-use crate::solver::isa::Kernel;
+use crate::solver::isa::TransposingKernel;
 use crate::solver::lanes::{Array, Block, Block3, LANES, larger};
 use crate::solver::lattice::MassLumping;
+use crate::solver::transpose::{Four, Transpose};
 
 /// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;
@@ -43,9 +44,6 @@ pub(crate) struct Hinge {
     /// Turn at rest; 0 where flat.
     turn: f32,
 }
-
-/// The moment of one hinge.
-pub(crate) type Moment = [f32; 4];
 
 /// The hinges of a mesh, in rows of [`LANES`].
 #[derive(Clone, Debug, PartialEq)]
@@ -173,22 +171,22 @@ pub(crate) struct Turn<'a> {
     pub hinges: &'a Hinges,
     /// K of each hinge \[N/m\].
     pub constants: &'a [f32],
-    pub places: &'a [Place],
-    pub moments: &'a mut [Moment],
+    pub places: &'a Places,
+    pub moments: &'a mut [Four],
 }
 
-impl Kernel for Turn<'_> {
+impl TransposingKernel for Turn<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self, t: impl Transpose) {
         let hinges = self.hinges;
-        for (block, moments) in self.moments.chunks_exact_mut(LANES).enumerate() {
-            let at = block * LANES;
-            let from = gather_positions(self.places, &hinges.slots[0], at);
+        let x = &self.places.x;
+        for at in (0..hinges.room()).step_by(LANES) {
+            let from = gather(t, x, &hinges.slots[0], at);
             let mut turn = Block3::ZERO;
             for corner in 0..3 {
-                let x = gather_positions(self.places, &hinges.slots[corner + 1], at);
+                let x = gather(t, x, &hinges.slots[corner + 1], at);
                 let weight = Block::load(&hinges.weights[corner], at);
                 for i in 0..LANES {
                     turn.set(i, turn.at(i) + (x.at(i) - from.at(i)) * weight.0[i]);
@@ -204,10 +202,10 @@ impl Kernel for Turn<'_> {
                     scale.0[i] = constant.0[i] * (1.0 - rest.0[i] / length);
                 }
             }
-            for (i, moment) in moments.iter_mut().enumerate() {
-                let m = turn.at(i) * scale.0[i];
-                *moment = [m.x, m.y, m.z, 0.0];
+            for i in 0..LANES {
+                turn.set(i, turn.at(i) * scale.0[i]);
             }
+            store(t, self.moments, at, turn, Block::ZERO);
         }
     }
 }
@@ -216,18 +214,18 @@ impl Kernel for Turn<'_> {
 #[derive(Clone, Copy)]
 pub(crate) struct Bent<'a> {
     pub hinges: &'a Hinges,
-    pub moments: &'a [Moment],
+    pub moments: &'a [Four],
 }
 
 impl Bent<'_> {
     /// Takes the forces of a block's hinges off.
     #[inline(always)]
-    pub fn add(&self, block: usize, force: &mut Block3) {
+    pub fn add(&self, t: impl Transpose, block: usize, force: &mut Block3) {
         let table = &self.hinges.table;
         let (from, to) = table.rows(block);
         for at in (from..to).step_by(LANES) {
             let weight = Block::load(&self.hinges.own_weight, at);
-            let moment = gather_vectors(self.moments, &table.to, at);
+            let moment = gather(t, self.moments, &table.to, at);
             for i in 0..LANES {
                 force.set(i, force.at(i) - moment.at(i) * weight.0[i]);
             }

@@ -1,10 +1,11 @@
 //! Springs sorted into batches that share no particle, [`LANES`] side by side.
 
 use super::Link;
-use super::places::{Place, gather_moved, gather_soa, scatter};
+use super::places::Places;
 use crate::solver::constraint::{LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring};
-use crate::solver::isa::Kernel;
+use crate::solver::isa::{Kernel, TransposingKernel};
 use crate::solver::lanes::{Array, Block, Block3, LANES, Soa, larger};
+use crate::solver::transpose::Transpose;
 
 /// Colours that are told apart; what has none of them gets a batch of its own.
 const COLOURS: usize = 64;
@@ -82,34 +83,36 @@ impl Pairs {
 pub(crate) struct CorrectPairs<'a> {
     pub pairs: &'a Pairs,
     pub rule: Rule,
-    pub places: &'a mut [Place],
+    pub places: &'a mut Places,
 }
 
-impl Kernel for CorrectPairs<'_> {
+impl TransposingKernel for CorrectPairs<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self, t: impl Transpose) {
         match self.rule {
-            Rule::Shear { compliance, limit } => self.correct(|spring| {
+            Rule::Shear { compliance, limit } => self.correct(t, |spring| {
                 let elastic = (spring.length - spring.rest)
                     / (spring.inverse_masses + spring.factor * compliance);
                 larger(elastic, spring.pull_to(limit))
             }),
-            Rule::Limit { limit, .. } => self.correct(|spring| larger(spring.pull_to(limit), 0.0)),
+            Rule::Limit { limit, .. } => {
+                self.correct(t, |spring| larger(spring.pull_to(limit), 0.0))
+            }
         }
     }
 }
 
 impl CorrectPairs<'_> {
     #[inline(always)]
-    fn correct(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
+    fn correct(&mut self, t: impl Transpose, law: impl Fn(Spring) -> f32 + Copy) {
         for at in (0..self.pairs.first.len()).step_by(LANES) {
             let (first, second) = (&self.pairs.first, &self.pairs.second);
             let rest = Block::load(&self.pairs.rest, at);
             let factor = Block::load(&self.pairs.compliance, at);
-            let (xp, wp) = gather_moved(self.places, first, at);
-            let (xq, wq) = gather_moved(self.places, second, at);
+            let (xp, wp) = self.places.gather_moved(t, first, at);
+            let (xq, wq) = self.places.gather_moved(t, second, at);
             let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
             for i in 0..LANES {
                 let way = xq.at(i) - xp.at(i);
@@ -121,8 +124,8 @@ impl CorrectPairs<'_> {
                 dp.set(i, pull * wp.0[i]);
                 dq.set(i, pull * -wq.0[i]);
             }
-            scatter(self.places, first, at, &dp);
-            scatter(self.places, second, at, &dq);
+            self.places.scatter(t, first, at, dp);
+            self.places.scatter(t, second, at, dq);
         }
     }
 }
@@ -141,8 +144,8 @@ impl Kernel for LargestStrain<'_> {
         let mut largest = Block::splat(-1.0);
         for at in (0..self.pairs.first.len()).step_by(LANES) {
             let rest = Block::load(&self.pairs.rest, at);
-            let p = gather_soa(self.x, &self.pairs.first, at);
-            let q = gather_soa(self.x, &self.pairs.second, at);
+            let p = gather(self.x, &self.pairs.first, at);
+            let q = gather(self.x, &self.pairs.second, at);
             for i in 0..LANES {
                 let way = q.at(i) - p.at(i);
                 let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
@@ -152,4 +155,13 @@ impl Kernel for LargestStrain<'_> {
         }
         largest.largest()
     }
+}
+
+#[inline(always)]
+fn gather(vectors: &Soa, slots: &[u32], at: usize) -> Block3 {
+    let mut out = Block3::ZERO;
+    for (i, &slot) in slots[at..at + LANES].iter().enumerate() {
+        out.set(i, vectors.get(slot as usize));
+    }
+    out
 }

@@ -1,23 +1,43 @@
 //! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
 //! in one piece.
 
-use bevy::math::Vec3;
+use crate::solver::isa::TransposingKernel;
+use crate::solver::lanes::{Array, Block, Block3, LANES, Soa};
+use crate::solver::transpose::{Four, Transpose};
 
-use crate::solver::isa::Kernel;
-use crate::solver::lanes::{Block, Block3, LANES, Soa};
-
-/// Position and inverse mass, then displacement and zero, of one particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub(crate) struct Place {
-    pub x: [f32; 4],
-    pub d: [f32; 4],
+/// What is gathered of the particles.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    /// Positions at the substep's start, and inverse masses.
+    pub x: Vec<Four>,
+    /// Displacements, and zero.
+    pub d: Vec<Four>,
 }
 
-impl Place {
+impl Places {
+    pub fn new(slots: usize) -> Self {
+        Self { x: vec![Four::default(); slots], d: vec![Four::default(); slots] }
+    }
+
+    /// Where particles are, and their inverse masses.
     #[inline(always)]
-    pub fn inverse_mass(&self) -> f32 {
-        self.x[3]
+    pub fn gather_moved(&self, t: impl Transpose, slots: &[u32], at: usize) -> (Block3, Block) {
+        let slots = row(slots, at);
+        let [x, y, z, w] = t.apart(|i| {
+            let slot = slots[i] as usize;
+            sum(self.x[slot], self.d[slot])
+        });
+        (Block3 { x, y, z }, w)
+    }
+
+    /// Displaces particles, which are all different but for the one beside the cloth.
+    #[inline(always)]
+    pub fn scatter(&mut self, t: impl Transpose, slots: &[u32], at: usize, by: Block3) {
+        let fours = t.together(&[by.x, by.y, by.z, Block::ZERO]);
+        for (by, slot) in fours.into_iter().zip(row(slots, at)) {
+            let d = &mut self.d[slot as usize];
+            *d = sum(*d, by);
+        }
     }
 }
 
@@ -29,120 +49,71 @@ fn row(slots: &[u32], at: usize) -> [u32; LANES] {
     out
 }
 
-/// What is gathered, before its coordinates are put apart: in this form each piece is one load.
-type Tile = [[f32; 4]; LANES];
-
 #[inline(always)]
-fn apart(tile: &Tile) -> (Block3, Block) {
-    let (mut vector, mut fourth) = (Block3::ZERO, Block::ZERO);
-    for (i, piece) in tile.iter().enumerate() {
-        vector.x.0[i] = piece[0];
-        vector.y.0[i] = piece[1];
-        vector.z.0[i] = piece[2];
-        fourth.0[i] = piece[3];
+fn sum(mut a: Four, b: Four) -> Four {
+    for (a, b) in a.0.iter_mut().zip(b.0) {
+        *a += b;
     }
-    (vector, fourth)
-}
-
-/// Where particles are, and their inverse masses.
-#[inline(always)]
-pub(super) fn gather_moved(places: &[Place], slots: &[u32], at: usize) -> (Block3, Block) {
-    let mut tile: Tile = [[0.0; 4]; LANES];
-    for (piece, slot) in tile.iter_mut().zip(row(slots, at)) {
-        let place = &places[slot as usize];
-        for (sum, (x, d)) in piece.iter_mut().zip(place.x.iter().zip(&place.d)) {
-            *sum = x + d;
-        }
-    }
-    apart(&tile)
-}
-
-/// Where particles were at the substep's start.
-#[inline(always)]
-pub(super) fn gather_positions(places: &[Place], slots: &[u32], at: usize) -> Block3 {
-    let mut tile: Tile = [[0.0; 4]; LANES];
-    for (piece, slot) in tile.iter_mut().zip(row(slots, at)) {
-        *piece = places[slot as usize].x;
-    }
-    apart(&tile).0
+    a
 }
 
 /// Vectors of a list.
 #[inline(always)]
-pub(super) fn gather_vectors(vectors: &[[f32; 4]], indices: &[u32], at: usize) -> Block3 {
-    let mut tile: Tile = [[0.0; 4]; LANES];
-    for (piece, index) in tile.iter_mut().zip(row(indices, at)) {
-        *piece = vectors[index as usize];
-    }
-    apart(&tile).0
+pub(super) fn gather(t: impl Transpose, vectors: &[Four], indices: &[u32], at: usize) -> Block3 {
+    let indices = row(indices, at);
+    let [x, y, z, _] = t.apart(|i| vectors[indices[i] as usize]);
+    Block3 { x, y, z }
 }
 
-/// Vectors that lie coordinate by coordinate.
+/// Neighbouring vectors and what is with them.
 #[inline(always)]
-pub(super) fn gather_soa(vectors: &Soa, slots: &[u32], at: usize) -> Block3 {
-    let mut out = Block3::ZERO;
-    for (i, slot) in row(slots, at).into_iter().enumerate() {
-        out.set(i, vectors.get(slot as usize));
-    }
-    out
+pub(super) fn load(t: impl Transpose, fours: &[Four], at: usize) -> (Block3, Block) {
+    let fours = &fours[at..at + LANES];
+    let [x, y, z, w] = t.apart(|i| fours[i]);
+    (Block3 { x, y, z }, w)
 }
 
-/// Displaces particles.
+/// Puts neighbouring vectors.
 #[inline(always)]
-pub(super) fn scatter(places: &mut [Place], slots: &[u32], at: usize, by: &Block3) {
-    let mut tile: Tile = [[0.0; 4]; LANES];
-    for (i, piece) in tile.iter_mut().enumerate() {
-        *piece = [by.x.0[i], by.y.0[i], by.z.0[i], 0.0];
-    }
-    for (piece, slot) in tile.iter().zip(row(slots, at)) {
-        for (d, by) in places[slot as usize].d.iter_mut().zip(piece) {
-            *d += by;
-        }
-    }
+pub(super) fn store(t: impl Transpose, fours: &mut [Four], at: usize, vector: Block3, w: Block) {
+    fours[at..at + LANES].copy_from_slice(&t.together(&[vector.x, vector.y, vector.z, w]));
 }
 
 /// Fills the places.
 pub(crate) struct FillPlaces<'a> {
-    pub inverse_mass: &'a [f32],
+    pub inverse_mass: &'a Array,
     pub x: &'a Soa,
     pub d: &'a Soa,
-    pub places: &'a mut [Place],
+    pub places: &'a mut Places,
 }
 
-impl Kernel for FillPlaces<'_> {
+impl TransposingKernel for FillPlaces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        for (block, places) in self.places.chunks_exact_mut(LANES).enumerate() {
-            let slot = block * LANES;
-            let (x, d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+    fn run(self, t: impl Transpose) {
+        let Places { x, d } = self.places;
+        for slot in (0..x.len()).step_by(LANES) {
             let w = Block::load(self.inverse_mass, slot);
-            for (i, place) in places.iter_mut().enumerate() {
-                place.x = [x.x.0[i], x.y.0[i], x.z.0[i], w.0[i]];
-                place.d = [d.x.0[i], d.y.0[i], d.z.0[i], 0.0];
-            }
+            store(t, x, slot, Block3::load(self.x, slot), w);
+            store(t, d, slot, Block3::load(self.d, slot), Block::ZERO);
         }
     }
 }
 
 /// Takes the displacements back.
 pub(crate) struct TakeDisplacements<'a> {
-    pub places: &'a [Place],
+    pub places: &'a Places,
     pub d: &'a mut Soa,
 }
 
-impl Kernel for TakeDisplacements<'_> {
+impl TransposingKernel for TakeDisplacements<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        for (block, places) in self.places.chunks_exact(LANES).enumerate() {
-            let mut d = Block3::ZERO;
-            for (i, place) in places.iter().enumerate() {
-                d.set(i, Vec3::new(place.d[0], place.d[1], place.d[2]));
-            }
-            d.store(self.d, block * LANES);
+    fn run(self, t: impl Transpose) {
+        for slot in (0..self.places.d.len()).step_by(LANES) {
+            load(t, &self.places.d, slot).0.store(self.d, slot);
         }
     }
 }

@@ -1,32 +1,33 @@
 //! Solving the chains of a mesh, each whole: see `threads` for the elimination.
 
 use super::chains::{Bundle, Chains};
-use super::places::{Place, gather_moved, scatter};
-use crate::solver::isa::Kernel;
+use super::places::Places;
+use crate::solver::isa::TransposingKernel;
 use crate::solver::lanes::{Array, Block, LANES};
 use crate::solver::state::Line;
 use crate::solver::threads::{Pivot, Reach, Tension};
+use crate::solver::transpose::Transpose;
 
 /// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.
 pub(crate) struct SolveChains<'a> {
     pub chains: &'a Chains,
     pub reach: Reach,
-    pub places: &'a mut [Place],
+    pub places: &'a mut Places,
     pub line: &'a mut Line,
     /// Inverse masses along the chains of a bundle.
     pub inverse_mass: &'a mut Array,
 }
 
-impl Kernel for SolveChains<'_> {
+impl TransposingKernel for SolveChains<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run(mut self) -> bool {
+    fn run(mut self, t: impl Transpose) -> bool {
         let mut excess = Block::ZERO;
         let chains = self.chains;
         for bundle in &chains.bundles {
-            self.eliminate(bundle, &mut excess);
-            self.substitute(bundle);
+            self.eliminate(t, bundle, &mut excess);
+            self.substitute(t, bundle);
         }
         excess.largest() > 0.0
     }
@@ -34,13 +35,13 @@ impl Kernel for SolveChains<'_> {
 
 impl SolveChains<'_> {
     #[inline(always)]
-    fn eliminate(&mut self, bundle: &Bundle, excess: &mut Block) {
-        let (mut x0, mut w0) = gather_moved(self.places, &self.chains.slots, bundle.first);
+    fn eliminate(&mut self, t: impl Transpose, bundle: &Bundle, excess: &mut Block) {
+        let (mut x0, mut w0) = self.places.gather_moved(t, &self.chains.slots, bundle.first);
         w0.store(self.inverse_mass, 0);
         let mut last = Pivot::default();
         for place in 1..bundle.rows {
             let at = bundle.first + place * LANES;
-            let (x1, w1) = gather_moved(self.places, &self.chains.slots, at);
+            let (x1, w1) = self.places.gather_moved(t, &self.chains.slots, at);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
             let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
@@ -51,15 +52,16 @@ impl SolveChains<'_> {
     }
 
     #[inline(always)]
-    fn substitute(&mut self, bundle: &Bundle) {
+    fn substitute(&mut self, t: impl Transpose, bundle: &Bundle) {
         let mut tension = Tension::default();
         for place in (1..bundle.rows).rev() {
             let pivot = Pivot::load(self.line, (place - 1) * LANES);
             let w = Block::load(self.inverse_mass, place * LANES);
             let correction = tension.next(&pivot, &w);
-            scatter(self.places, &self.chains.slots, bundle.first + place * LANES, &correction);
+            let at = bundle.first + place * LANES;
+            self.places.scatter(t, &self.chains.slots, at, correction);
         }
         let w = Block::load(self.inverse_mass, 0);
-        scatter(self.places, &self.chains.slots, bundle.first, &tension.last(&w));
+        self.places.scatter(t, &self.chains.slots, bundle.first, tension.last(&w));
     }
 }

@@ -4,26 +4,28 @@
 use bevy::math::Vec3;
 
 use super::Graph;
-use super::forces::{Damped, GatherDamping, GatherForces, Pulls};
-use super::hinges::{Bent, Moment, Turn};
+use super::forces::{Damped, GatherDamping, GatherForces, Pulls, Target};
+use super::hinges::{Bent, Turn};
 use super::pairs::{CorrectPairs, LargestStrain};
-use super::places::{FillPlaces, Place, TakeDisplacements};
+use super::places::{FillPlaces, Places, TakeDisplacements};
 use super::solve::SolveChains;
 use super::strengths::Strengths;
 use crate::solver::constraint::Rule;
-use crate::solver::forces::DampingTarget;
 use crate::solver::isa::Isa;
 use crate::solver::lanes::{Array, LANES, Soa};
-use crate::solver::parameters::Material;
+use crate::solver::parameters::DampingForm;
 use crate::solver::plan::Plan;
 use crate::solver::state::{Line, State};
 use crate::solver::threads::Reach;
+use crate::solver::transpose::Four;
 
 /// Room that the stages work in; nothing in it outlives a substep.
 #[derive(Clone, Debug)]
 pub(crate) struct Room {
-    places: Vec<Place>,
-    moments: Vec<Moment>,
+    places: Places,
+    moments: Vec<Four>,
+    /// Displacements predicted for the damping.
+    predicted: Vec<Four>,
     /// Unknowns of a bundle of chains, and its inverse masses.
     line: Line,
     inverse_mass: Array,
@@ -33,8 +35,9 @@ impl Room {
     pub fn new(graph: &Graph) -> Self {
         let longest = graph.chains.longest() * LANES;
         Self {
-            places: vec![Place::default(); graph.layout.len()],
-            moments: vec![[0.0; 4]; graph.hinges.room()],
+            places: Places::new(graph.layout.len()),
+            moments: vec![Four::default(); graph.hinges.room()],
+            predicted: vec![Four::default(); graph.layout.len()],
             line: Line::new(longest),
             inverse_mass: Array::zeros(longest),
         }
@@ -43,12 +46,12 @@ impl Room {
     /// Fills the places.
     pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State) {
         let (x, d) = (&state.x, &state.d);
-        isa.run(FillPlaces { inverse_mass, x, d, places: &mut self.places });
+        isa.run_transposing(FillPlaces { inverse_mass, x, d, places: &mut self.places });
     }
 
     /// Takes the corrected displacements back.
     pub fn empty(&self, isa: Isa, d: &mut Soa) {
-        isa.run(TakeDisplacements { places: &self.places, d });
+        isa.run_transposing(TakeDisplacements { places: &self.places, d });
     }
 
     /// Accelerations of springs, hinges and gravity, from places as they are.
@@ -63,7 +66,7 @@ impl Room {
     ) {
         let bends = plan.hinge_rigidity > 0.0;
         if bends {
-            isa.run(Turn {
+            isa.run_transposing(Turn {
                 hinges: &graph.hinges,
                 constants: &strengths.hinges,
                 places: &self.places,
@@ -80,7 +83,7 @@ impl Room {
                 constant: &flexion.constants,
             });
         let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
-        isa.run(GatherForces {
+        isa.run_transposing(GatherForces {
             springs: [pulls.then_some(springs), flexion],
             bent: bends.then_some(Bent { hinges: &graph.hinges, moments: &self.moments }),
             gravity,
@@ -91,27 +94,26 @@ impl Room {
 
     /// Damping, in the two steps that it takes on a lattice.
     pub fn add_damping(
-        &self,
+        &mut self,
         isa: Isa,
         graph: &Graph,
         strengths: &Strengths,
-        material: &Material,
+        form: DampingForm,
         state: &State,
         a: &mut Soa,
-        predicted: &mut Soa,
     ) {
         let gain = 0.5 * state.last_step * state.unit;
         let springs = Damped {
             table: &graph.springs,
             constant: &strengths.damping,
             rate: 1.0 / state.unit,
-            form: material.damping_form,
-            places: &self.places,
+            form,
         };
-        let target = DampingTarget::Predict { gain, a, predicted };
-        isa.run(GatherDamping { springs, d: &state.d, target });
-        let target = DampingTarget::Accelerations(a);
-        isa.run(GatherDamping { springs, d: predicted, target });
+        let Self { places, predicted, .. } = self;
+        let target = Target::Predict { gain, a, predicted };
+        isa.run_transposing(GatherDamping { springs, places, target });
+        let target = Target::Accelerations { predicted, a };
+        isa.run_transposing(GatherDamping { springs, places, target });
     }
 
     /// Corrects springs one batch after the other.
@@ -122,13 +124,13 @@ impl Room {
         };
         let families = [(structural, &graph.structural_pairs), (shear, &graph.shear_pairs)];
         for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
-            isa.run(CorrectPairs { pairs, rule, places: &mut self.places });
+            isa.run_transposing(CorrectPairs { pairs, rule, places: &mut self.places });
         }
     }
 
     /// Solves the chains. Tells whether any spring came to them beyond its limit.
     pub fn solve_chains(&mut self, isa: Isa, graph: &Graph, reach: Reach) -> bool {
-        isa.run(SolveChains {
+        isa.run_transposing(SolveChains {
             chains: &graph.chains,
             reach,
             places: &mut self.places,
