@@ -18,7 +18,7 @@ pub(crate) use disturbance::{Disturbances, note_disturbances};
 pub(crate) use impulse::sum_impulses;
 pub(crate) use load::FieldSource;
 pub(crate) use snapshot::{
-    ColliderPose, ColliderRoom, ColliderSnapshot, Moves, forget_collider, gather_colliders,
+    ColliderPose, ColliderRoom, ColliderSnapshot, Found, Moves, forget_collider, gather_colliders,
     note_colliders,
 };
 

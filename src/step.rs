@@ -6,7 +6,7 @@ use crate::{
         attachment::{Attachments, note_pins},
         setup::solver_error,
     },
-    collider::{ColliderPose, ColliderRoom, ColliderSnapshot, Moves, note_colliders},
+    collider::{ColliderRoom, ColliderSnapshot, Found, Moves, note_colliders},
     error::{Blame, ClothError, Failures},
     plugin::ClothSubstep,
     sdf::DistanceField,
@@ -94,7 +94,7 @@ pub(crate) fn refuse_variable_step(
 
 /// Notes, before a frame's ticks, where everything is that may move once a frame.
 pub(crate) fn note_poses(
-    mut colliders: Query<(Entity, &mut ColliderPose)>,
+    mut colliders: Query<Found>,
     mut cloths: Query<&mut ClothSimulation>,
     mut moves: Moves,
     transforms: TransformHelper,
@@ -205,6 +205,9 @@ pub(crate) fn solve_fused(
     mut surroundings: Surroundings,
     zones: Res<WindZones>,
 ) {
+    if !cloths.iter().any(|cloth| cloth.step.runs) {
+        return;
+    }
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
             let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;

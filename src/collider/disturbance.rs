@@ -11,6 +11,8 @@ use bevy::{
 /// Where colliders moved, came, went or changed in this tick, and what they were like in it.
 #[derive(Resource, Default)]
 pub(crate) struct Disturbances {
+    /// The snapshot's, when it was last looked at.
+    version: u64,
     /// All colliders of the tick, in the order of their entities.
     seen: Vec<Seen>,
     before: Vec<Seen>,
@@ -72,12 +74,13 @@ pub(crate) fn note_disturbances(
     noted.places.clear();
     noted.everywhere = false;
     let fields_changed = events.is_some_and(|events| cursor.read(&events).count() > 0);
-    if !fields_changed && changed.is_empty() && is_same(&snapshot, &noted.seen) {
+    if !fields_changed && snapshot.version == noted.version {
         return;
     }
+    noted.version = snapshot.version;
     core::mem::swap(&mut noted.seen, &mut noted.before);
     noted.seen.clear();
-    noted.seen.extend(snapshot.0.iter().filter_map(|collider| {
+    noted.seen.extend(snapshot.colliders.iter().filter_map(|collider| {
         let &Gathered { entity, motion, friction, layers, .. } = collider;
         let motion = motion?;
         let (start, end) = (motion.start(), motion.end());
@@ -102,21 +105,6 @@ pub(crate) fn note_disturbances(
     }
     gone.for_each(|lost| noted.note(lost));
     (noted.seen, noted.before) = (seen, before);
-}
-
-/// Whether every collider is what it was, and stands still.
-fn is_same(snapshot: &ColliderSnapshot, seen: &[Seen]) -> bool {
-    let mut seen = seen.iter();
-    let same = snapshot.present().all(|(now, motion)| {
-        seen.next().is_some_and(|seen| {
-            now.entity == seen.entity
-                && motion.start() == motion.end()
-                && motion.end() == seen.end
-                && now.friction == seen.friction
-                && now.layers == seen.layers
-        })
-    });
-    same && seen.next().is_none()
 }
 
 impl Seen {

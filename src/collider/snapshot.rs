@@ -1,7 +1,7 @@
 //! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
 //! of them has changed.
 
-use super::{FieldSource, JUMP, SdfCollider, SdfShape};
+use super::{ColliderImpulse, FieldSource, JUMP, SdfCollider, SdfShape};
 use crate::{
     cloth::{
         pose::{MovingPose, pose_now},
@@ -11,7 +11,10 @@ use crate::{
     sdf::DistanceField,
     solver::{self, ColliderMotion, Pose},
 };
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::{
+    ecs::{query::QueryData, system::SystemParam},
+    prelude::*,
+};
 
 /// Where a collider was, is and goes.
 #[derive(Component, Default)]
@@ -25,7 +28,11 @@ pub(crate) struct ColliderPose {
 
 /// All colliders of a tick, in the order of their entities.
 #[derive(Resource, Default)]
-pub(crate) struct ColliderSnapshot(pub(super) Vec<Gathered>);
+pub(crate) struct ColliderSnapshot {
+    pub(super) colliders: Vec<Gathered>,
+    /// Counts the changes: as long as it stays, all stand still and are what they were.
+    pub(super) version: u64,
+}
 
 /// A collider as it is in the tick.
 pub(super) struct Gathered {
@@ -61,18 +68,34 @@ impl ColliderSnapshot {
 
     /// Those that are there, in the order in which the solver takes them.
     pub(super) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
-        self.0.iter().filter_map(|collider| Some((collider, collider.motion?)))
+        self.colliders.iter().filter_map(|collider| Some((collider, collider.motion?)))
     }
 
-    /// Puts a collider in its place, in place of what was known of it; or takes it out.
-    fn put(&mut self, entity: Entity, gathered: Option<Gathered>) {
-        let place = self.0.binary_search_by_key(&entity, |collider| collider.entity);
+    /// Puts a collider in its place, in place of what was known of it; or takes it out. It is `same` where
+    /// its component has not changed.
+    fn put(&mut self, entity: Entity, gathered: Option<Gathered>, same: bool) {
+        let colliders = &mut self.colliders;
+        let place = colliders.binary_search_by_key(&entity, |collider| collider.entity);
         match (place, gathered) {
-            (Ok(at), Some(gathered)) => self.0[at] = gathered,
-            (Err(at), Some(gathered)) => self.0.insert(at, gathered),
-            (Ok(at), None) => drop(self.0.remove(at)),
-            (Err(_), None) => {}
+            (Ok(at), Some(gathered)) => {
+                let still = same && gathered.stands_as(&colliders[at]);
+                colliders[at] = gathered;
+                if still {
+                    return;
+                }
+            }
+            (Err(at), Some(gathered)) => colliders.insert(at, gathered),
+            (Ok(at), None) => drop(colliders.remove(at)),
+            (Err(_), None) => return,
         }
+        self.version += 1;
+    }
+}
+
+impl Gathered {
+    /// Whether it stands still where it stood before.
+    fn stands_as(&self, before: &Self) -> bool {
+        self.motion == before.motion && self.motion.is_none_or(|it| it.start() == it.end())
     }
 }
 
@@ -98,6 +121,19 @@ fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> 
     used.into_iter().map_while(|_| None).collect()
 }
 
+/// A collider, and what tells at once whether anything of it has changed: most stand still, so that they
+/// are only passed over.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Found {
+    entity: Entity,
+    collider: Ref<'static, SdfCollider>,
+    place: Option<Ref<'static, Transform>>,
+    has_parent: Has<ChildOf>,
+    measured: Has<ColliderImpulse>,
+    pose: &'static mut ColliderPose,
+}
+
 /// Tells which entities may be elsewhere than when the system last ran.
 #[derive(SystemParam)]
 pub(crate) struct Moves<'w, 's> {
@@ -109,6 +145,14 @@ impl Moves<'_, '_> {
     /// Whether any entity has lost its parent, and may have moved by that.
     fn any_orphan(&mut self) -> bool {
         self.orphans.read().count() > 0
+    }
+
+    /// Whether this collider or an ancestor was changed.
+    fn moved_one(&self, collider: &FoundItem<'_, '_>) -> bool {
+        match &collider.place {
+            Some(place) if !collider.has_parent => place.is_changed(),
+            _ => self.moved(collider.entity),
+        }
     }
 
     /// Whether this entity or an ancestor was changed.
@@ -132,16 +176,17 @@ impl Moves<'_, '_> {
 
 /// Notes where colliders are before a frame's ticks.
 pub(crate) fn note_colliders(
-    colliders: &mut Query<(Entity, &mut ColliderPose)>,
+    colliders: &mut Query<Found>,
     moves: &mut Moves,
     transforms: &TransformHelper,
     ticks: u32,
 ) {
     let orphans = moves.any_orphan();
-    for (entity, mut pose) in colliders {
-        if pose.still && !orphans && !moves.moved(entity) {
+    for found in colliders {
+        if found.pose.still && !orphans && !moves.moved_one(&found) {
             continue;
         }
+        let FoundItem { entity, mut pose, .. } = found;
         pose.still = false;
         if let Some(moving) = &mut pose.moving
             && let Ok(now) = pose_now(transforms, entity)
@@ -164,12 +209,7 @@ fn has_jumped(from: &Pose, to: &Pose, ticks: u32) -> bool {
 
 /// Takes the poses of all colliders through the tick.
 pub(crate) fn gather_colliders(
-    mut colliders: Query<(
-        Entity,
-        Ref<SdfCollider>,
-        &mut ColliderPose,
-        Has<super::ColliderImpulse>,
-    )>,
+    mut colliders: Query<Found>,
     mut moves: Moves,
     transforms: TransformHelper,
     fields: FieldSource,
@@ -177,11 +217,13 @@ pub(crate) fn gather_colliders(
     mut failures: Failures,
 ) {
     let orphans = moves.any_orphan();
-    for (entity, collider, mut pose, measured) in &mut colliders {
-        let same = !orphans && !collider.is_changed() && measured == pose.measured;
-        if pose.still && same && !moves.moved(entity) {
+    for found in &mut colliders {
+        let same = !found.collider.is_changed();
+        let asked = found.measured != found.pose.measured;
+        if found.pose.still && same && !asked && !orphans && !moves.moved_one(&found) {
             continue;
         }
+        let FoundItem { entity, collider, mut pose, measured, .. } = found;
         pose.measured = measured;
         let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
@@ -196,7 +238,7 @@ pub(crate) fn gather_colliders(
                 None
             }
         };
-        snapshot.put(entity, gathered);
+        snapshot.put(entity, gathered, same);
     }
 }
 
@@ -234,7 +276,7 @@ pub(crate) fn forget_collider(
     mut failures: Failures,
     mut commands: Commands,
 ) {
-    snapshot.put(removed.entity, None);
+    snapshot.put(removed.entity, None, false);
     failures.clear(removed.entity, Blame::Collider);
     commands.entity(removed.entity).try_remove::<ColliderPose>();
 }
@@ -258,8 +300,12 @@ mod tests {
             world.entity_mut(*entity).insert(Other);
         }
         world.run_system_once(gather_colliders).unwrap();
-        let gathered: Vec<_> =
-            world.resource::<ColliderSnapshot>().0.iter().map(|collider| collider.entity).collect();
+        let gathered: Vec<_> = world
+            .resource::<ColliderSnapshot>()
+            .colliders
+            .iter()
+            .map(|collider| collider.entity)
+            .collect();
         let mut sorted = gathered.clone();
         sorted.sort_unstable();
         assert_eq!((gathered.len(), &gathered), (6, &sorted));

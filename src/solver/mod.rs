@@ -169,7 +169,8 @@ impl ClothSolver {
             self.tethered_under = Some(load);
         }
         self.state.start.copy_from(&self.state.x);
-        self.scratch.contact.begin_tick(low, high, input.colliders);
+        let (epsilon, layers) = (self.material.thickness, self.settings.layers);
+        self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)
     }

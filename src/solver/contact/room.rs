@@ -68,18 +68,40 @@ impl ContactRoom {
     }
 
     /// Forgets what is known: colliders may have come, or been put elsewhere, since the last tick.
-    /// `low` and `high` are the corners of a box around the cloth in world space.
-    pub fn begin_tick(&mut self, low: Vec3, high: Vec3, colliders: &[Collider<'_>]) {
+    /// `low` and `high` are the corners of a box around the cloth in world space; `epsilon` is the
+    /// distance at which it is held.
+    pub fn begin_tick(
+        &mut self,
+        low: Vec3,
+        high: Vec3,
+        epsilon: f32,
+        layers: u32,
+        colliders: &[Collider<'_>],
+    ) {
         self.awake.clear();
         self.until.clear();
         (self.gone, self.pushed) = (0.0, 0.0);
-        self.until_next = 0.0;
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
         self.impulses.clear();
-        if colliders.iter().any(|collider| collider.measured) {
+        let mut measured = false;
+        self.until_next = f32::INFINITY;
+        for collider in colliders {
+            measured |= collider.measured;
+            if collider.layers & layers != 0 {
+                self.until_next = self.until_next.min(self.gap(collider, epsilon));
+            }
+        }
+        if measured {
             self.impulses.resize(colliders.len(), Vec3::ZERO);
         }
+    }
+
+    /// How far the cloth may go from where the tick began before it can touch a collider; zero where that
+    /// is not known \[m\].
+    fn gap(&self, collider: &Collider<'_>, epsilon: f32) -> f32 {
+        let gap = |bounds: Aabb3d| box_gap(self.low, self.high, &bounds) - epsilon - self.slack;
+        larger(collider.motion.bounds().map_or(0.0, gap), 0.0)
     }
 
     /// Adds the way of a substep, and wakes the colliders that the cloth may have come to. `epsilon`
@@ -111,10 +133,7 @@ impl ContactRoom {
             if collider.layers & layers == 0 {
                 continue;
             }
-            let gap = collider
-                .motion
-                .bounds()
-                .map_or(0.0, |bounds| box_gap(self.low, self.high, &bounds) - epsilon - self.slack);
+            let gap = self.gap(collider, epsilon);
             if gap > self.gone {
                 self.until_next = self.until_next.min(gap);
                 continue;

@@ -1,0 +1,241 @@
+//! Costs in a Bevy app: colliders that are far away, sleep, what follows an entity, and the plugin
+//! around the solver.
+
+use std::time::Instant;
+
+use super::{Bound, Turns, Wrong, heading, in_turns, line, median};
+use bevy::{
+    app::{RunFixedMainLoop, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
+    asset::AssetPlugin,
+    ecs::schedule::SingleThreadedExecutor,
+    mesh::MeshPlugin,
+    prelude::*,
+    time::TimeUpdateStrategy,
+    transform::TransformPlugin,
+};
+use bevy_drape::prelude::*;
+
+/// An app of `MinimalPlugins` on one thread, which draws its cloths or not. An update is a tick.
+fn app(drawn: bool) -> App {
+    let one = TaskPoolThreadAssignmentPolicy {
+        min_threads: 1,
+        max_threads: 1,
+        percent: 1.0,
+        on_thread_spawn: None,
+        on_thread_destroy: None,
+    };
+    let task_pool_options =
+        TaskPoolOptions { compute: one, ..TaskPoolOptions::with_num_threads(1) };
+    let mut app = App::new();
+    app.add_plugins(MinimalPlugins.set(TaskPoolPlugin { task_pool_options }));
+    if drawn {
+        app.add_plugins((AssetPlugin::default(), MeshPlugin, TransformPlugin));
+        app.init_resource::<Assets<Image>>();
+    }
+    app.add_plugins(ClothPlugin::default()).insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    // Systems as tasks for the one thread of a pool would cost more than most of them do.
+    app.edit_schedule(FixedPostUpdate, alone);
+    app.edit_schedule(RunFixedMainLoop, alone);
+    app.edit_schedule(PostUpdate, alone);
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn alone(schedule: &mut Schedule) {
+    schedule.set_executor(SingleThreadedExecutor::new());
+}
+
+fn sheet(n: u32) -> impl Bundle {
+    (Cloth::sheet(Vec2::splat(2.0), UVec2::splat(n)), ClothSleep::NEVER)
+}
+
+fn hung(n: u32) -> impl Bundle {
+    (sheet(n), ClothPins::vertices([0, n - 1]))
+}
+
+/// Runs a tick, and tells its time \[us\].
+fn update(app: &mut App) -> f64 {
+    let before = Instant::now();
+    app.update();
+    before.elapsed().as_secs_f64() * 1e6
+}
+
+fn places(app: &mut App) -> Vec<Vec3> {
+    let world = app.world_mut();
+    let mut cloths = world.query::<&ClothSimulation>();
+    cloths.iter(world).flat_map(|cloth| cloth.positions().collect::<Vec<_>>()).collect()
+}
+
+/// Meshes written in the last update.
+fn written(app: &App) -> usize {
+    let Some(events) = app.world().get_resource::<Messages<AssetEvent<Mesh>>>() else {
+        return 0;
+    };
+    let is_written = |event: &&AssetEvent<Mesh>| matches!(event, AssetEvent::Modified { .. });
+    events.iter_current_update_messages().filter(is_written).count()
+}
+
+/// Times two apps, whose cloths must run, and come to the same bits where they have to be `same`.
+fn compare(
+    name: &str,
+    rounds: usize,
+    [without, with]: [&mut App; 2],
+    same: bool,
+    wrong: &mut Wrong,
+) -> Turns {
+    for app in [&mut *without, &mut *with] {
+        (0..10).for_each(|_| app.update());
+    }
+    let turns = in_turns(rounds, || update(without), || update(with));
+    let [without, with] = [without, with].map(|app| {
+        let mut failures = app.world_mut().query::<&ClothFailure>();
+        let failed = failures.iter(app.world()).next().map(|failure| failure.error.to_string());
+        wrong.unless(failed.is_none(), name, &failed.unwrap_or_default());
+        places(app)
+    });
+    let runs = !with.is_empty() && with.iter().all(|p| p.is_finite());
+    wrong.unless(runs, name, "a cloth does not run");
+    wrong.unless(!same || without == with, name, "other bits");
+    turns
+}
+
+/// Moves every cloth's entity to and fro.
+fn sway(mut cloths: Query<&mut Transform, With<Cloth>>, time: Res<Time>) {
+    for mut place in &mut cloths {
+        place.translation.x = 0.5 * ops::sin(3.0 * time.elapsed_secs());
+    }
+}
+
+pub fn colliders_and_components(n: u32, rounds: usize, wrong: &mut Wrong) {
+    heading("a whole update of an app, us", "without", "with");
+    let apps = || {
+        [false; 2].map(|drawn| {
+            let mut app = app(drawn);
+            let cloth = app.world_mut().spawn(hung(n)).id();
+            (app, cloth)
+        })
+    };
+    for (name, moving) in [("1000 far colliders", false), ("1000 far colliders, moving", true)] {
+        let [(mut without, _), (mut with, _)] = apps();
+        for i in 0..1000 {
+            let place = Vec3::new(50.0 + (i / 40) as f32, -3.0, (i % 40) as f32);
+            let solid = SdfCollider::from(Sphere::new(0.3));
+            with.world_mut().spawn((solid, Transform::from_translation(place)));
+        }
+        if moving {
+            let shift = |mut places: Query<&mut Transform, With<SdfCollider>>| {
+                places.iter_mut().for_each(|mut place| place.translation.y += 1e-3);
+            };
+            with.add_systems(FixedUpdate, shift);
+        }
+        let turns = compare(name, rounds, [&mut without, &mut with], true, wrong);
+        line(name, &turns, if moving { Bound::None } else { Bound::Percent(2.0) });
+    }
+    let [(mut without, _), (mut with, cloth)] = apps();
+    with.world_mut().entity_mut(cloth).insert((ClothTeleport::default(), ClothInertia::default()));
+    let name = "ClothTeleport and ClothInertia, unused";
+    let turns = compare(name, rounds, [&mut without, &mut with], true, wrong);
+    line(name, &turns, Bound::None);
+    let [(mut without, _), (mut with, cloth)] = apps();
+    with.world_mut().entity_mut(cloth).insert(ClothInertia::new(0.3));
+    without.add_systems(FixedUpdate, sway);
+    with.add_systems(FixedUpdate, sway);
+    let name = "ClothInertia, of what sways";
+    let turns = compare(name, rounds, [&mut without, &mut with], false, wrong);
+    line(name, &turns, Bound::None);
+}
+
+/// Cloths on the ground, asleep, against none.
+pub fn sleep(rounds: usize, wrong: &mut Wrong) {
+    const CLOTHS: u32 = 200;
+    heading("200 cloths that sleep on the ground, us an update", "without", "with");
+    for (name, air) in [("asleep", false), ("asleep, in still air", true)] {
+        let [mut without, mut with] = [true; 2].map(app);
+        for app in [&mut without, &mut with] {
+            app.world_mut().spawn(SdfCollider::from(InfinitePlane3d::default()));
+        }
+        for i in 0..CLOTHS {
+            let place = Vec3::new((i % 20) as f32 * 2.0, 0.01, (i / 20) as f32 * 2.0);
+            let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(16));
+            let cloth = with.world_mut().spawn((cloth, Transform::from_translation(place))).id();
+            if air {
+                with.world_mut().entity_mut(cloth).insert(ClothAir::default());
+            }
+        }
+        let awake = |app: &mut App| {
+            let world = app.world_mut();
+            let mut cloths = world.query::<&ClothSimulation>();
+            cloths.iter(world).filter(|cloth| !cloth.is_asleep()).count()
+        };
+        let mut ticks = 0;
+        while ticks < 2 || ticks < 20 * 64 && awake(&mut with) > 0 {
+            with.update();
+            ticks += 1;
+        }
+        without.update();
+        let mut meshes = 0;
+        let asleep = || {
+            let time = update(&mut with);
+            meshes += written(&with);
+            time
+        };
+        let turns = in_turns(rounds, || update(&mut without), asleep);
+        line(name, &turns, Bound::Each(1.0, CLOTHS));
+        let awake = awake(&mut with);
+        wrong.unless(awake == 0, name, &format!("{awake} are awake after {ticks} ticks"));
+        wrong.unless(meshes == 0, name, &format!("{meshes} meshes were written"));
+    }
+}
+
+/// The instants between the plugin's sets in one update.
+#[derive(Resource, Default)]
+struct Marks(Vec<Instant>);
+
+fn mark(mut marks: ResMut<Marks>) {
+    marks.0.push(Instant::now());
+}
+
+/// What the plugin does around the solver, for one cloth that is drawn.
+pub fn plugin(n: u32, rounds: usize, wrong: &mut Wrong) {
+    use ClothSystems::{Draw, Finish, Gather, Setup, Solve};
+    let mut app = app(true);
+    app.init_resource::<Marks>();
+    let cloth = app.world_mut().spawn(hung(n)).id();
+    for (i, set) in [Setup, Gather, Solve, Finish].into_iter().enumerate() {
+        if i == 0 {
+            app.add_systems(FixedPostUpdate, mark.before(set));
+        }
+        // The next set comes after: between two marks is one set.
+        let after = mark.after(set);
+        match [Gather, Solve, Finish].get(i) {
+            Some(&next) => app.add_systems(FixedPostUpdate, after.before(next)),
+            None => app.add_systems(FixedPostUpdate, after),
+        };
+    }
+    app.add_systems(PostUpdate, (mark.after(Setup).before(Draw), mark.after(Draw)));
+    let mut times: [Vec<f64>; 5] = Default::default();
+    let mut meshes = 0;
+    for round in 0..rounds + 10 {
+        app.world_mut().resource_mut::<Marks>().0.clear();
+        app.update();
+        if round < 10 {
+            continue;
+        }
+        meshes += written(&app);
+        let marks = &app.world().resource::<Marks>().0;
+        let [a, b, c, d, e, f, g] = marks[..] else { continue };
+        for (times, (from, to)) in times.iter_mut().zip([(a, b), (b, c), (c, d), (d, e), (f, g)]) {
+            times.push((to - from).as_secs_f64() * 1e6);
+        }
+    }
+    wrong.unless(meshes == rounds, "the plugin", &format!("{meshes} meshes in {rounds} updates"));
+    let simulation = app.world().get::<ClothSimulation>(cloth);
+    wrong.unless(simulation.is_some_and(|it| it.pinned().len() == 2), "the plugin", "no cloth");
+    let [setup, gather, solve, finish, draw] = times.map(median);
+    println!("\nthe plugin around the solver, a cloth that is drawn, us an update");
+    println!("  set up {setup:.1}, gather {gather:.1}, finish {finish:.1} (solve {solve:.1})");
+    println!("  draw {draw:.1}: positions, bounds, normals, mesh");
+    let all = setup + gather + finish + draw;
+    println!("  together {all:.1}{}", if all > 50.0 { ", bound 50: MISSED" } else { ", bound 50" });
+}

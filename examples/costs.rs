@@ -1,0 +1,74 @@
+//! What each optional part costs, each with and without in turns; and that what is unused costs and changes
+//! nothing.
+//!
+//! `cargo run --example costs`
+
+#[path = "common/costs/mod.rs"]
+mod costs;
+
+use clap::{Parser, ValueEnum};
+use costs::{Wrong, app, solver};
+use std::{error::Error, process::ExitCode};
+
+/// Measures what each optional part costs: medians of times taken in turns with and without it, on one
+/// thread.
+///
+/// The exit code is 1 if anything that is not a time is wrong: a cloth fails, something that is unused changes
+/// a bit, or a cloth that sleeps wakes or is drawn.
+#[derive(Parser)]
+struct Cli {
+    /// Parts to measure; all if left out.
+    parts: Vec<Part>,
+    /// Particles a side of each cloth.
+    #[arg(short, long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=256))]
+    particles: u32,
+    /// Ticks to measure, with and without.
+    #[arg(short, long, default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    ticks: u32,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq)]
+enum Part {
+    /// Meshes solved as graphs.
+    Graphs,
+    /// A thousand colliders; teleport and inertia.
+    Colliders,
+    /// Cloths that sleep.
+    Sleep,
+    /// Air, wind and zones.
+    Wind,
+    /// Impulses, swept contact, soft pins.
+    Contact,
+    /// The plugin around the solver.
+    Plugin,
+}
+
+fn main() -> ExitCode {
+    let mut wrong = Wrong::default();
+    if let Err(error) = measure(&Cli::parse(), &mut wrong) {
+        wrong.0.push(error.to_string());
+    }
+    for wrong in &wrong.0 {
+        eprintln!("check failed: {wrong}");
+    }
+    if wrong.0.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
+    let (n, side, ticks) = (cli.particles, cli.particles as usize, cli.ticks as usize);
+    println!("{n} x {n} particles, medians of {ticks} ticks with and without, in turns");
+    for part in Part::value_variants() {
+        if !cli.parts.is_empty() && !cli.parts.contains(part) {
+            continue;
+        }
+        match part {
+            Part::Graphs => solver::graphs(side, ticks, wrong)?,
+            Part::Colliders => app::colliders_and_components(n, ticks, wrong),
+            Part::Sleep => app::sleep(ticks, wrong),
+            Part::Wind => solver::wind(side, ticks, wrong)?,
+            Part::Contact => solver::contact(side, ticks, wrong)?,
+            Part::Plugin => app::plugin(n, ticks, wrong),
+        }
+    }
+    Ok(())
+}
