@@ -11,9 +11,12 @@ use bevy_drape::prelude::*;
 const SIDE: f32 = 1.8;
 const MIDDLE: f32 = 1.35;
 
+/// Side of the patch at a corner \[m\].
+const PATCH: f32 = 0.08;
+
 /// Adds mast, yards, sail and wind.
 pub fn add_sail(world: &mut World, particles: u32) {
-    world.insert_resource(ClothWind::steady(Vec3::new(0.0, 0.0, 8.0)));
+    world.insert_resource(ClothWind::steady(Vec3::new(0.0, 0.0, 6.0)));
     let mast = Cylinder::new(0.035, 2.5);
     let behind = Vec3::new(0.0, mast.half_height, -0.08);
     spawn_solid(world, mast.mesh().build(), behind, clay(IVORY), mast);
@@ -31,23 +34,27 @@ pub fn add_sail(world: &mut World, particles: u32) {
         let yard = spawn_thing(world, yard, way.from, clay(IVORY));
         world.entity_mut(yard).insert(way);
     }
-    let last = particles - 1;
     let mut pins = ClothPins::none();
-    for (x, y, vertex) in [
-        (-1.0, 1.0, 0),
-        (1.0, 1.0, last),
-        (-1.0, -1.0, last * particles),
-        (1.0, -1.0, last * particles + last),
-    ] {
+    for (x, y) in [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
         let way = slide(x, y);
         let ring = spawn_thing(world, Sphere::new(0.04).mesh(), way.from, metal(BRASS));
         world.entity_mut(ring).insert(way);
-        pins = pins.and(ClothPins::vertices([vertex]).anchored_to(ring));
+        // A patch at the corner, as a sailmaker sews on: one thread could not carry the wind. The sheet
+        // lies in its own xz plane, with its first row up.
+        let corner = far * Vec3::new(x, 0.0, -y);
+        let patch = ClothPins::within(corner - PATCH, corner + PATCH);
+        pins = pins.and(patch.anchored_to(ring));
     }
     world.spawn((
         Cloth::sheet(Vec2::splat(SIDE), UVec2::splat(particles)),
         // Canvas.
-        ClothMaterial { area_density: 0.4, flexural_rigidity: 1e-4, ..default() },
+        ClothMaterial {
+            area_density: 0.4,
+            thread_stiffness: 20_000.0,
+            shear_stiffness: 500.0,
+            flexural_rigidity: 1e-4,
+            ..default()
+        },
         pins,
         ClothAir::default(),
         Transform::from_xyz(0.0, MIDDLE, 0.0)
