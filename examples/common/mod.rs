@@ -6,9 +6,13 @@
 // Each example uses a part, and a program may print.
 #![allow(dead_code, clippy::print_stdout, clippy::print_stderr)]
 
+mod bunny;
+mod cape;
 pub mod check;
 mod curtain;
 mod drape;
+mod figure;
+mod flag;
 pub mod headless;
 #[cfg(feature = "demo")]
 pub mod light;
@@ -18,7 +22,9 @@ mod paint;
 #[cfg(feature = "demo")]
 mod probe;
 pub mod report;
+mod sail;
 pub mod scene;
+mod slide;
 #[cfg(feature = "demo")]
 pub mod window;
 

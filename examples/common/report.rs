@@ -35,26 +35,23 @@ fn stop_clock(mut watch: ResMut<Watch>) {
 
 fn look_at_cloths(
     cloths: Query<&ClothSimulation>,
-    solids: Query<(&SdfCollider, &GlobalTransform)>,
+    solids: Query<(Entity, &SdfCollider)>,
+    transforms: TransformHelper,
     fields: Res<Assets<DistanceField>>,
     mut watch: ResMut<Watch>,
 ) {
     let ticks = cloths.iter().filter_map(ClothSimulation::last_tick);
     let peak = ticks.map(|tick| tick.max_strain).reduce(f32::max);
     watch.peaks.extend(peak);
-    for (solid, place) in &solids {
-        let shape: &dyn SignedDistance = match &solid.shape {
-            SdfShape::Sphere(sphere) => sphere,
-            SdfShape::InfinitePlane3d(plane) => plane,
-            SdfShape::Field(field) => match fields.get(field) {
-                Some(field) => field,
-                None => continue,
-            },
-            other => panic!("the examples have no {other:?}"),
+    for (entity, solid) in &solids {
+        // Of what moves, where it is at the tick's end: nothing has been propagated since.
+        let place = transforms.compute_global_transform(entity);
+        let (Some(shape), Ok(place)) = (solid.shape.get(Some(&fields)), place) else {
+            continue;
         };
-        let to_solid = place.affine().inverse();
+        let (to_solid, scale) = (place.affine().inverse(), place.scale().x);
         for position in cloths.iter().flat_map(ClothSimulation::positions) {
-            let distance = shape.distance(to_solid.transform_point3(position));
+            let distance = scale * shape.distance(to_solid.transform_point3(position));
             watch.clearance = watch.clearance.into_iter().chain([distance]).reduce(f32::min);
         }
     }
@@ -107,8 +104,9 @@ impl Report {
 
 fn describe(cloth: &ClothSimulation) -> String {
     let (columns, rows) = (cloth.columns(), cloth.rows());
+    let grid = if rows > 1 { format!("{columns} x {rows} = ") } else { String::new() };
     let (particles, springs) = (cloth.particle_count(), cloth.spring_count());
-    format!("{columns} x {rows} = {particles} particles, {springs} springs\n  {}", cloth.plan())
+    format!("{grid}{particles} particles, {springs} springs\n  {}", cloth.plan())
 }
 
 impl fmt::Display for Report {

@@ -1,9 +1,15 @@
 //! The scenes: cloths, solids and how they look, without a window.
 
 use super::{
+    bunny::{add_bunny, hop, wait_for_bakes},
+    cape::add_cape,
     check::Bounds,
-    curtain::{add_curtain, slide_rings},
-    drape::{add_bunny, add_spheres, wait_for_bakes},
+    curtain::add_curtain,
+    drape::{add_covered_bunny, add_spheres},
+    figure::walk,
+    flag::add_flag,
+    sail::add_sail,
+    slide::slide,
 };
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -26,6 +32,11 @@ pub fn clay(color: Srgba) -> Look {
     Look { color: color.into(), roughness: 0.35, metallic: 0.0 }
 }
 
+/// Polished metal.
+pub fn metal(color: Srgba) -> Look {
+    Look { color: color.into(), roughness: 0.3, metallic: 0.9 }
+}
+
 pub const CORAL: Srgba = Srgba::rgb(0.86, 0.30, 0.25);
 pub const TEAL: Srgba = Srgba::rgb(0.10, 0.45, 0.50);
 pub const INDIGO: Srgba = Srgba::rgb(0.22, 0.25, 0.58);
@@ -40,36 +51,58 @@ pub enum Scene {
     Drape,
     /// Only the spheres and their cloth.
     Spheres,
-    /// Only the bunny and its cloth.
+    /// The bunny hops through a curtain.
     Bunny,
     /// A cloth hung from two corners that come closer.
     Curtain,
+    /// A flag in a gusty wind.
+    Flag,
+    /// A sail that fills in a steady wind.
+    Sail,
+    /// A cape on the shoulders of a figure that walks.
+    Cape,
 }
 
 impl Scene {
     /// Adds the scene to an app that has a [`ClothPlugin`], meshes and transforms.
     pub fn add_to(self, app: &mut App, particles: u32) {
         app.init_resource::<Assets<Image>>();
-        app.add_systems(Update, wait_for_bakes).add_systems(FixedUpdate, slide_rings);
+        app.add_systems(Update, wait_for_bakes).add_systems(FixedUpdate, (slide, hop, walk));
         let world = app.world_mut();
         add_ground(world);
-        let bounds = match self {
+        // The box that the cloths are in at the end.
+        let (min, max) = match self {
             Self::Drape => {
                 add_spheres(world, particles, Vec3::new(-1.1, 0.0, 0.0));
-                add_bunny(world, particles, Vec3::new(1.1, 0.0, 0.0));
-                Bounds { min: Vec3::new(-2.6, 0.0, -1.4), max: Vec3::new(2.6, 1.6, 1.4) }
+                add_covered_bunny(world, particles, Vec3::new(1.1, 0.0, 0.0));
+                ([-2.6, 0.0, -1.4], [2.6, 1.6, 1.4])
             }
-            Self::Spheres | Self::Bunny => {
-                let add = if self == Self::Spheres { add_spheres } else { add_bunny };
-                add(world, particles, Vec3::ZERO);
-                Bounds { min: Vec3::new(-1.4, 0.0, -1.4), max: Vec3::new(1.4, 1.6, 1.4) }
+            Self::Spheres => {
+                add_spheres(world, particles, Vec3::ZERO);
+                ([-1.4, 0.0, -1.4], [1.4, 1.6, 1.4])
+            }
+            Self::Bunny => {
+                add_bunny(world, particles);
+                ([-1.8, 0.0, -1.3], [1.8, 1.8, 1.3])
             }
             Self::Curtain => {
                 add_curtain(world, particles);
-                Bounds { min: Vec3::new(-1.5, 0.0, -2.4), max: Vec3::new(1.5, 2.6, 2.4) }
+                ([-1.5, 0.0, -2.4], [1.5, 2.6, 2.4])
+            }
+            Self::Flag => {
+                add_flag(world, particles);
+                ([-1.0, 0.5, -1.2], [1.0, 2.6, 1.2])
+            }
+            Self::Sail => {
+                add_sail(world, particles);
+                ([-1.0, 0.3, -0.1], [1.0, 2.4, 1.2])
+            }
+            Self::Cape => {
+                add_cape(world, particles);
+                ([-2.2, 0.1, -2.2], [2.2, 1.6, 2.2])
             }
         };
-        world.insert_resource(bounds);
+        world.insert_resource(Bounds { min: min.into(), max: max.into() });
     }
 }
 
@@ -93,6 +126,12 @@ pub fn spawn_sheet(
         Transform::from_translation(place),
         linen(color),
     ))
+}
+
+/// A mesh that cloths do not meet.
+pub fn spawn_thing(world: &mut World, mesh: impl Into<Mesh>, place: Vec3, look: Look) -> Entity {
+    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh));
+    world.spawn((mesh, Transform::from_translation(place), look)).id()
 }
 
 /// A solid and its mesh.

@@ -40,8 +40,8 @@ pub enum SdfShape {
 pub struct CustomSdf(pub Arc<dyn SignedDistance>);
 
 impl SdfShape {
-    /// The solid itself; `None` while its field is not there.
-    pub(crate) fn get<'a>(
+    /// The solid itself, to ask for distances; `None` while its field is not there.
+    pub fn get<'a>(
         &'a self,
         fields: Option<&'a Assets<DistanceField>>,
     ) -> Option<&'a dyn SignedDistance> {

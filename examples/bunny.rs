@@ -1,0 +1,23 @@
+//! The Stanford bunny, baked to a distance field at the start, hops through a curtain.
+//!
+//! `cargo run --example bunny --features demo`
+
+mod common;
+
+use bevy::prelude::*;
+use clap::Parser;
+use common::{Options, light::View, scene::Scene, window};
+
+/// The Stanford bunny hops through a curtain.
+///
+/// Where there is no display or no graphics adapter it says so and runs headless.
+#[derive(Parser)]
+struct Cli {
+    #[command(flatten)]
+    options: Options,
+}
+
+fn main() -> AppExit {
+    let view = View { from: Vec3::new(-3.3, 1.7, 3.3), at: Vec3::new(-0.1, 0.75, 0.0) };
+    window::run(Scene::Bunny, &Cli::parse().options, "bevy_drape: bunny", view)
+}

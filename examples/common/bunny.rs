@@ -1,0 +1,96 @@
+//! The Stanford bunny: its baked field hops through a curtain.
+
+use super::scene::{BRASS, CORAL, IVORY, clay, linen, metal};
+use bevy::{
+    asset::RenderAssetUsages,
+    mesh::{Indices, PrimitiveTopology},
+    prelude::*,
+};
+use bevy_drape::prelude::*;
+
+/// A thing that hops towards -x from where it was \[m\].
+#[derive(Component)]
+pub struct Hopping {
+    from: Vec3,
+}
+
+/// Length of a hop \[m\], its height \[m\], and how many there are.
+const HOP: (f32, f32, f32) = (0.45, 0.22, 5.0);
+
+/// Seconds that a hop takes.
+const HOP_TIME: f32 = 0.6;
+
+/// Seconds before the first.
+const PAUSE: f32 = 0.5;
+
+/// Adds a curtain, and the bunny behind it.
+pub fn add_bunny(world: &mut World, particles: u32) {
+    let from = Vec3::new(1.25, 0.0, 0.0);
+    let bunny = spawn_bunny(world, from);
+    world.entity_mut(bunny).insert(Hopping { from });
+
+    const ROD: f32 = 1.75;
+    let (width, height) = (2.0, 1.65);
+    let across = Quat::from_rotation_x(90.0_f32.to_radians());
+    let rod = Cylinder::new(0.02, width + 0.2).mesh().build();
+    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(rod));
+    world.spawn((mesh, metal(BRASS), Transform::from_xyz(0.0, ROD, 0.0).with_rotation(across)));
+    let side = Quat::from_rotation_y(90.0_f32.to_radians());
+    world.spawn((
+        Cloth::sheet(Vec2::new(width, height), UVec2::new(particles, particles)),
+        ClothPins::from(PinSelection::FirstRow),
+        // The ears are hardly thicker than the spacing of the particles: the cloth keeps off a little.
+        ClothMaterial { thickness: 0.02, friction: 0.2, drag: 0.5, ..default() },
+        // The ears stop it as two points: twice the usual substeps hold the strain there.
+        ClothSettings { substeps: Substeps::Automatic { budget: 40 }, ..default() },
+        // As the bunny, which is drawn where the last tick took it.
+        ClothInterpolation::LastTick,
+        Transform::from_xyz(0.0, ROD - 0.5 * height, 0.0).with_rotation(side * across),
+        linen(CORAL),
+    ));
+}
+
+/// Lets it hop, along parabolas.
+pub fn hop(mut hopping: Query<(&Hopping, &mut Transform)>, time: Res<Time>) {
+    let (length, height, count) = HOP;
+    let hops = ((time.elapsed_secs() - PAUSE) / HOP_TIME).clamp(0.0, count);
+    let part = hops.fract();
+    let up = 4.0 * height * part * (1.0 - part);
+    for (hopping, mut transform) in &mut hopping {
+        transform.translation = hopping.from + Vec3::new(-length * hops, up, 0.0);
+        // Its nose up, then down.
+        transform.rotation = Quat::from_rotation_z(0.25 * (part - 0.5) * up / height);
+    }
+}
+
+/// The bunny, to be baked, 1.3 m long. It looks towards -x.
+pub fn spawn_bunny(world: &mut World, place: Vec3) -> Entity {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(load_bunny());
+    let place = Transform::from_translation(place).with_scale(Vec3::splat(1.3));
+    world.spawn((BakeSdf::with_cells(96), Mesh3d(mesh), place, clay(IVORY))).id()
+}
+
+/// The Stanford bunny of `assets/`, 1 m long, sitting on y = 0.
+fn load_bunny() -> Mesh {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
+    let (models, _) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS)
+        .unwrap_or_else(|error| panic!("cannot read {path}: {error}"));
+    let bunny = &models[0].mesh;
+    let positions: Vec<[f32; 3]> = bunny.positions.as_chunks().0.to_vec();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(bunny.indices.clone()))
+        .with_computed_smooth_normals()
+}
+
+/// Time stands still until the bunny's field is there, so that every run is the same.
+pub fn wait_for_bakes(
+    waiting: Query<(), (With<BakeSdf>, Without<SdfCollider>, Without<ClothFailure>)>,
+    mut time: ResMut<Time<Virtual>>,
+) {
+    if waiting.is_empty() {
+        time.unpause();
+    } else {
+        time.pause();
+    }
+}

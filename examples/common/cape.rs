@@ -1,0 +1,81 @@
+//! A cape on the shoulders of a figure that walks.
+
+use super::{
+    figure::{CHEST, place, spawn_figure},
+    scene::{INDIGO, linen},
+};
+use bevy::{
+    asset::RenderAssetUsages,
+    mesh::{Indices, PrimitiveTopology},
+    prelude::*,
+};
+use bevy_drape::prelude::*;
+
+/// Adds the figure and its cape.
+pub fn add_cape(world: &mut World, particles: u32) {
+    let joints = spawn_figure(world);
+    let (mesh, collar) = cape(particles as usize);
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+    world.spawn((
+        Cloth::from_mesh(),
+        Mesh3d(mesh),
+        ClothMaterial { thickness: 0.01, friction: 0.2, ..default() },
+        ClothPins::vertices(0..collar as u32).anchored_to(joints[CHEST]),
+        ClothAir::default(),
+        // As the figure, which is drawn where the last tick took it.
+        ClothInterpolation::LastTick,
+        place(0.0),
+        linen(INDIGO),
+    ));
+}
+
+/// A cape around the back of the figure, `columns` vertices wide at the hem and half as many at the
+/// collar: no grid. Tells how many vertices the collar has; they are the first.
+fn cape(columns: usize) -> (Mesh, usize) {
+    let rows = (3 * columns / 4).max(2);
+    let wide = |row: usize| (columns / 2 + row * (columns - columns / 2) / (rows - 1)).max(2);
+    let (mut positions, mut uvs, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..rows {
+        let down = row as f32 / (rows - 1) as f32;
+        let (above, count) = (positions.len(), wide(row));
+        for column in 0..count {
+            let across = column as f32 / (count - 1) as f32;
+            positions.push(shape(2.0 * across - 1.0, down));
+            uvs.push([across, down]);
+        }
+        if row + 1 < rows {
+            join(&mut indices, above..above + count, wide(row + 1));
+        }
+    }
+    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+        .with_inserted_indices(Indices::U32(indices))
+        .with_computed_smooth_normals();
+    (mesh, wide(0))
+}
+
+/// A point of the cape in the frame of the figure's ground \[m\], `across` from -1 to 1: part of a cone
+/// that starts on the shoulders and keeps clear of the arms.
+fn shape(across: f32, down: f32) -> Vec3 {
+    let (sin, cos) = (80.0_f32.to_radians() * across).sin_cos();
+    let (side, back) = (0.16 + 0.3 * down, 0.1 + 0.3 * down);
+    let clear = 0.1 * (down / 0.15).min(1.0);
+    Vec3::new(side * sin, 1.475 - down, back * cos + clear)
+}
+
+/// Triangles between a row of vertices and the next one, which has `count`.
+fn join(indices: &mut Vec<u32>, row: std::ops::Range<usize>, count: usize) {
+    let (mut a, mut b) = (0, 0);
+    while a + 1 < row.len() || b + 1 < count {
+        let (upper, lower) = ((row.start + a) as u32, (row.end + b) as u32);
+        // Whichever is behind goes on.
+        if b + 1 < count && (b + 1) * (row.len() - 1) <= (a + 1) * (count - 1) {
+            indices.extend([upper, lower, lower + 1]);
+            b += 1;
+        } else {
+            indices.extend([upper, lower, upper + 1]);
+            a += 1;
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! A square cloth held at its corners fills in a steady wind.
+//!
+//! `cargo run --example sail --features demo`
+
+mod common;
+
+use bevy::prelude::*;
+use clap::Parser;
+use common::{Options, light::View, scene::Scene, window};
+
+/// A square sail fills in a steady wind.
+///
+/// Where there is no display or no graphics adapter it says so and runs headless.
+#[derive(Parser)]
+struct Cli {
+    #[command(flatten)]
+    options: Options,
+}
+
+fn main() -> AppExit {
+    let view = View { from: Vec3::new(2.9, 1.6, 3.9), at: Vec3::new(0.0, 1.2, 0.2) };
+    window::run(Scene::Sail, &Cli::parse().options, "bevy_drape: sail", view)
+}
