@@ -133,13 +133,22 @@ pub enum ClothError {
     },
 }
 
-/// Is on an entity as long as something is wrong with its cloth or collider.
+/// Is on an entity as long as something is wrong with its cloth, collider or wind zone.
 ///
 /// Each error is logged once. It is removed when the component at fault is changed and found good.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct ClothFailure {
-    /// What is wrong.
+    /// What is wrong: of several things, what came last.
     pub error: ClothError,
+    /// What else is, one a component at fault.
+    others: Vec<ClothError>,
+}
+
+impl ClothFailure {
+    /// Everything that is wrong, what came last first.
+    pub fn errors(&self) -> impl Iterator<Item = &ClothError> {
+        core::iter::once(&self.error).chain(self.others.iter().rev())
+    }
 }
 
 /// What has to change before an error is gone.
@@ -150,7 +159,10 @@ pub(crate) enum Blame {
     Material,
     Settings,
     Pins,
+    /// It may mend unseen, and is looked at again and again.
     Pose,
+    /// As a pose, where only a mesh can tell.
+    Unseen,
     Motion,
     Drawing,
     Collider,
@@ -163,12 +175,32 @@ pub(crate) enum Blame {
     Zone,
 }
 
+impl Blame {
+    /// What may be wrong with a cloth.
+    pub const OF_CLOTHS: [Self; 14] = [
+        Self::Shape,
+        Self::Weights,
+        Self::Material,
+        Self::Settings,
+        Self::Pins,
+        Self::Pose,
+        Self::Unseen,
+        Self::Motion,
+        Self::Drawing,
+        Self::Schedule,
+        Self::Teleport,
+        Self::Inertia,
+        Self::Sleep,
+        Self::Air,
+    ];
+}
+
 impl ClothError {
     pub(crate) fn blame(&self) -> Blame {
         match self {
-            // What is skinned may cease to be so unseen, as poses may mend.
-            Self::Mesh { problem: MeshProblem::Skinned, .. }
-            | Self::Pin { problem: PinProblem::AnchorScale(_), .. }
+            Self::Mesh { problem: MeshProblem::Skinned | MeshProblem::Missing, .. }
+            | Self::ColliderMesh { problem: MeshProblem::Missing, .. } => Blame::Unseen,
+            Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }
             | Self::NoTransform { .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
@@ -204,27 +236,53 @@ impl Failures<'_, '_> {
     pub fn report(&mut self, entity: Entity, error: ClothError) {
         // By the message, as an error may hold a NaN, which is not equal to itself.
         let message = error.to_string();
-        if self.known.get(entity).is_ok_and(|known| known.error.to_string() == message) {
+        let is_known = |known: &ClothFailure| known.errors().any(|e| e.to_string() == message);
+        if self.known.get(entity).is_ok_and(is_known) {
             return;
         }
         tracing::error!("{message}");
-        self.commands.entity(entity).try_insert(ClothFailure { error });
+        self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
+            let mut others = known_errors(&mut entity);
+            others.retain(|other| other.blame() != error.blame());
+            entity.insert(ClothFailure { error, others });
+        });
     }
 
     /// Forgets the entity's error if it is this component's.
     pub fn clear(&mut self, entity: Entity, blame: Blame) {
         if self.blames(entity, blame) {
-            self.commands.entity(entity).try_remove::<ClothFailure>();
+            self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
+                let mut left = known_errors(&mut entity);
+                left.retain(|error| error.blame() != blame);
+                if let Some(error) = left.pop() {
+                    entity.insert(ClothFailure { error, others: left });
+                }
+            });
         }
     }
 
     /// Whether the entity's error is this component's.
     pub fn blames(&self, entity: Entity, blame: Blame) -> bool {
-        self.known.get(entity).is_ok_and(|known| known.error.blame() == blame)
+        let is_to_blame = |known: &ClothFailure| known.errors().any(|e| e.blame() == blame);
+        self.known.get(entity).is_ok_and(is_to_blame)
+    }
+
+    /// Whether no entity has an error.
+    pub fn are_none(&self) -> bool {
+        self.known.is_empty()
     }
 
     /// Whether the entity has an error.
     pub fn has(&self, entity: Entity) -> bool {
         self.known.contains(entity)
     }
+}
+
+/// Takes all that is known to be wrong off an entity, what came last at the end.
+fn known_errors(entity: &mut EntityWorldMut) -> Vec<ClothError> {
+    let Some(ClothFailure { error, mut others }) = entity.take::<ClothFailure>() else {
+        return Vec::new();
+    };
+    others.push(error);
+    others
 }

@@ -15,6 +15,7 @@ use crate::{
         cancel_bake, finish_bakes, forget_collider, gather_colliders, note_disturbances,
         start_bakes, sum_impulses,
     },
+    error::{Blame, Failures},
     mesh::{ClothMesh, draw_cloths},
     sdf::DistanceField,
     step::{
@@ -22,7 +23,9 @@ use crate::{
         correct, finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged,
         note_poses, refuse_variable_step, run_substeps, solve_fused,
     },
-    wind::{ClothWind, ClothWindOverride, WindZone, WindZones, gather_air, gather_zones},
+    wind::{
+        ClothWind, ClothWindOverride, WindZone, WindZones, forget_zone, gather_air, gather_zones,
+    },
 };
 use bevy::{
     app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems},
@@ -137,6 +140,7 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_teleport)
             .add_observer(ask_for_reset)
             .add_observer(forget_collider)
+            .add_observer(forget_zone)
             .add_observer(cancel_bake);
         register_fields(app);
 
@@ -235,7 +239,10 @@ fn register_fields(app: &mut App) {
     }
 }
 
-/// A cloth that is one no longer stops; its mesh stays as it is.
-fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands) {
+/// A cloth that is one no longer stops, and has no error as one; its mesh stays as it is.
+fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands, mut failures: Failures) {
     commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
+    for blame in Blame::OF_CLOTHS {
+        failures.clear(removed.entity, blame);
+    }
 }

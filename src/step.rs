@@ -160,7 +160,7 @@ impl Surroundings<'_, '_> {
 pub(crate) struct ClothStep {
     pub(crate) dt: f32,
     pub(crate) gravity: Vec3,
-    wind: ClothWind,
+    pub(crate) wind: ClothWind,
     /// The time that its gusts are of \[s\].
     time: f64,
     /// Substeps still to go, in the staged form.
@@ -323,6 +323,8 @@ pub(crate) fn finish_tick(
             Some(Err(problem)) => {
                 // Bad input leaves the cloth where it is, until the input is good again.
                 cloth.quarantined = problem == SolverError::Diverged;
+                // Its pins may be led away meanwhile.
+                cloth.attachments.take_hold_anew();
                 failures.report(entity, solver_error(entity, problem));
             }
             None => {}

@@ -27,7 +27,7 @@ pub(crate) struct Anchor {
     /// Particles that it holds hard.
     pub holds: u32,
     /// Particles that it holds softly.
-    pulls: u32,
+    pub pulls: u32,
     /// Its pose when the mesh was last written.
     pub drawn: Option<Pose>,
 }
@@ -113,7 +113,7 @@ impl Attachments {
     }
 
     /// What is held starts from where it is.
-    fn take_hold_anew(&mut self) {
+    pub fn take_hold_anew(&mut self) {
         self.attached.iter_mut().for_each(|attached| attached.fresh = true);
         self.pulled.iter_mut().for_each(|pulled| pulled.at.fresh = true);
     }
@@ -375,6 +375,13 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
             anchor.tick.0 = motion.apply_to_pose(&anchor.tick.0);
         }
         anchors[reference].tick.0 = to;
+        // What pulls and stays behind has not come back from where the cloth was carried.
+        let stays = |anchor: &&mut Anchor| anchor.holds == 0 && anchor.pulls > 0;
+        for anchor in anchors.iter_mut().filter(stays) {
+            if following.is_jump(&anchor.tick.0, &anchor.tick.1) {
+                anchor.tick.0 = anchor.tick.1;
+            }
+        }
         if let Err(problem) = solver.carry(&from, &to) {
             failures.report(entity, ClothError::Solver { entity, problem });
         }

@@ -65,7 +65,7 @@ impl ClothTeleport {
 /// cape on a fast runner wants some 0.3. Where anchors alone hold the cloth, the motion is that of the
 /// first.
 ///
-/// Velocities are then relative to the ride.
+/// The wind that it feels is that in the world, less the part of the motion that it does not feel.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothInertia {
@@ -159,7 +159,8 @@ impl Following {
         self.is_further(from, to, self.teleport.distance * room)
     }
 
-    fn is_jump(&self, from: &Pose, to: &Pose) -> bool {
+    /// Whether what moves so in a tick has jumped.
+    pub fn is_jump(&self, from: &Pose, to: &Pose) -> bool {
         self.is_further(from, to, self.teleport.distance)
     }
 
@@ -196,24 +197,34 @@ impl Following {
         None
     }
 
-    /// Whether the reference jumps, and whatever else holds the cloth jumps with it.
+    /// Whether the reference jumps, and whatever else holds the cloth jumps with it. Where anything
+    /// holds it hard, what pulls it softly has no say.
     fn all_jump(&self, anchors: &[Anchor], reference: usize, motion: &RigidMotion) -> bool {
         let (from, to) = anchors[reference].tick;
+        let hard = anchors[reference].holds > 0;
+        let holds = |anchor: &&Anchor| if hard { anchor.holds > 0 } else { anchor.pulls > 0 };
         self.is_jump(&from, &to)
-            && anchors.iter().filter(|anchor| anchor.holds > 0).all(|anchor| {
+            && anchors.iter().filter(holds).all(|anchor| {
                 let (from, to) = &anchor.tick;
                 !self.is_jump(&motion.apply_to_pose(from), to)
             })
     }
 
-    /// Gravity as it is felt in the ride, at the middle of the tick.
-    pub fn gravity(&self, gravity: Vec3) -> Vec3 {
-        match self.ride {
-            Some(ride) if ride.rotation != Quat::IDENTITY => {
-                ride.part(0.0, 0.5).rotation.inverse() * gravity
-            }
-            _ => gravity,
-        }
+    /// A direction of the world (gravity, the wind) as it is seen in the ride, at the middle of the
+    /// tick.
+    pub fn seen(&self, vector: Vec3) -> Vec3 {
+        self.turn_of_ride().map_or(vector, |turn| turn.inverse() * vector)
+    }
+
+    /// What [`Following::seen`] makes of a vector, in the world again.
+    pub fn in_world(&self, seen: Vec3) -> Vec3 {
+        self.turn_of_ride().map_or(seen, |turn| turn * seen)
+    }
+
+    /// How far the ride has turned at the middle of the tick.
+    fn turn_of_ride(&self) -> Option<Quat> {
+        let ride = self.ride.filter(|ride| ride.rotation != Quat::IDENTITY)?;
+        Some(ride.part(0.0, 0.5).rotation)
     }
 
     /// Calls `act` with the colliders as the cloth meets them.

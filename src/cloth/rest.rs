@@ -13,7 +13,7 @@ use bevy::prelude::*;
 ///
 /// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
 /// that move, appear, change or vanish near it, teleports, resets, and
-/// [`ClothSimulation::wake`]. Cloth that nothing damps may swing for ever, and never sleeps.
+/// [`ClothSimulation::wake`]. In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
 /// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
 /// the end of a swing is not.
@@ -162,7 +162,8 @@ pub(crate) fn choose_steps(
         });
         let steps = !(stands || cloth.quarantined || cloth.rest.asleep);
         if steps {
-            cloth.step.gravity = cloth.following.gravity(cloth.step.gravity);
+            cloth.step.gravity = cloth.following.seen(cloth.step.gravity);
+            cloth.step.wind.velocity = cloth.following.seen(cloth.step.wind.velocity);
             gather_motions(cloth);
         } else if cloth.rest.stepped {
             cloth.solver.stand_still();

@@ -38,6 +38,7 @@ pub(crate) fn set_up_cloths(
     mut commands: Commands,
     mut failures: Failures,
 ) {
+    meshes.note_changes(!failures.are_none());
     for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
         let source = mesh::source_of(mesh3d.as_deref(), own);
         if let Some(running) = simulation
@@ -52,10 +53,12 @@ pub(crate) fn set_up_cloths(
             || material.is_changed()
             || settings.is_changed()
             || weights_changed
-            || mesh_changed;
+            || mesh_changed
+            || meshes.has_changed(source);
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
-        if failures.has(entity) && !changed && !failures.blames(entity, Blame::Pose) {
+        let unseen = [Blame::Pose, Blame::Unseen].map(|blame| failures.blames(entity, blame));
+        if failures.has(entity) && !changed && unseen == [false; 2] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
@@ -326,19 +329,7 @@ fn remade(
 ) -> Result<ClothSolver, ClothError> {
     let scale = cloth.placed.scale;
     let topology = topology(entity, &cloth.rest_shape, scale, settings.masses, weights, cache)?;
-    let remake = || {
-        let positions: Vec<_> = cloth.positions().collect();
-        let material = cloth.material.into();
-        let mut solver = ClothSolver::new(topology, &positions, material, settings.into())?;
-        for particle in 0..positions.len() {
-            solver.set_velocity(particle, cloth.solver.velocity(particle))?;
-        }
-        solver.set_pins(cloth.solver.pins())?;
-        let soft: Vec<_> = cloth.solver.soft_pins().copied().collect();
-        solver.set_soft_pins(&soft)?;
-        Ok(solver)
-    };
-    remake().map_err(|problem| solver_error(entity, problem))
+    cloth.solver.remade(topology, settings.into()).map_err(|problem| solver_error(entity, problem))
 }
 
 fn tell(entity: Entity, blame: Blame, outcome: Result<(), ClothError>, failures: &mut Failures) {
@@ -352,8 +343,9 @@ fn tell(entity: Entity, blame: Blame, outcome: Result<(), ClothError>, failures:
 pub(crate) fn solver_error(entity: Entity, problem: SolverError) -> ClothError {
     match problem {
         SolverError::Parameter(problem) => {
-            let settings = ["substeps", "provot_passes", "max_speed"].contains(&problem.name);
-            let component = if settings { "ClothSettings" } else { "ClothMaterial" };
+            let settings = ["substeps", "provot_passes", "max_speed", "max_push_speed"];
+            let of_settings = settings.contains(&problem.name);
+            let component = if of_settings { "ClothSettings" } else { "ClothMaterial" };
             ClothError::Parameter { entity, component, problem }
         }
         SolverError::Lattice(problem) => ClothError::Shape { entity, problem },

@@ -153,9 +153,18 @@ impl ClothSimulation {
         self.topology().rest_positions()
     }
 
-    /// Velocity of a particle [m/s], `None` where there is no such particle.
+    /// Velocity of a particle in the world [m/s], `None` where there is no such particle.
     pub fn velocity(&self, particle: usize) -> Option<Vec3> {
-        (particle < self.particle_count()).then(|| self.solver.velocity(particle))
+        let place = self.position(particle)?;
+        Some(self.solver.velocity(particle) + self.velocity_of_ride(place))
+    }
+
+    /// How fast the cloth is taken along at a place, where it rides along [m/s].
+    fn velocity_of_ride(&self, place: Vec3) -> Vec3 {
+        match self.following.ride {
+            Some(ride) if self.step.runs => (place - ride.inverse().apply(place)) / self.step.dt,
+            _ => Vec3::ZERO,
+        }
     }
 
     /// Positions of all particles in the world \[m\].
@@ -168,11 +177,12 @@ impl ClothSimulation {
         self.solver.pins()
     }
 
-    /// Gives every free particle a velocity [m/s], a function of its position in the world \[m\].
+    /// Gives every free particle a velocity in the world [m/s], a function of its position there \[m\].
     pub fn set_velocities(&mut self, velocity: impl Fn(Vec3) -> Vec3) {
         self.wake();
         for particle in 0..self.particle_count() {
-            let velocity = velocity(self.solver.position(particle));
+            let place = self.solver.position(particle);
+            let velocity = velocity(place) - self.velocity_of_ride(place);
             if self.pinned().binary_search(&(particle as u32)).is_err() {
                 // What is not finite is refused, and the particle keeps its own.
                 let _ = self.solver.set_velocity(particle, velocity);

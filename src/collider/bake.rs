@@ -76,26 +76,30 @@ pub(crate) struct Baked;
 /// Starts baking what is new or changed, as soon as its mesh is there.
 pub(crate) fn start_bakes(
     bakes: Query<(Entity, Ref<BakeSdf>, Option<Ref<Mesh3d>>, Has<Baking>, Has<Baked>)>,
-    meshes: MeshSource,
+    mut meshes: MeshSource,
     mut commands: Commands,
     mut failures: Failures,
 ) {
+    meshes.note_changes(!failures.are_none());
     for (entity, bake, mesh3d, baking, baked) in &bakes {
+        let handle = bake.mesh.as_ref().or(mesh3d.as_deref().map(|mesh3d| &mesh3d.0));
+        let failed = failures.blames(entity, Blame::Bake);
         let other_mesh =
             bake.mesh.is_none() && mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
         let wanted = bake.is_changed()
             || other_mesh
-            || !(baking || baked || failures.blames(entity, Blame::Bake));
+            || failed && meshes.has_changed(handle)
+            || !(baking || baked || failed);
         if !wanted {
             continue;
         }
-        let handle = bake.mesh.as_ref().or(mesh3d.as_deref().map(|mesh3d| &mesh3d.0));
         match meshes.triangles(handle) {
             Ok(Some((positions, indices))) => {
                 let cells = bake.cells;
                 let task = AsyncComputeTaskPool::get_or_init(TaskPool::default)
                     .spawn(async move { bake_mesh(&positions, &indices, cells) });
                 commands.entity(entity).try_insert(Baking(task)).try_remove::<Baked>();
+                failures.clear(entity, Blame::Unseen);
             }
             // Still loading.
             Ok(None) => {
@@ -154,4 +158,5 @@ pub(crate) fn cancel_bake(
 ) {
     commands.entity(removed.entity).try_remove::<(Baking, Baked)>();
     failures.clear(removed.entity, Blame::Bake);
+    failures.clear(removed.entity, Blame::Unseen);
 }

@@ -35,7 +35,9 @@ pub(crate) fn sum_impulses(
         let Ok(mut impulse) = measured.get_mut(collider.entity) else {
             continue;
         };
-        let given = cloths.iter_many(order.iter()).map(|(_, cloth)| cloth.solver.impulse(place));
+        let given = cloths
+            .iter_many(order.iter())
+            .map(|(_, cloth)| cloth.following.in_world(cloth.solver.impulse(place)));
         let sum = given.sum();
         impulse.set_if_neq(ColliderImpulse(sum));
     }

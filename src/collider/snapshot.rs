@@ -278,6 +278,7 @@ pub(crate) fn forget_collider(
 ) {
     snapshot.put(removed.entity, None, false);
     failures.clear(removed.entity, Blame::Collider);
+    failures.clear(removed.entity, Blame::Pose);
     commands.entity(removed.entity).try_remove::<ColliderPose>();
 }
 

@@ -9,7 +9,7 @@ use crate::cloth::RestCache;
 use bevy::{
     asset::{LoadState, RenderAssetUsages},
     camera::{primitives::Aabb, visibility::NoAutoAabb},
-    ecs::system::SystemParam,
+    ecs::{message::MessageCursor, system::SystemParam},
     mesh::{Indices, MeshAccessError, PrimitiveTopology},
     prelude::*,
 };
@@ -19,13 +19,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshProblem {
     /// The entity has no mesh.
-    #[error("the entity has no `Mesh3d`; insert one, or use `Cloth::sheet`")]
+    #[error("the entity has no `Mesh3d`; insert one")]
     NoMesh,
     /// The app has no mesh assets.
-    #[error(
-        "the app has no mesh assets; add `AssetPlugin` and `MeshPlugin`, or use `Cloth::sheet`"
-    )]
+    #[error("the app has no mesh assets; add `AssetPlugin` and `MeshPlugin`")]
     NoMeshAssets,
+    /// Nothing loads the mesh, and it is not among the app's assets.
+    #[error(
+        "its mesh is not among `Assets<Mesh>`, and nothing loads it: add it there, or load it with the `AssetServer`"
+    )]
+    Missing,
     /// The asset server gave up loading it.
     #[error("its mesh failed to load: {0}; mend the file, then give the entity its `Mesh3d` anew")]
     LoadFailed(String),
@@ -166,24 +169,47 @@ pub(crate) fn source_of<'a>(
 
 /// The app's meshes, where it has any.
 #[derive(SystemParam)]
-pub(crate) struct MeshSource<'w> {
+pub(crate) struct MeshSource<'w, 's> {
     meshes: Option<ResMut<'w, Assets<Mesh>>>,
     server: Option<Res<'w, AssetServer>>,
+    events: Option<Res<'w, Messages<AssetEvent<Mesh>>>>,
+    cursor: Local<'s, MessageCursor<AssetEvent<Mesh>>>,
+    /// Those that came or were changed.
+    changed: Local<'s, Vec<AssetId<Mesh>>>,
 }
 
-impl MeshSource<'_> {
+impl MeshSource<'_, '_> {
+    /// Notes, where that is wanted, which meshes came or were changed since it was last asked.
+    pub fn note_changes(&mut self, wanted: bool) {
+        self.changed.clear();
+        let Some(events) = &self.events else { return };
+        if !wanted {
+            return self.cursor.clear(events);
+        }
+        self.changed.extend(self.cursor.read(events).filter_map(|event| match event {
+            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        }));
+    }
+
+    /// Whether a mesh is among those noted.
+    pub fn has_changed(&self, handle: Option<&Handle<Mesh>>) -> bool {
+        handle.is_some_and(|handle| self.changed.contains(&handle.id()))
+    }
+
     /// The mesh; `None` while it is loading.
     fn get(&self, handle: Option<&Handle<Mesh>>) -> Result<Option<&Mesh>, MeshProblem> {
         let meshes = self.meshes.as_ref().ok_or(MeshProblem::NoMeshAssets)?;
         let handle = handle.ok_or(MeshProblem::NoMesh)?;
-        let mesh = meshes.get(handle);
-        if mesh.is_none()
-            && let Some(server) = &self.server
-            && let Some(LoadState::Failed(error)) = server.get_load_state(handle)
-        {
-            return Err(MeshProblem::LoadFailed(error.to_string()));
+        if let Some(mesh) = meshes.get(handle) {
+            return Ok(Some(mesh));
         }
-        Ok(mesh)
+        match self.server.as_ref().and_then(|server| server.get_load_state(handle)) {
+            // A part of a file that is loading has not been asked for itself.
+            Some(LoadState::Loading | LoadState::NotLoaded) => Ok(None),
+            Some(LoadState::Failed(error)) => Err(MeshProblem::LoadFailed(error.to_string())),
+            _ => Err(MeshProblem::Missing),
+        }
     }
 
     /// Positions and indices of a mesh's triangles; `None` while it is loading.

@@ -183,6 +183,7 @@ impl ClothSolver {
         }
         let Topology::Lattice(lattice) = &self.topology else {
             self.accumulate_graph_forces(input);
+            self.add_air();
             return;
         };
         let plan = self.plan;

@@ -69,6 +69,32 @@ impl ClothSolver {
         Ok(solver)
     }
 
+    /// The same cloth, in the same place and motion, held alike and in the same air, over a rest shape
+    /// of the same particles, joined alike, whose masses or stiffness are others.
+    ///
+    /// # Errors
+    /// As [`ClothSolver::new`].
+    pub(crate) fn remade(
+        &self,
+        topology: Topology,
+        settings: Settings,
+    ) -> Result<Self, SolverError> {
+        let positions: Vec<_> = (0..topology.particle_count()).map(|i| self.position(i)).collect();
+        let mut solver = Self::new(topology, &positions, self.material, settings)?;
+        solver.isa = self.isa;
+        // Particles lie in memory as they did. To the bit: far from the world's origin, positions in
+        // the world would be rounded.
+        solver.state = self.state.clone();
+        solver.mark = self.mark.clone();
+        solver.set_pins(self.pins())?;
+        let soft: Vec<_> = self.soft_pins().copied().collect();
+        solver.set_soft_pins(&soft)?;
+        solver.set_air(self.air().copied())?;
+        solver.plan_ticks(self.plan.tick);
+        solver.survey_anew();
+        Ok(solver)
+    }
+
     /// Changes the material.
     ///
     /// # Errors

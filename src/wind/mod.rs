@@ -4,7 +4,7 @@ mod zone;
 
 pub use zone::WindZone;
 
-pub(crate) use zone::{WindZones, gather_zones};
+pub(crate) use zone::{WindZones, forget_zone, gather_zones};
 
 use crate::{
     cloth::{ClothAir, ClothSimulation},
@@ -87,12 +87,18 @@ pub(crate) fn gather_air(
         if air.is_some() {
             let wind = own.map_or(*wind, |own| own.0);
             cloth.step.set_wind(wind, time.elapsed_secs_f64());
-            if wind != ClothWind::default() || !zones.get().is_empty() {
+            if blows(&wind, zones.get(), cloth.solver.bounds()) {
                 // In wind nothing rests.
                 cloth.rest.disturb();
             }
         }
     }
+}
+
+/// Whether there is any wind in a box, given by its corners.
+fn blows(wind: &ClothWind, zones: &[Zone], place: (Vec3, Vec3)) -> bool {
+    let everywhere = wind.velocity != Vec3::ZERO || wind.gusts.strength != 0.0;
+    everywhere || zones.iter().any(|zone| zone.reaches(place))
 }
 
 /// Tells whether it is other air than before.

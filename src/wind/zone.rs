@@ -118,6 +118,12 @@ pub(crate) fn gather_zones(
     sorted.extend(found.iter().map(|(_, zone)| *zone));
 }
 
+/// What is a zone no longer has no error as one.
+pub(crate) fn forget_zone(removed: On<Remove, WindZone>, mut failures: Failures) {
+    failures.clear(removed.entity, Blame::Zone);
+    failures.clear(removed.entity, Blame::Pose);
+}
+
 fn gather(
     entity: Entity,
     zone: &WindZone,

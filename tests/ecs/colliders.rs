@@ -205,6 +205,8 @@ fn a_closed_mesh_is_baked_and_carries() {
     let solid = spawn(&mut app, solid);
     updates(&mut app, 3);
     assert!(app.world().get::<SdfCollider>(solid).is_none());
+    let error = failure(&app, solid).expect("nothing loads it").to_string();
+    assert!(error.contains("nothing loads it"), "{error}");
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, box_mesh(0.5)).unwrap();
     wait(&mut app, |app| app.world().get::<SdfCollider>(solid).is_some());
     let cloth = above(&mut app, 0.55);

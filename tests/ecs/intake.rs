@@ -139,7 +139,10 @@ fn what_loads_late_is_waited_for_and_what_fails_to_load_is_told() {
         failure(&app, failing),
         Some(ClothError::Mesh { problem: MeshProblem::LoadFailed(_), .. })
     ));
-    assert_eq!(failure(&app, waiting), None);
+    assert!(matches!(
+        failure(&app, waiting),
+        Some(ClothError::Mesh { problem: MeshProblem::Missing, .. })
+    ));
     assert!(app.world().get::<ClothSimulation>(waiting).is_none());
 }
 

@@ -14,6 +14,7 @@ mod intake;
 mod mesh;
 mod pins;
 mod refusals;
+mod seams;
 mod setup;
 mod shapes;
 mod sleep;

@@ -94,10 +94,12 @@ fn a_mesh_that_loads_late_is_waited_for() {
     let entity = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(handle.clone())));
     updates(&mut app, 5);
     assert!(app.world().get::<ClothSimulation>(entity).is_none());
-    assert_eq!(failure(&app, entity), None);
+    let error = failure(&app, entity).expect("nothing loads it").to_string();
+    assert!(error.contains("nothing loads it"), "{error}");
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, tube().0).unwrap();
     updates(&mut app, 2);
     assert_eq!(simulation(&app, entity).particle_count(), 45);
+    assert_eq!(failure(&app, entity), None);
 }
 
 #[test]

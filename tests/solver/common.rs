@@ -77,8 +77,11 @@ pub fn at_rest<T: Clone + Into<Topology>>(
     ClothSolver::new(topology, &positions, material, settings).unwrap()
 }
 
+/// Pins, then soft pins, that stay where their particles are.
 pub fn still(solver: &ClothSolver) -> Vec<PinMotion> {
-    solver.pins().iter().map(|&p| PinMotion::still(solver.position(p as usize))).collect()
+    let soft = solver.soft_pins().map(|pin| pin.particle);
+    let held = solver.pins().iter().copied().chain(soft);
+    held.map(|p| PinMotion::still(solver.position(p as usize))).collect()
 }
 
 /// Takes ticks with the pins where they are.

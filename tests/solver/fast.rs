@@ -11,14 +11,14 @@ use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Material, Pose, Set
 use super::common::*;
 
 /// A collider's pose at a time \[s\].
-type Path<'a> = &'a dyn Fn(f32) -> Pose;
+pub type Path<'a> = &'a dyn Fn(f32) -> Pose;
 
 /// Part of the way along which a particle's way past a collider is looked at.
 const LOOKS: usize = 32;
 
 /// Runs a cloth past a moving shape, a substep at a time, and returns the deepest place of any
 /// particle's way, straight as seen from the shape \[m\].
-fn deepest_way(
+pub fn deepest_way(
     solver: &mut ClothSolver,
     shape: &dyn SignedDistance,
     path: Path,

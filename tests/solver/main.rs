@@ -18,6 +18,7 @@ mod limit;
 mod momentum;
 mod motion;
 mod refusals;
+mod seams;
 mod soft;
 mod spring;
 mod stability;

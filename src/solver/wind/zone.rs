@@ -141,6 +141,11 @@ impl Zone {
         centre.distance_squared(nearest) <= reach * reach
     }
 
+    /// Whether any of the zone can be in a box of the world, given by its corners.
+    pub(crate) fn reaches(&self, (min, max): (Vec3, Vec3)) -> bool {
+        self.meets(&Place { origin: Vec3::ZERO, min, max })
+    }
+
     /// The zone as seen from an origin.
     pub(super) fn seen_from(&self, origin: Vec3) -> Local<'_> {
         Local {
