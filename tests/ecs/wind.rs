@@ -30,6 +30,15 @@ fn check_goes_with(app: &App, entity: Entity, wind: Vec3) {
     assert!(apart <= 0.1 * (1.0 + wind.length()), "{velocity} in a wind of {wind}");
 }
 
+/// It does not move, but for the rounding of its rest shape.
+#[track_caller]
+fn check_is_still(app: &App, entity: Entity) {
+    let cloth = simulation(app, entity);
+    let fastest = (0..cloth.particle_count()).filter_map(|i| cloth.velocity(i)).map(Vec3::length);
+    let fastest = fastest.fold(0.0, f32::max);
+    assert!(fastest < 1e-6, "{fastest} m/s");
+}
+
 fn set_wind(app: &mut App, wind: ClothWind) {
     app.insert_resource(wind);
 }
@@ -44,7 +53,7 @@ fn only_a_cloth_with_air_feels_the_wind() {
     let does_not = spawn(&mut app, (sheet(), material, ClothGravityOverride(Vec3::ZERO)));
     updates(&mut app, 20);
     check_goes_with(&app, feels, wind);
-    assert_eq!(mean_velocity(&app, does_not), Vec3::ZERO);
+    check_is_still(&app, does_not);
     // Air comes and goes with its component.
     app.world_mut().entity_mut(does_not).insert(ClothAir::default());
     app.world_mut().entity_mut(feels).remove::<ClothAir>();
@@ -282,7 +291,7 @@ fn bad_air_is_refused_and_the_last_good_one_stays() {
         let other = spawn(&mut app, film_in(bad));
         updates(&mut app, 3);
         check_told(&app, other, good);
-        assert_eq!(mean_velocity(&app, other), Vec3::ZERO);
+        check_is_still(&app, other);
     }
 }
 
