@@ -614,6 +614,7 @@ fn gravity_and_wind_of_the_world_and_the_length_of_ticks() {
         let wind = *app.world().resource::<ClothWind>();
         let own = (ClothGravityOverride(*ClothGravity::default()), ClothWindOverride(wind));
         let own = spawn(&mut app, (bundle(), own));
+        let calm = spawn(&mut app, sheet());
         updates(&mut app, 10);
         let before = bits(&app, feels);
         spoil(&mut app);
@@ -622,6 +623,7 @@ fn gravity_and_wind_of_the_world_and_the_length_of_ticks() {
         assert!(is(&error), "{what}: {error}");
         assert!(bits(&app, feels) == before, "{what}: it stands");
         assert_eq!(failure(&app, own).is_none(), felt, "{what}");
+        assert_eq!(failure(&app, calm).is_none(), is_wind(&error), "{what}: it feels no wind");
         let ticks = 10 + 4 * usize::from(felt);
         app.insert_resource(ClothGravity::default()).insert_resource(wind);
         app.insert_resource(Time::<Fixed>::from_hz(64.0));
