@@ -222,7 +222,7 @@ fn rows_of_pins() -> Vec<Row> {
     table.into_iter().map(row).collect()
 }
 
-fn rows_of_shapes_and_places() -> Vec<Row> {
+fn rows_of_sheets() -> Vec<Row> {
     let mut rows = Vec::new();
     for (size, particles) in [
         (Vec2::ZERO, UVec2::splat(8)),
@@ -244,6 +244,11 @@ fn rows_of_shapes_and_places() -> Vec<Row> {
             |error| matches!(error, ClothError::Shape { .. }),
         ));
     }
+    rows
+}
+
+fn rows_of_places() -> Vec<Row> {
+    let mut rows = Vec::new();
     let scaled = |x, y, z| Transform::from_scale(Vec3::new(x, y, z));
     let turned = |x, w| Transform::from_rotation(Quat::from_xyzw(x, 0.0, 0.0, w));
     for place in [
@@ -281,7 +286,7 @@ fn rows_of_shapes_and_places() -> Vec<Row> {
 }
 
 fn pins() -> ClothPins {
-    PinSelection::FirstColumn.into()
+    ClothPins::vertices((0..64).step_by(8))
 }
 
 /// What the good cloth is of. It feels everything: pins, a collider, gravity and the wind.
@@ -289,18 +294,35 @@ fn bundle() -> impl Bundle {
     (sheet(), pins(), ClothAir::default())
 }
 
+/// The same, or of a mesh that is no grid.
+fn spawn_cloth(app: &mut App, graph: bool) -> Entity {
+    let cloth = spawn(app, bundle());
+    if graph {
+        let mesh = Mesh3d(add_mesh(app, holed_mesh()));
+        app.world_mut().entity_mut(cloth).insert((Cloth::from_mesh(), mesh));
+    }
+    cloth
+}
+
 /// A world with a good cloth in it.
 fn world() -> (App, Entity) {
+    world_of(false)
+}
+
+fn world_of(graph: bool) -> (App, Entity) {
     let mut app = app();
     app.insert_resource(ClothWind::steady(Vec3::new(1.0, 0.0, 2.0)));
     spawn(&mut app, (SdfCollider::from(Sphere::new(0.2)), Transform::from_xyz(0.1, -0.25, 0.0)));
-    let good = spawn(&mut app, bundle());
+    let good = spawn_cloth(&mut app, graph);
     (app, good)
 }
 
 /// Where the good cloth is after some ticks, alone in the world.
 fn alone(ticks: usize) -> Vec<[u32; 3]> {
-    let (mut app, good) = world();
+    alone_in(world(), ticks)
+}
+
+fn alone_in((mut app, good): (App, Entity), ticks: usize) -> Vec<[u32; 3]> {
     updates(&mut app, ticks);
     assert_eq!(failure(&app, good), None);
     assert!(simulation(&app, good).last_tick().unwrap().contact_count > 0, "it meets the ball");
@@ -333,14 +355,14 @@ fn is_finite(app: &App, entity: Entity) -> bool {
 const TICKS: [usize; 3] = [16, 6, 6];
 
 /// Runs all rows in one world.
-fn check_rows(rows: &[Row]) {
-    let (mut app, good) = world();
+fn check_rows(rows: &[Row], graph: bool) {
+    let (mut app, good) = world_of(graph);
     let cloths: Vec<_> = rows
         .iter()
         .map(|row| {
-            let early = spawn(&mut app, bundle());
+            let early = spawn_cloth(&mut app, graph);
             (row.spoil)(&mut app.world_mut().entity_mut(early));
-            [early, spawn(&mut app, bundle())]
+            [early, spawn_cloth(&mut app, graph)]
         })
         .collect();
     updates(&mut app, TICKS[0]);
@@ -381,27 +403,43 @@ fn check_rows(rows: &[Row]) {
         }
     }
     assert_eq!(failure(&app, good), None);
-    assert!(bits(&app, good) == alone(TICKS.iter().sum()), "the good cloth has noticed");
+    assert!(
+        bits(&app, good) == alone_in(world_of(graph), TICKS.iter().sum()),
+        "the good cloth has noticed"
+    );
 }
 
 #[test]
 fn numbers_of_cloths() {
-    check_rows(&rows_of_numbers());
+    for graph in [false, true] {
+        check_rows(&rows_of_numbers(), graph);
+    }
 }
 
 #[test]
 fn gravity_and_wind_of_cloths() {
-    check_rows(&rows_of_surroundings());
+    for graph in [false, true] {
+        check_rows(&rows_of_surroundings(), graph);
+    }
 }
 
 #[test]
 fn pins_of_cloths() {
-    check_rows(&rows_of_pins());
+    for graph in [false, true] {
+        check_rows(&rows_of_pins(), graph);
+    }
 }
 
 #[test]
-fn shapes_and_places_of_cloths() {
-    check_rows(&rows_of_shapes_and_places());
+fn sizes_of_sheets() {
+    check_rows(&rows_of_sheets(), false);
+}
+
+#[test]
+fn places_of_cloths() {
+    for graph in [false, true] {
+        check_rows(&rows_of_places(), graph);
+    }
 }
 
 /// What is taken away is as if the component had never been given: its default.
