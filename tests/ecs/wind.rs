@@ -30,6 +30,13 @@ fn check_goes_with(app: &App, entity: Entity, wind: Vec3) {
     assert!(apart <= 0.1 * (1.0 + wind.length()), "{velocity} in a wind of {wind}");
 }
 
+/// Nothing moves it but the rounding of the places of its particles.
+#[track_caller]
+fn check_stands(app: &App, entity: Entity) {
+    let velocity = mean_velocity(app, entity);
+    assert!(velocity.length() < 1e-12, "{velocity}");
+}
+
 fn set_wind(app: &mut App, wind: ClothWind) {
     app.insert_resource(wind);
 }
@@ -44,7 +51,7 @@ fn only_a_cloth_with_air_feels_the_wind() {
     let does_not = spawn(&mut app, (sheet(), material, ClothGravityOverride(Vec3::ZERO)));
     updates(&mut app, 20);
     check_goes_with(&app, feels, wind);
-    assert_eq!(mean_velocity(&app, does_not), Vec3::ZERO);
+    check_stands(&app, does_not);
     // Air comes and goes with its component.
     app.world_mut().entity_mut(does_not).insert(ClothAir::default());
     app.world_mut().entity_mut(feels).remove::<ClothAir>();
@@ -282,7 +289,7 @@ fn bad_air_is_refused_and_the_last_good_one_stays() {
         let other = spawn(&mut app, film_in(bad));
         updates(&mut app, 3);
         check_told(&app, other, good);
-        assert_eq!(mean_velocity(&app, other), Vec3::ZERO);
+        check_stands(&app, other);
     }
 }
 
