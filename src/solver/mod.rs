@@ -87,7 +87,7 @@ pub(crate) use soft::check_soft_pin;
 use air::{Push, Surface};
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
-use contact::{ResolveContacts, Skin, Span};
+use contact::{ResolveContacts, Skin, Span, least_load};
 use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
 use held::Held;
 use input::is_near;
@@ -296,6 +296,7 @@ impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
+        self.weigh_loads();
         self.fill_places();
         // Springs that carry what was asked of them need no tethers.
         let mut tethered = self.plan.clamped.thread;
@@ -313,6 +314,7 @@ impl ClothSolver {
         if tethered {
             self.pull_tethers();
         }
+        self.unweigh_loads();
         self.unweigh_soft_pins();
     }
 
@@ -417,6 +419,7 @@ impl ClothSolver {
                     epsilon: self.material.thickness,
                     friction: self.material.friction,
                     layers: self.settings.layers,
+                    least_load: least_load(input.gravity) * self.state.response,
                     most_push: self.settings.max_push_speed * self.plan.step,
                     step: self.plan.step,
                 },

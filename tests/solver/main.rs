@@ -15,6 +15,7 @@ mod graph_determinism;
 mod graph_refusals;
 mod hanging;
 mod limit;
+mod loads;
 mod momentum;
 mod motion;
 mod refusals;
