@@ -14,6 +14,7 @@ mod graph_bending;
 mod graph_determinism;
 mod graph_refusals;
 mod hanging;
+mod integrators;
 mod limit;
 mod loads;
 mod momentum;
