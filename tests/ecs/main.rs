@@ -6,6 +6,7 @@
 mod anchors;
 mod app;
 mod bad_colliders;
+mod bad_input;
 mod colliders;
 mod common;
 mod execution;
