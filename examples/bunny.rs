@@ -18,6 +18,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(-3.3, 1.7, 3.3), at: Vec3::new(-0.1, 0.75, 0.0) };
+    let view = View { from: Vec3::new(1.9, 1.6, 4.2), at: Vec3::new(0.1, 0.8, 0.1) };
     window::run(Scene::Bunny, &Cli::parse().options, "bevy_drape: bunny", view)
 }

@@ -20,6 +20,9 @@ use bevy::{
 };
 use bevy_drape::prelude::*;
 
+/// Frames before a picture that are drawn; the others only pass, which is faster without a graphics card.
+const DRAWN: u32 = 3;
+
 /// Runs a scene in a window, or without one where there can be none.
 pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit {
     if options.probe {
@@ -46,29 +49,41 @@ pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit 
     .add_systems(Startup, set_up_view)
     .add_systems(Update, paint);
     scene.add_to(&mut app, options.particles);
+    #[cfg(feature = "gizmos")]
+    if options.gizmos {
+        app.add_plugins(bevy_drape::ClothGizmosPlugin);
+    }
     if let Some(frames) = frames {
         // However long a frame takes, the picture is the same.
         app.insert_resource(TimeUpdateStrategy::FixedTimesteps(4));
         let picture = options.screenshot.clone();
         let mut left = frames;
-        app.add_systems(Last, move |time: Res<Time<Virtual>>, mut commands: Commands| {
-            if time.is_paused() || left == 0 {
-                return;
-            }
-            left -= 1;
-            match &picture {
-                _ if left > 0 => {}
-                None => commands.queue(leave),
-                Some(path) => {
-                    commands
-                        .spawn(Screenshot::primary_window())
-                        .observe(save_to_disk(path.clone()))
-                        .observe(|_: On<ScreenshotCaptured>, mut commands: Commands| {
-                            commands.queue(leave);
-                        });
+        app.add_systems(
+            Last,
+            move |time: Res<Time<Virtual>>,
+                  mut commands: Commands,
+                  mut cameras: Query<&mut Camera>| {
+                if time.is_paused() || left == 0 {
+                    return;
                 }
-            }
-        });
+                left -= 1;
+                for mut camera in &mut cameras {
+                    camera.is_active = picture.is_none() || left < DRAWN;
+                }
+                match &picture {
+                    _ if left > 0 => {}
+                    None => commands.queue(leave),
+                    Some(path) => {
+                        commands
+                            .spawn(Screenshot::primary_window())
+                            .observe(save_to_disk(path.clone()))
+                            .observe(|_: On<ScreenshotCaptured>, mut commands: Commands| {
+                                commands.queue(leave);
+                            });
+                    }
+                }
+            },
+        );
     }
     app.run()
 }
