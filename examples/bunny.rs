@@ -18,6 +18,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(1.9, 1.6, 4.2), at: Vec3::new(0.1, 0.8, 0.1) };
+    let view = View { from: Vec3::new(1.9, 1.6, 4.3), at: Vec3::new(0.05, 0.75, 0.3) };
     window::run(Scene::Bunny, &Cli::parse().options, "bevy_drape: bunny", view)
 }

@@ -19,6 +19,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(0.0, 1.5, 4.4), at: Vec3::new(0.0, 0.88, 0.0) };
+    let view = View { from: Vec3::new(0.0, 1.4, 4.1), at: Vec3::new(0.0, 0.88, 0.0) };
     window::run(Scene::Cape, &Cli::parse().options, "bevy_drape: cape", view)
 }

@@ -18,6 +18,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(0.4, 1.5, 4.6), at: Vec3::new(0.1, 1.35, 0.0) };
+    let view = View { from: Vec3::new(0.6, 1.45, 4.0), at: Vec3::new(0.15, 1.3, 0.0) };
     window::run(Scene::Flag, &Cli::parse().options, "bevy_drape: flag", view)
 }

@@ -18,6 +18,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(2.9, 1.6, 3.9), at: Vec3::new(0.0, 1.2, 0.2) };
+    let view = View { from: Vec3::new(2.9, 1.6, 4.1), at: Vec3::new(0.15, 1.2, 0.2) };
     window::run(Scene::Sail, &Cli::parse().options, "bevy_drape: sail", view)
 }

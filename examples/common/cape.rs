@@ -25,7 +25,8 @@ pub fn add_cape(world: &mut World, particles: u32) {
     world.spawn((
         Cloth::from_mesh(),
         Mesh3d(mesh),
-        ClothMaterial { thickness: 0.01, friction: 0.2, ..default() },
+        // Wool, heavy enough to stay near the back.
+        ClothMaterial { area_density: 0.3, thickness: 0.01, friction: 0.2, ..default() },
         ClothPins::vertices(0..collar as u32).anchored_to(joints[CHEST]),
         ClothAir::default(),
         // As the figure, which is drawn where the last tick took it.
