@@ -1,6 +1,14 @@
 //! The Stanford bunny, baked to a distance field at the start, hops through a curtain.
 //!
 //! `cargo run --example bunny --features demo`
+//!
+//! A mesh that cloth is to meet takes one component, and may move at will once it is baked:
+//!
+//! ```
+//! commands.spawn((Mesh3d(bunny), BakeSdf::with_cells(96), Transform::default()));
+//! ```
+//!
+//! The whole scene is in `common/bunny.rs`. `bake.rs` bakes ahead of time, to a file.
 
 mod common;
 

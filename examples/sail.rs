@@ -1,6 +1,15 @@
 //! A square cloth held at its corners fills in a steady wind.
 //!
 //! `cargo run --example sail --features demo`
+//!
+//! Each corner is a patch of pinned particles, anchored to an entity that moves:
+//!
+//! ```
+//! let patch = ClothPins::within(corner - 0.08, corner + 0.08);
+//! pins = pins.and(patch.anchored_to(ring));
+//! ```
+//!
+//! The whole scene is in `common/sail.rs`; how wind is added is told in `flag.rs`.
 
 mod common;
 

@@ -17,7 +17,7 @@ pub fn add_cape(world: &mut World, particles: u32) {
     // Two clasps where the collar ends, on the shoulders.
     for across in [-1.0, 1.0] {
         let at = shape(across, 0.0) - Vec3::Y * CHEST_HEIGHT;
-        let clasp = spawn_thing(world, Sphere::new(0.022).mesh(), at, metal(BRASS));
+        let clasp = spawn_thing(world, Sphere::new(0.018).mesh(), at, metal(BRASS));
         world.entity_mut(clasp).insert(ChildOf(joints[CHEST]));
     }
     let (mesh, collar) = cape(particles as usize);
@@ -68,7 +68,7 @@ fn shape(across: f32, down: f32) -> Vec3 {
     let (sin, cos) = (80.0_f32.to_radians() * across).sin_cos();
     let (side, back) = (0.17 + 0.36 * down, 0.065 + 0.4 * down);
     let clear = 0.1 * (down / 0.15).min(1.0);
-    Vec3::new(side * sin, 1.47 - 0.02 * across * across - 1.1 * down, back * cos + clear)
+    Vec3::new(side * sin, 1.47 - 0.025 * across * across - 1.1 * down, back * cos + clear)
 }
 
 /// Triangles between a row of vertices and the next one, which has `count`.

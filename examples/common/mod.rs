@@ -21,6 +21,8 @@ pub mod obj;
 #[cfg(feature = "demo")]
 mod paint;
 #[cfg(feature = "demo")]
+mod picture;
+#[cfg(feature = "demo")]
 mod probe;
 pub mod report;
 mod sail;

@@ -1,27 +1,15 @@
 //! Runs a scene in a window: camera, light, paint; without one it says so and runs headless.
 
 use super::{
-    Options,
-    check::check,
-    headless,
+    Options, headless,
     light::{View, set_up_view},
     paint::paint,
+    picture::{fail, leave_after},
     probe,
     scene::Scene,
 };
-use bevy::{
-    prelude::*,
-    render::{
-        RenderPlugin,
-        view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk},
-    },
-    time::TimeUpdateStrategy,
-    window::WindowResolution,
-};
+use bevy::{prelude::*, render::RenderPlugin, window::WindowResolution};
 use bevy_drape::prelude::*;
-
-/// Frames before a picture that are drawn; the others only pass, which is faster without a graphics card.
-const DRAWN: u32 = 3;
 
 /// Runs a scene in a window, or without one where there can be none.
 pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit {
@@ -54,50 +42,7 @@ pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit 
         app.add_plugins(bevy_drape::ClothGizmosPlugin);
     }
     if let Some(frames) = frames {
-        // However long a frame takes, the picture is the same.
-        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(4));
-        let picture = options.screenshot.clone();
-        let mut left = frames;
-        app.add_systems(
-            Last,
-            move |time: Res<Time<Virtual>>,
-                  mut commands: Commands,
-                  mut cameras: Query<&mut Camera>| {
-                if time.is_paused() || left == 0 {
-                    return;
-                }
-                left -= 1;
-                for mut camera in &mut cameras {
-                    camera.is_active = picture.is_none() || left < DRAWN;
-                }
-                match &picture {
-                    _ if left > 0 => {}
-                    None => commands.queue(leave),
-                    Some(path) => {
-                        commands
-                            .spawn(Screenshot::primary_window())
-                            .observe(save_to_disk(path.clone()))
-                            .observe(|_: On<ScreenshotCaptured>, mut commands: Commands| {
-                                commands.queue(leave);
-                            });
-                    }
-                }
-            },
-        );
+        leave_after(&mut app, frames, options.screenshot.clone());
     }
     app.run()
-}
-
-/// The last frame is done.
-fn leave(world: &mut World) {
-    let exit = check(world).map_or_else(fail, |()| {
-        println!("check: finite, inside the box, above the ground");
-        AppExit::Success
-    });
-    world.write_message(exit);
-}
-
-fn fail(reason: String) -> AppExit {
-    eprintln!("check failed: {reason}");
-    AppExit::error()
 }
