@@ -21,7 +21,7 @@ pub fn add_spheres(world: &mut World, particles: u32, center: Vec3) {
 
 /// The bunny, to be baked, and a cloth above.
 pub fn add_covered_bunny(world: &mut World, particles: u32, center: Vec3) {
-    spawn_bunny(world, center);
+    spawn_bunny(world, Transform::from_translation(center));
     // Its ears are hardly thicker than the spacing of the particles: the cloth keeps off a little.
     let material = ClothMaterial { thickness: 0.02, ..default() };
     let place = center + 1.32 * Vec3::Y;
