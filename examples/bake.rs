@@ -48,6 +48,10 @@ pub fn run(cli: &Cli) -> Result<(), Box<dyn Error>> {
     if output.extension().is_none_or(|extension| extension != "sdf") {
         return Err(format!("`{}` must end in `.sdf`, to be loaded", output.display()).into());
     }
+    // Before the bake, which may take minutes.
+    if output.parent().is_some_and(|folder| folder != Path::new("") && !folder.is_dir()) {
+        return Err(format!("{}: there is no such folder", output.display()).into());
+    }
     let (positions, indices) = read_obj(&cli.input)?;
     println!("{}: {} triangles", cli.input.display(), indices.len() / 3);
 
@@ -58,10 +62,13 @@ pub fn run(cli: &Cli) -> Result<(), Box<dyn Error>> {
     settings.margin = cli.margin.unwrap_or(settings.margin);
     let (field, time) = bake(&positions, &indices, &settings).map_err(of(&cli.input))?;
     let [x, y, z] = field.dims().to_array();
-    println!("{x} x {y} x {z} nodes, {:.4} m apart", field.cell_size());
-    println!("{:.2} MiB of memory", field.memory_bytes() as f32 / 1_048_576.0);
-    println!("baked in {:.2} s", time.as_secs_f32());
-    println!("distances between nodes are too large by {:.4} m at most", field.overestimate());
+    println!(
+        "baked in {:.2} s: {x} x {y} x {z} nodes, {:.4} m apart, {:.2} MiB",
+        time.as_secs_f32(),
+        field.cell_size(),
+        field.memory_bytes() as f32 / 1_048_576.0
+    );
+    println!("between nodes, distances are at most {:.4} m too large", field.overestimate());
 
     let bytes = field.to_bytes();
     fs::write(&output, &bytes).map_err(of(&output))?;
@@ -83,7 +90,12 @@ fn of<E: Display>(path: &Path) -> impl Fn(E) -> String {
 
 /// Positions and indices of all objects.
 fn read_obj(path: &Path) -> Result<(Vec<Vec3>, Vec<u32>), Box<dyn Error>> {
-    let (models, _) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS).map_err(of(path))?;
+    // The parser would not say what is wrong with a file that is not there, or is no text.
+    let text = fs::read_to_string(path).map_err(of(path))?;
+    let no_materials = |_: &Path| Ok(Default::default());
+    let (models, _) =
+        tobj::load_obj_buf(&mut text.as_bytes(), &tobj::GPU_LOAD_OPTIONS, no_materials)
+            .map_err(of(path))?;
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for model in models {
         let first = positions.len() as u32;

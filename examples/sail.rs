@@ -1,6 +1,15 @@
 //! A square cloth held at its corners fills in a steady wind.
 //!
 //! `cargo run --example sail --features demo`
+//!
+//! Each corner is a patch of pinned particles, anchored to an entity that moves:
+//!
+//! ```
+//! let patch = ClothPins::within(corner - 0.08, corner + 0.08);
+//! pins = pins.and(patch.anchored_to(ring));
+//! ```
+//!
+//! The whole scene is in `common/sail.rs`; how wind is added is told in `flag.rs`.
 
 mod common;
 
@@ -18,6 +27,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(2.9, 1.6, 3.9), at: Vec3::new(0.0, 1.2, 0.2) };
+    let view = View { from: Vec3::new(2.9, 1.6, 4.1), at: Vec3::new(0.15, 1.2, 0.2) };
     window::run(Scene::Sail, &Cli::parse().options, "bevy_drape: sail", view)
 }

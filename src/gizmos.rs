@@ -10,6 +10,9 @@ use crate::cloth::ClothSimulation;
 
 /// Draws [`ClothGizmos`] of all cloths. Nothing is drawn, and nothing costs, without it.
 ///
+/// Lines are where the last tick took the particles: a part of a tick ahead of a mesh whose
+/// [`ClothInterpolation`](crate::ClothInterpolation) blends.
+///
 /// What is drawn is chosen in Bevy's `GizmoConfigStore`:
 ///
 /// ```
@@ -41,7 +44,14 @@ impl Default for ClothGizmos {
 
 impl Plugin for ClothGizmosPlugin {
     fn build(&self, app: &mut App) {
-        app.init_gizmo_group::<ClothGizmos>().add_systems(PostUpdate, draw_gizmos);
+        let config = GizmoConfig {
+            // Some centimetres in front of the cloth's own mesh a few metres away, which would hide them.
+            depth_bias: -0.002,
+            line: GizmoLineConfig { width: 1.0, ..default() },
+            ..default()
+        };
+        app.insert_gizmo_config(ClothGizmos::default(), config)
+            .add_systems(PostUpdate, draw_gizmos);
     }
 
     fn finish(&self, app: &mut App) {

@@ -1,6 +1,6 @@
 //! The Stanford bunny: its baked field hops through a curtain.
 
-use super::scene::{BRASS, CORAL, IVORY, clay, linen, metal};
+use super::scene::{BRASS, CORAL, IVORY, clay, linen, metal, spawn_thing};
 use bevy::{
     asset::RenderAssetUsages,
     mesh::{Indices, PrimitiveTopology},
@@ -8,7 +8,7 @@ use bevy::{
 };
 use bevy_drape::prelude::*;
 
-/// A thing that hops towards -x from where it was \[m\].
+/// A thing that hops towards +z from where it was \[m\].
 #[derive(Component)]
 pub struct Hopping {
     from: Vec3,
@@ -25,27 +25,24 @@ const PAUSE: f32 = 0.5;
 
 /// Adds a curtain, and the bunny behind it.
 pub fn add_bunny(world: &mut World, particles: u32) {
-    let from = Vec3::new(1.25, 0.0, 0.0);
-    let bunny = spawn_bunny(world, from);
+    let from = Vec3::new(0.0, 0.0, -1.25);
+    let bunny = spawn_bunny(world, Transform::from_translation(from).with_rotation(ahead(0.0)));
     world.entity_mut(bunny).insert(Hopping { from });
 
     const ROD: f32 = 1.75;
     let (width, height) = (2.0, 1.65);
-    let across = Quat::from_rotation_x(90.0_f32.to_radians());
     let rod = Cylinder::new(0.02, width + 0.2).mesh().build();
-    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(rod));
-    world.spawn((mesh, metal(BRASS), Transform::from_xyz(0.0, ROD, 0.0).with_rotation(across)));
-    let side = Quat::from_rotation_y(90.0_f32.to_radians());
+    let rod = rod.rotated_by(Quat::from_rotation_z(90.0_f32.to_radians()));
+    spawn_thing(world, rod, Vec3::Y * ROD, metal(BRASS));
     world.spawn((
-        Cloth::sheet(Vec2::new(width, height), UVec2::new(particles, particles)),
+        Cloth::sheet(Vec2::new(width, height), UVec2::splat(particles)),
         ClothPins::from(PinSelection::FirstRow),
         // The ears are hardly thicker than the spacing of the particles: the cloth keeps off a little.
         ClothMaterial { thickness: 0.02, friction: 0.2, drag: 0.5, ..default() },
-        // The ears stop it as two points: twice the usual substeps hold the strain there.
-        ClothSettings { substeps: Substeps::Automatic { budget: 40 }, ..default() },
         // As the bunny, which is drawn where the last tick took it.
         ClothInterpolation::LastTick,
-        Transform::from_xyz(0.0, ROD - 0.5 * height, 0.0).with_rotation(side * across),
+        Transform::from_xyz(0.0, ROD - 0.5 * height, 0.0)
+            .with_rotation(Quat::from_rotation_x(90.0_f32.to_radians())),
         linen(CORAL),
     ));
 }
@@ -57,16 +54,21 @@ pub fn hop(mut hopping: Query<(&Hopping, &mut Transform)>, time: Res<Time>) {
     let part = hops.fract();
     let up = 4.0 * height * part * (1.0 - part);
     for (hopping, mut transform) in &mut hopping {
-        transform.translation = hopping.from + Vec3::new(-length * hops, up, 0.0);
+        transform.translation = hopping.from + Vec3::new(0.0, up, length * hops);
         // Its nose up, then down.
-        transform.rotation = Quat::from_rotation_z(0.25 * (part - 0.5) * up / height);
+        transform.rotation = ahead(0.25 * (part - 0.5) * up / height);
     }
 }
 
-/// The bunny, to be baked, 1.3 m long. It looks towards -x.
-pub fn spawn_bunny(world: &mut World, place: Vec3) -> Entity {
+/// The bunny turned to look towards +z, its nose down by an angle \[rad\].
+fn ahead(down: f32) -> Quat {
+    Quat::from_rotation_x(down) * Quat::from_rotation_y(90.0_f32.to_radians())
+}
+
+/// The bunny, to be baked, 1.3 m long. It looks towards its -x.
+pub fn spawn_bunny(world: &mut World, place: Transform) -> Entity {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(load_bunny());
-    let place = Transform::from_translation(place).with_scale(Vec3::splat(1.3));
+    let place = place.with_scale(Vec3::splat(1.3));
     world.spawn((BakeSdf::with_cells(96), Mesh3d(mesh), place, clay(IVORY))).id()
 }
 

@@ -1,8 +1,8 @@
 //! A cape on the shoulders of a figure that walks.
 
 use super::{
-    figure::{CHEST, place, spawn_figure},
-    scene::{INDIGO, linen},
+    figure::{CHEST, CHEST_HEIGHT, place, spawn_figure},
+    scene::{BRASS, INDIGO, linen, metal, spawn_thing},
 };
 use bevy::{
     asset::RenderAssetUsages,
@@ -14,12 +14,19 @@ use bevy_drape::prelude::*;
 /// Adds the figure and its cape.
 pub fn add_cape(world: &mut World, particles: u32) {
     let joints = spawn_figure(world);
+    // Two clasps where the collar ends, on the shoulders.
+    for across in [-1.0, 1.0] {
+        let at = shape(across, 0.0) - Vec3::Y * CHEST_HEIGHT;
+        let clasp = spawn_thing(world, Sphere::new(0.018).mesh(), at, metal(BRASS));
+        world.entity_mut(clasp).insert(ChildOf(joints[CHEST]));
+    }
     let (mesh, collar) = cape(particles as usize);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
     world.spawn((
         Cloth::from_mesh(),
         Mesh3d(mesh),
-        ClothMaterial { thickness: 0.01, friction: 0.2, ..default() },
+        // Wool, heavy enough to stay near the back.
+        ClothMaterial { area_density: 0.3, thickness: 0.01, friction: 0.2, ..default() },
         ClothPins::vertices(0..collar as u32).anchored_to(joints[CHEST]),
         ClothAir::default(),
         // As the figure, which is drawn where the last tick took it.
@@ -55,13 +62,13 @@ fn cape(columns: usize) -> (Mesh, usize) {
     (mesh, wide(0))
 }
 
-/// A point of the cape in the frame of the figure's ground \[m\], `across` from -1 to 1: part of a cone
-/// that starts on the shoulders and keeps clear of the arms.
+/// A point of the cape in the frame of the figure's ground \[m\], `across` from -1 to 1: it starts on the
+/// shoulders and around the neck, keeps clear of the arms, and falls as part of a cone.
 fn shape(across: f32, down: f32) -> Vec3 {
     let (sin, cos) = (80.0_f32.to_radians() * across).sin_cos();
-    let (side, back) = (0.16 + 0.3 * down, 0.1 + 0.3 * down);
+    let (side, back) = (0.17 + 0.36 * down, 0.065 + 0.4 * down);
     let clear = 0.1 * (down / 0.15).min(1.0);
-    Vec3::new(side * sin, 1.475 - down, back * cos + clear)
+    Vec3::new(side * sin, 1.47 - 0.025 * across * across - 1.1 * down, back * cos + clear)
 }
 
 /// Triangles between a row of vertices and the next one, which has `count`.

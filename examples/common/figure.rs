@@ -1,7 +1,14 @@
-//! A figure of capsules on joints, that walks in a circle.
+//! A character that walks in a circle: joints, a capsule to collide with on each, and a skin over all.
 
-use super::scene::{IVORY, clay};
-use bevy::prelude::*;
+use super::{
+    body::body,
+    scene::{IVORY, clay},
+};
+use bevy::{
+    camera::visibility::NoFrustumCulling,
+    mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
+    prelude::*,
+};
 use bevy_drape::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -20,6 +27,9 @@ pub struct Joint {
 
 /// The chest, which carries neck and arms.
 pub const CHEST: usize = 2;
+
+/// Its height at the start \[m\].
+pub const CHEST_HEIGHT: f32 = HIPS + 0.12 + 0.25;
 
 /// Height of the hips \[m\].
 const HIPS: f32 = 0.92;
@@ -65,18 +75,35 @@ pub fn spawn_figure(world: &mut World) -> Vec<Entity> {
     let mut joints: Vec<Entity> = Vec::new();
     for joint in JOINTS {
         let (from, to, radius) = joint.bone;
-        let along = Quat::from_rotation_arc(Vec3::Y, (to - from).normalize());
-        let capsule = Capsule3d::new(radius, from.distance(to)).mesh().build();
-        let capsule = capsule.rotated_by(along).translated_by(0.5 * (from + to));
-        let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(capsule));
         let collider = SdfCollider::capsule_between(from, to, radius).with_friction(0.2);
-        let mut new = world.spawn((joint, collider, mesh, clay(IVORY), pose(&joint, 0.0)));
+        let mut new = world.spawn((joint, collider, pose(&joint, 0.0), Visibility::default()));
         if let Some(parent) = joint.parent {
             new.insert(ChildOf(joints[parent]));
         }
         joints.push(new.id());
     }
+    dress_in_skin(world, joints.clone());
     joints
+}
+
+/// Adds the mesh that the joints move.
+fn dress_in_skin(world: &mut World, joints: Vec<Entity>) {
+    // At the start no joint is turned.
+    let mut places: Vec<Vec3> = Vec::new();
+    for joint in JOINTS {
+        places.push(joint.at + joint.parent.map_or(Vec3::ZERO, |parent| places[parent]));
+    }
+    let moved = |(joint, place): (&Joint, &Vec3)| {
+        let (from, to, radius) = joint.bone;
+        (*place + from, *place + to, radius)
+    };
+    let bones: Vec<_> = JOINTS.iter().zip(&places).map(moved).collect();
+    let mesh = body(&bones, &JOINTS.map(|joint| joint.parent));
+    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh));
+    let back: Vec<Mat4> = places.iter().map(|place| Mat4::from_translation(-place)).collect();
+    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(back);
+    // Its bounds are those of the start.
+    world.spawn((mesh, SkinnedMesh { inverse_bindposes, joints }, NoFrustumCulling, clay(IVORY)));
 }
 
 /// Walks.

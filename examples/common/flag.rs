@@ -6,8 +6,9 @@ use bevy_drape::prelude::*;
 
 /// Adds the mast, the flag and the wind.
 pub fn add_flag(world: &mut World, particles: u32) {
-    let wind = ClothWind::steady(Vec3::new(7.0, 0.0, 0.7));
-    world.insert_resource(wind.with_gusts(Gusts { strength: 3.0, ..default() }));
+    // Gusts about as large as the flag throw it into folds.
+    let gusts = Gusts { strength: 7.0, scale: 1.2, period: 0.5, ..default() };
+    world.insert_resource(ClothWind::steady(Vec3::new(6.0, 0.0, 0.6)).with_gusts(gusts));
 
     let (length, height, top) = (1.5, 1.0, 2.25);
     let mast = Cylinder::new(0.018, top + 0.05);
@@ -18,6 +19,8 @@ pub fn add_flag(world: &mut World, particles: u32) {
     world.spawn((
         Cloth::sheet(Vec2::new(length, height), UVec2::new(particles, (2 * particles / 3).max(2))),
         ClothPins::from(PinSelection::FirstColumn),
+        // Thin polyester, that feels the air.
+        ClothMaterial { area_density: 0.15, ..default() },
         ClothAir::default(),
         // Its first column along the mast.
         Transform::from_xyz(0.0, top - 0.5 * height, 0.0)

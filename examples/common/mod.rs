@@ -6,6 +6,7 @@
 // Each example uses a part, and a program may print.
 #![allow(dead_code, clippy::print_stdout, clippy::print_stderr)]
 
+mod body;
 mod bunny;
 mod cape;
 pub mod check;
@@ -19,6 +20,8 @@ pub mod light;
 pub mod obj;
 #[cfg(feature = "demo")]
 mod paint;
+#[cfg(feature = "demo")]
+mod picture;
 #[cfg(feature = "demo")]
 mod probe;
 pub mod report;
@@ -46,6 +49,10 @@ pub struct Options {
     /// Save the last of the frames as a picture; 80 frames where none are given.
     #[arg(long, value_name = "PNG")]
     pub screenshot: Option<PathBuf>,
+    /// Draw threads coloured by their strain, and pins.
+    #[cfg(feature = "gizmos")]
+    #[arg(short, long)]
+    pub gizmos: bool,
     /// Only find out whether a window can be had: exit code 0 if so.
     #[arg(long, hide = true)]
     pub probe: bool,

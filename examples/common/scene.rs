@@ -83,7 +83,7 @@ impl Scene {
             }
             Self::Bunny => {
                 add_bunny(world, particles);
-                ([-1.8, 0.0, -1.3], [1.8, 1.8, 1.3])
+                ([-1.3, 0.0, -1.8], [1.3, 1.8, 1.8])
             }
             Self::Curtain => {
                 add_curtain(world, particles);

@@ -1,23 +1,14 @@
 //! Runs a scene in a window: camera, light, paint; without one it says so and runs headless.
 
 use super::{
-    Options,
-    check::check,
-    headless,
+    Options, headless,
     light::{View, set_up_view},
     paint::paint,
+    picture::{fail, leave_after},
     probe,
     scene::Scene,
 };
-use bevy::{
-    prelude::*,
-    render::{
-        RenderPlugin,
-        view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk},
-    },
-    time::TimeUpdateStrategy,
-    window::WindowResolution,
-};
+use bevy::{prelude::*, render::RenderPlugin, window::WindowResolution};
 use bevy_drape::prelude::*;
 
 /// Runs a scene in a window, or without one where there can be none.
@@ -46,43 +37,12 @@ pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit 
     .add_systems(Startup, set_up_view)
     .add_systems(Update, paint);
     scene.add_to(&mut app, options.particles);
+    #[cfg(feature = "gizmos")]
+    if options.gizmos {
+        app.add_plugins(bevy_drape::ClothGizmosPlugin);
+    }
     if let Some(frames) = frames {
-        // However long a frame takes, the picture is the same.
-        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(4));
-        let picture = options.screenshot.clone();
-        let mut left = frames;
-        app.add_systems(Last, move |time: Res<Time<Virtual>>, mut commands: Commands| {
-            if time.is_paused() || left == 0 {
-                return;
-            }
-            left -= 1;
-            match &picture {
-                _ if left > 0 => {}
-                None => commands.queue(leave),
-                Some(path) => {
-                    commands
-                        .spawn(Screenshot::primary_window())
-                        .observe(save_to_disk(path.clone()))
-                        .observe(|_: On<ScreenshotCaptured>, mut commands: Commands| {
-                            commands.queue(leave);
-                        });
-                }
-            }
-        });
+        leave_after(&mut app, frames, options.screenshot.clone());
     }
     app.run()
-}
-
-/// The last frame is done.
-fn leave(world: &mut World) {
-    let exit = check(world).map_or_else(fail, |()| {
-        println!("check: finite, inside the box, above the ground");
-        AppExit::Success
-    });
-    world.write_message(exit);
-}
-
-fn fail(reason: String) -> AppExit {
-    eprintln!("check failed: {reason}");
-    AppExit::error()
 }
