@@ -17,7 +17,7 @@
 //! | `DistanceField::bake`; shapes asked at no point | `tests/sdf/baking`, `tests/sdf/shapes` |
 //! | `ClothSolver`, `Lattice`, `Graph`, `Air`, `Wind`, `SoftPin`, `RigidMotion` | `tests/solver`: `refusals`, `graph_refusals`, `weights`, `air`, `soft`, `motion` |
 //!
-//! `ClothInterpolation`, `ClothFrozen`, `ColorChannel` and `ClothShape::Mesh` hold nothing that can be bad.
+//! `ClothInterpolation`, `ClothFrozen`, `Integrator`, `ColorChannel` and `ClothShape::Mesh` hold nothing that can be bad.
 
 use crate::common::*;
 use bevy::{mesh::VertexAttributeValues, prelude::*, time::Fixed};
