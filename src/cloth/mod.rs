@@ -2,6 +2,7 @@
 
 mod air;
 pub(crate) mod attachment;
+mod fabrics;
 pub(crate) mod following;
 mod gravity;
 pub(crate) mod grid;

@@ -10,6 +10,7 @@ mod bad_input;
 mod colliders;
 mod common;
 mod execution;
+mod fabrics;
 mod fields;
 mod intake;
 mod mesh;
