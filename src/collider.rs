@@ -32,7 +32,7 @@ const JUMP: f32 = 10.0;
 /// A rigid solid that all cloths collide with.
 ///
 /// It follows its entity, which may be scaled alike along all axes; another scale, a length of the shape
-/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`], and
+/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`](crate::ClothError), and
 /// the collider is left out as long. May be moved in the fixed schedule or once a frame, and changed at
 /// any time. Where it goes more than 10 m in a tick it has been put there, and sweeps nothing on its way.
 ///
