@@ -73,10 +73,10 @@ pub enum ClothError {
         /// What is wrong with it.
         problem: PinProblem,
     },
-    /// The entity's transform is missing, not finite, or scales its axes differently.
+    /// The entity's transform is not finite, scales its axes differently, or scales them to nothing usable.
     #[error(
-        "{entity}: its transform (with its parents') must be finite and its scale uniform and positive, but the \
-         scale is {scale}; put the uneven scale into the mesh or the size"
+        "{entity}: its transform (with its parents') must be finite and its scale uniform, positive and neither \
+         huge nor tiny, but the scale is {scale}; put the uneven scale into the mesh or the size"
     )]
     Scale {
         /// The cloth or collider.
@@ -91,7 +91,7 @@ pub enum ClothError {
         entity: Entity,
     },
     /// The solver refuses to go on. The cloth stays where it was last finite.
-    #[error("cloth {entity}: {problem}; it is held until its material or settings change")]
+    #[error("cloth {entity}: {problem}; it is held until that is mended")]
     Solver {
         /// The cloth.
         entity: Entity,
@@ -202,6 +202,8 @@ impl ClothError {
             | Self::ColliderMesh { problem: MeshProblem::Missing, .. } => Blame::Unseen,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
             | Self::Scale { .. }
+            // Its entity is too far away.
+            | Self::Solver { problem: SolverError::NonFinite { .. }, .. }
             | Self::NoTransform { .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,

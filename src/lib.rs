@@ -106,7 +106,8 @@ pub mod prelude {
         SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
-            Bending, DampingForm, FormChoice, Gusts, MassLumping, Substeps, WindFlow, WindShape,
+            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,
+            WindShape,
         },
     };
 }

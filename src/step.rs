@@ -117,7 +117,7 @@ pub(crate) fn note_poses(
 
 /// Decides between the two forms.
 pub(crate) fn choose_execution(world: &mut World) {
-    let staged = match world.resource::<ClothExecution>() {
+    let staged = match world.get_resource().copied().unwrap_or_default() {
         ClothExecution::Fused => false,
         ClothExecution::Staged => true,
         ClothExecution::Automatic => others_take_part(world),
@@ -190,9 +190,10 @@ fn input<'a>(
 /// Takes the tick's length, and the gravity of each cloth.
 pub(crate) fn gather_step(
     mut cloths: Query<(&mut ClothSimulation, Option<&ClothGravityOverride>)>,
-    gravity: Res<ClothGravity>,
+    gravity: Option<Res<ClothGravity>>,
     time: Res<Time>,
 ) {
+    let gravity = gravity.as_deref().copied().unwrap_or_default();
     for (mut cloth, own) in &mut cloths {
         let gravity = own.map_or(gravity.0, |own| own.0);
         cloth.step = ClothStep { dt: time.delta_secs(), gravity, ..default() };

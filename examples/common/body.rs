@@ -38,14 +38,15 @@ pub fn body(bones: &[Bone], parents: &[Option<usize>]) -> Mesh {
     let corners = |node: usize| {
         (0..8).map(move |c| node + (0..3).map(|a| (c >> a & 1) * steps[a]).sum::<usize>())
     };
-    for node in 0..nodes - steps.iter().sum::<usize>() {
+    let cells = nodes - steps.iter().sum::<usize>();
+    for (node, vertex) in vertices.iter_mut().enumerate().take(cells) {
         let within = corners(node).filter(|&corner| inside[corner]).count();
         if within % 8 != 0 {
             let mut point = place(node) + 0.5 * CELL;
             for _ in 0..4 {
                 point -= distance(point, bones) * outwards(point, bones);
             }
-            vertices[node] = positions.len() as u32;
+            *vertex = positions.len() as u32;
             positions.push(point);
             normals.push(outwards(point, bones));
         }

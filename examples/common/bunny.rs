@@ -39,8 +39,6 @@ pub fn add_bunny(world: &mut World, particles: u32) {
         ClothPins::from(PinSelection::FirstRow),
         // The ears are hardly thicker than the spacing of the particles: the cloth keeps off a little.
         ClothMaterial { thickness: 0.02, friction: 0.2, drag: 0.5, ..default() },
-        // The ears stop it as two points: thrice the usual substeps hold the strain there.
-        ClothSettings { substeps: Substeps::Automatic { budget: 60 }, ..default() },
         // As the bunny, which is drawn where the last tick took it.
         ClothInterpolation::LastTick,
         Transform::from_xyz(0.0, ROD - 0.5 * height, 0.0)

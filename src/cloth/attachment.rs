@@ -149,16 +149,19 @@ impl Attachments {
 
 /// Applies changed pins: takes hold of what is newly pinned, releases what no longer is.
 pub(crate) fn apply_pins(
-    mut cloths: Query<(Entity, Ref<ClothPins>, &mut ClothSimulation)>,
+    mut cloths: Query<(Entity, Option<Ref<ClothPins>>, &mut ClothSimulation)>,
     transforms: TransformHelper,
     mut failures: Failures,
 ) {
+    let none = ClothPins::none();
     for (entity, pins, mut cloth) in &mut cloths {
+        let changed = pins.as_ref().map_or(cloth.pins != none, DetectChanges::is_changed);
+        let pins = pins.as_deref().unwrap_or(&none);
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
         let fresh = cloth.tick_count == 0;
         let awaited = cloth.attachments.awaited;
         let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
-        if !(fresh || found || pins.is_changed()) {
+        if !(fresh || found || changed) {
             continue;
         }
         if fresh {
@@ -166,7 +169,7 @@ pub(crate) fn apply_pins(
         } else if cloth.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
             continue;
         }
-        cloth.pins.clone_from(&pins);
+        cloth.pins.clone_from(pins);
         let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         hold(&mut cloth, attachments);
         match problem {

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 /// What a cloth is made of. May be changed at any time.
 ///
 /// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the
-/// same. The default is a light cotton.
+/// same. The default is a light cotton that gives; for others see [`ClothMaterial::FABRICS`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothMaterial {
@@ -35,20 +35,25 @@ pub struct ClothMaterial {
     pub thickness: f32,
 }
 
+impl ClothMaterial {
+    /// The default.
+    pub(super) const USUAL: Self = Self {
+        area_density: 0.2,
+        thread_stiffness: 2000.0,
+        shear_stiffness: 100.0,
+        flexural_rigidity: 1e-5,
+        damping: 0.0,
+        damping_form: DampingForm::Axial,
+        drag: 0.2,
+        max_strain: 0.1,
+        friction: 0.5,
+        thickness: 0.005,
+    };
+}
+
 impl Default for ClothMaterial {
     fn default() -> Self {
-        Self {
-            area_density: 0.2,
-            thread_stiffness: 2000.0,
-            shear_stiffness: 100.0,
-            flexural_rigidity: 1e-5,
-            damping: 0.0,
-            damping_form: DampingForm::default(),
-            drag: 0.2,
-            max_strain: 0.1,
-            friction: 0.5,
-            thickness: 0.005,
-        }
+        Self::USUAL
     }
 }
 

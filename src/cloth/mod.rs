@@ -2,6 +2,7 @@
 
 mod air;
 pub(crate) mod attachment;
+mod fabrics;
 pub(crate) mod following;
 mod gravity;
 pub(crate) mod grid;
@@ -32,8 +33,8 @@ use bevy::prelude::*;
 
 /// A piece of cloth.
 ///
-/// Spawning it is enough: the components beside it come with their defaults, and the plugin adds a
-/// [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
+/// Spawning it is enough: the components beside it come with their defaults (and count as such when they
+/// are taken away), and the plugin adds a [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
 /// the app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
 /// (`double_sided: true, cull_mode: None`).
 ///

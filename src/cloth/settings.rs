@@ -1,6 +1,6 @@
 //! How a cloth is solved and drawn.
 
-use crate::solver::{Bending, FormChoice, MassLumping, Settings, Substeps};
+use crate::solver::{Bending, FormChoice, Integrator, MassLumping, Settings, Substeps};
 use bevy::prelude::*;
 
 /// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
@@ -18,6 +18,8 @@ pub struct ClothSettings {
     pub masses: MassLumping,
     /// Bending model.
     pub bending: Bending,
+    /// How the motion is integrated. All but Verlet are there to be compared with it: they are not stable.
+    pub integrator: Integrator,
     /// Whether no particle gets further from the pins than the cloth between them allows.
     pub tethers: bool,
     /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no
@@ -45,6 +47,7 @@ impl From<Settings> for ClothSettings {
             provot_passes: settings.provot_passes,
             masses: settings.lumping,
             bending: settings.bending,
+            integrator: settings.integrator,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
             max_push_speed: settings.max_push_speed,
@@ -61,6 +64,7 @@ impl From<ClothSettings> for Settings {
             provot_passes: settings.provot_passes,
             lumping: settings.masses,
             bending: settings.bending,
+            integrator: settings.integrator,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
             max_push_speed: settings.max_push_speed,

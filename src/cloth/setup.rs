@@ -20,8 +20,8 @@ use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
 type Ingredients = (
     Entity,
     Ref<'static, Cloth>,
-    Ref<'static, ClothMaterial>,
-    Ref<'static, ClothSettings>,
+    Option<Ref<'static, ClothMaterial>>,
+    Option<Ref<'static, ClothSettings>>,
     Option<Ref<'static, ClothWeights>>,
     Option<Ref<'static, Mesh3d>>,
     Has<SkinnedMesh>,
@@ -45,15 +45,15 @@ pub(crate) fn set_up_cloths(
             && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
             && !moved_before_its_first_tick(running, &transforms, entity)
         {
+            // Another shape may have been refused since.
+            failures.clear(entity, Blame::Shape);
             continue;
         }
-        let mesh_changed = mesh3d.as_ref().is_some_and(DetectChanges::is_changed);
-        let weights_changed = weights.as_ref().is_some_and(DetectChanges::is_changed);
         let changed = cloth.is_changed()
-            || material.is_changed()
-            || settings.is_changed()
-            || weights_changed
-            || mesh_changed
+            || is_changed(&material)
+            || is_changed(&settings)
+            || is_changed(&weights)
+            || is_changed(&mesh3d)
             || meshes.has_changed(source);
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
@@ -64,7 +64,7 @@ pub(crate) fn set_up_cloths(
         let told = simulation.and_then(ClothSimulation::intake);
         let made = set_up(
             entity,
-            (&cloth, *material, *settings, weights.as_deref()),
+            (&cloth, in_force(&material), in_force(&settings), weights.as_deref()),
             (source, skinned),
             &transforms,
             &meshes,
@@ -87,6 +87,15 @@ pub(crate) fn set_up_cloths(
             Err(error) => failures.report(entity, error),
         }
     }
+}
+
+fn is_changed<T: Component>(component: &Option<Ref<T>>) -> bool {
+    component.as_ref().is_some_and(DetectChanges::is_changed)
+}
+
+/// A component, or its default where it was taken away.
+fn in_force<T: Component + Copy + Default>(component: &Option<Ref<T>>) -> T {
+    component.as_deref().copied().unwrap_or_default()
 }
 
 /// Says, once, what of a mesh is no part of its cloth.
@@ -125,10 +134,21 @@ fn set_up(
     let Some(rest) = rest_shape(entity, cloth, source, meshes, cache)? else {
         return Ok(None);
     };
-    let topology = topology(entity, &rest, pose.scale, settings.masses, weights, cache)?;
+    let topology = topology(entity, &rest, pose.scale, settings.masses, weights, cache)
+        .map_err(|error| scale_at_fault(error, entity, pose.scale))?;
     let simulation = build(cloth, material, settings, weights, pose, rest, topology)
         .map_err(|problem| solver_error(entity, problem))?;
     Ok(Some(simulation))
+}
+
+/// A shape that cannot be used at a huge or tiny scale may be good at another.
+fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
+    match error {
+        ClothError::Shape { .. } | ClothError::Graph { .. } if !(1e-3..=1e3).contains(&scale) => {
+            ClothError::Scale { entity, scale: Vec3::splat(scale) }
+        }
+        error => error,
+    }
 }
 
 /// The rest shape as the solver has it.
@@ -236,8 +256,8 @@ fn build(
 pub(crate) fn apply_changes(
     mut cloths: Query<(
         Entity,
-        Ref<ClothMaterial>,
-        Ref<ClothSettings>,
+        Option<Ref<ClothMaterial>>,
+        Option<Ref<ClothSettings>>,
         Option<Ref<ClothWeights>>,
         &mut ClothSimulation,
     )>,
@@ -245,19 +265,30 @@ pub(crate) fn apply_changes(
     mut failures: Failures,
 ) {
     for (entity, material, settings, weights, mut cloth) in &mut cloths {
+        // What was taken away is looked at until it has no effect any more.
+        let gone = |differs: bool, blame| differs || failures.blames(entity, blame);
+        let material_changed = match &material {
+            Some(material) => material.is_changed(),
+            None => gone(cloth.material != ClothMaterial::default(), Blame::Material),
+        };
+        let settings_changed = match &settings {
+            Some(settings) => settings.is_changed(),
+            None => gone(cloth.settings != ClothSettings::default(), Blame::Settings),
+        };
         let weights_changed = match &weights {
             Some(weights) => weights.is_changed(),
-            None => cloth.weights.is_some() || failures.blames(entity, Blame::Weights),
+            None => gone(cloth.weights.is_some(), Blame::Weights),
         };
-        if !material.is_changed() && !settings.is_changed() && !weights_changed {
+        if !(material_changed || settings_changed || weights_changed) {
             continue;
         }
+        let (material, settings) = (in_force(&material), in_force(&settings));
         let cloth = &mut *cloth;
         let mut changed = false;
-        let outcome = apply_material(cloth, *material, &mut changed)
+        let outcome = apply_material(cloth, material, &mut changed)
             .map_err(|problem| solver_error(entity, problem));
         tell(entity, Blame::Material, outcome, &mut failures);
-        let outcome = apply_settings(entity, cloth, *settings, &mut cache, &mut changed);
+        let outcome = apply_settings(entity, cloth, settings, &mut cache, &mut changed);
         tell(entity, Blame::Settings, outcome, &mut failures);
         let outcome = apply_weights(entity, cloth, weights.as_deref(), &mut cache, &mut changed);
         tell(entity, Blame::Weights, outcome, &mut failures);

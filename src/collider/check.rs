@@ -78,7 +78,7 @@ fn length(name: &'static str, value: f32) -> Result<(), ParameterError> {
 
 fn place(name: &'static str, value: Vec3) -> Result<(), ParameterError> {
     // The first coordinate that is out of range, or not a number.
-    let out = value.to_array().into_iter().find(|c| !(c.abs() <= *LENGTHS.end()));
+    let out = value.to_array().into_iter().find(|c| c.is_nan() || c.abs() > *LENGTHS.end());
     check(name, out.unwrap_or_default(), out.is_none(), "within 1e7 m of the entity")
 }
 

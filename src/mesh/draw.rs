@@ -80,7 +80,7 @@ pub(crate) fn draw_cloths(
         Entity,
         &mut ClothSimulation,
         &mut ClothMesh,
-        &ClothInterpolation,
+        Option<&ClothInterpolation>,
         Option<&mut Aabb>,
     )>,
     transforms: TransformHelper,
@@ -97,7 +97,7 @@ pub(crate) fn draw_cloths(
         let Ok(global) = transforms.compute_global_transform(entity) else {
             continue;
         };
-        let blend = match interpolation {
+        let blend = match interpolation.copied().unwrap_or_default() {
             ClothInterpolation::Blend => overstep,
             ClothInterpolation::LastTick => 1.0,
         };

@@ -45,13 +45,15 @@ pub enum MeshProblem {
     #[error("its mesh is made of points or lines; use a triangle list or strip")]
     NotTriangles,
     /// The indices of a triangle list (or, without indices, its vertices) are no multiple of three.
-    #[error("its mesh is a triangle list of {0} corners, which is no multiple of three")]
+    #[error(
+        "its mesh is a triangle list of {0} corners, which is no multiple of three; leave out the rest"
+    )]
     LooseIndices(usize),
     /// It has no triangle.
     #[error("its mesh has no triangles; give it two or more")]
     Empty,
     /// An index is beyond the vertices.
-    #[error("its mesh has the index {index}, but only {vertices} vertices")]
+    #[error("its mesh has the index {index}, but only {vertices} vertices; mend its indices")]
     BadIndex {
         /// The index.
         index: u32,
@@ -59,7 +61,9 @@ pub enum MeshProblem {
         vertices: usize,
     },
     /// A position is NaN, infinite or beyond 1e6 m.
-    #[error("the position of vertex {0} of its mesh is not finite, or beyond 1e6 m")]
+    #[error(
+        "the position of vertex {0} of its mesh is not finite, or beyond 1e6 m; mend its positions"
+    )]
     NonFinite(usize),
     /// No triangle has an area.
     #[error(

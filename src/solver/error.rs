@@ -87,6 +87,8 @@ pub enum SolverError {
     Collider(usize),
     /// The tick came to positions that are not finite. The cloth is back where the tick began, at
     /// rest.
-    #[error("the cloth diverged; it was put back to where the tick began, at rest")]
+    #[error(
+        "the cloth diverged; it was put back to where the tick began, at rest: change its material or settings, or reset it"
+    )]
     Diverged,
 }

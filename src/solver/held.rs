@@ -45,6 +45,14 @@ impl Held {
         }
     }
 
+    /// Sets 1 / mass of a slot's particle, as the stages see it \[1/kg\]; returns what it was.
+    pub fn set_inverse_mass(&mut self, topology: &Topology, slot: usize, to: f32) -> f32 {
+        if let Some(lattice) = topology.as_lattice() {
+            self.inverse_mass_transposed[lattice.transposed_slot(slot)] = to;
+        }
+        core::mem::replace(&mut self.inverse_mass[slot], to)
+    }
+
     /// Sets the masses for an area density \[kg/m2\].
     pub fn set_density(&mut self, topology: &Topology, density: f32) {
         let layout = topology.layout();

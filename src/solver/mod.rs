@@ -54,6 +54,7 @@ mod setup;
 mod soft;
 mod state;
 mod stillness;
+mod study;
 mod tethers;
 mod threads;
 mod topology;
@@ -75,7 +76,7 @@ pub use lattice::{Lattice, LatticeError, MassLumping};
 pub use measure::StrainReport;
 pub use motion::RigidMotion;
 pub use parameters::{
-    Bending, DampingForm, FormChoice, Material, ParameterError, Settings, Substeps,
+    Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
 pub use soft::SoftPin;
@@ -87,7 +88,7 @@ pub(crate) use soft::check_soft_pin;
 use air::{Push, Surface};
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
-use contact::{ResolveContacts, Skin, Span};
+use contact::{ResolveContacts, Skin, Span, least_load};
 use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
 use held::Held;
 use input::is_near;
@@ -181,6 +182,14 @@ impl ClothSolver {
         if !self.has_forces() {
             return;
         }
+        self.accelerate(input);
+        if self.settings.integrator != Integrator::Verlet {
+            self.study_forces(input);
+        }
+    }
+
+    /// Accelerations where the particles are.
+    fn accelerate(&mut self, input: &StepInput<'_>) {
         let Topology::Lattice(lattice) = &self.topology else {
             self.accumulate_graph_forces(input);
             self.add_air();
@@ -258,6 +267,16 @@ impl ClothSolver {
 
     /// Second stage: velocities and positions of the free particles; pins go their way.
     pub fn integrate(&mut self, input: &StepInput<'_>) {
+        match self.settings.integrator {
+            Integrator::Verlet => self.integrate_verlet(input),
+            Integrator::Euler | Integrator::Midpoint => self.integrate_study(),
+        }
+        self.state.unit = self.plan.step;
+        self.move_pins(input);
+        self.pull_soft_pins(input);
+    }
+
+    fn integrate_verlet(&mut self, input: &StepInput<'_>) {
         let plan = self.plan;
         let acceleration = if self.has_forces() {
             Acceleration::Each(&self.scratch.a)
@@ -277,10 +296,7 @@ impl ClothSolver {
             inverse_mass: &self.held.inverse_mass,
             d: &mut self.state.d,
         });
-        self.state.unit = plan.step;
         self.state.last_step = plan.step;
-        self.move_pins(input);
-        self.pull_soft_pins(input);
     }
 
     fn move_pins(&mut self, input: &StepInput<'_>) {
@@ -296,6 +312,7 @@ impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
+        self.weigh_loads();
         self.fill_places();
         // Springs that carry what was asked of them need no tethers.
         let mut tethered = self.plan.clamped.thread;
@@ -313,6 +330,7 @@ impl ClothSolver {
         if tethered {
             self.pull_tethers();
         }
+        self.unweigh_loads();
         self.unweigh_soft_pins();
     }
 
@@ -417,6 +435,7 @@ impl ClothSolver {
                     epsilon: self.material.thickness,
                     friction: self.material.friction,
                     layers: self.settings.layers,
+                    least_load: least_load(input.gravity) * self.state.response,
                     most_push: self.settings.max_push_speed * self.plan.step,
                     step: self.plan.step,
                 },
@@ -428,6 +447,9 @@ impl ClothSolver {
         }
         let State { x, d, .. } = &mut self.state;
         self.isa.run(Displace { layout: self.topology.layout(), x, d });
+        if self.settings.integrator != Integrator::Verlet {
+            self.end_study();
+        }
         self.done += 1;
     }
 
@@ -489,6 +511,7 @@ impl ClothSolver {
             || plan.hinge_rigidity > 0.0
             || plan.damping > 0.0
             || self.air.is_some()
+            || self.settings.integrator != Integrator::Verlet
     }
 
     /// The part of the tick that the present substep covers.

@@ -49,6 +49,20 @@ pub enum Bending {
     Flexion,
 }
 
+/// How velocities and positions follow from accelerations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+pub enum Integrator {
+    /// Verlet's method (1967) in its leapfrog form: of second order, and keeps the energy of what swings.
+    #[default]
+    Verlet,
+    /// Euler's explicit method, for study: of first order, and what swings gains energy without end,
+    /// whatever the substep.
+    Euler,
+    /// The explicit midpoint method (Runge 1895), for study: of second order at twice the forces; what
+    /// swings gains energy, slowly.
+    Midpoint,
+}
+
 /// How threads are held together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
 pub enum FormChoice {
@@ -92,6 +106,8 @@ pub struct Settings {
     pub lumping: MassLumping,
     /// Bending model.
     pub bending: Bending,
+    /// How the motion is integrated.
+    pub integrator: Integrator,
     /// Whether particles are tethered to the pins.
     pub tethers: bool,
     /// Speed that no particle exceeds \[m/s\].
@@ -110,6 +126,7 @@ impl Default for Settings {
             provot_passes: 1,
             lumping: MassLumping::Lumped,
             bending: Bending::SecondDifference,
+            integrator: Integrator::Verlet,
             tethers: true,
             max_speed: 100.0,
             max_push_speed: 2.0,

@@ -178,6 +178,7 @@ impl ClothSolver {
         {
             strengths.set_bending(graph, self.settings.bending);
         }
+        self.make_room_for_study();
         self.plan_ticks(self.plan.tick);
         self.tethered_under = None;
     }

@@ -52,8 +52,6 @@ pub(crate) fn check_soft_pin(stiffness: f32, damping: f32) -> Result<(), Paramet
 pub(super) struct Spring {
     pub pin: SoftPin,
     slot: usize,
-    /// In a lattice's transposed layout.
-    transposed: Option<usize>,
     /// The particle's own inverse mass, while corrections see another \[1/kg\].
     inverse_mass: f32,
 }
@@ -78,8 +76,7 @@ impl ClothSolver {
             .iter()
             .map(|&pin| {
                 let slot = topology.slot(pin.particle as usize);
-                let transposed = topology.as_lattice().map(|lattice| lattice.transposed_slot(slot));
-                Spring { pin, slot, transposed, inverse_mass: 0.0 }
+                Spring { pin, slot, inverse_mass: 0.0 }
             })
             .collect();
         self.soft.sort_by_key(|spring| spring.pin.particle);
@@ -122,23 +119,16 @@ impl ClothSolver {
         let held = &mut self.held;
         for spring in &mut self.soft {
             let w = held.inverse_mass[spring.slot];
-            spring.inverse_mass = w;
             let (alpha, beta) = spring.gains(w * self.state.response, h);
             let heavier = w / (1.0 + alpha + beta);
-            held.inverse_mass[spring.slot] = heavier;
-            if let Some(slot) = spring.transposed {
-                held.inverse_mass_transposed[slot] = heavier;
-            }
+            spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
         }
     }
 
     /// Gives them their own again.
     pub(super) fn unweigh_soft_pins(&mut self) {
         for spring in &self.soft {
-            self.held.inverse_mass[spring.slot] = spring.inverse_mass;
-            if let Some(slot) = spring.transposed {
-                self.held.inverse_mass_transposed[slot] = spring.inverse_mass;
-            }
+            self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
         }
     }
 }

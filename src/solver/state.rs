@@ -7,6 +7,7 @@ use super::contact::ContactRoom;
 use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
+use super::study::Study;
 use super::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -92,6 +93,8 @@ pub(crate) struct Scratch {
     pub line: Line,
     /// What only a graph's stages work in.
     pub graph: Option<Room>,
+    /// What the integrators for study work in, where one is chosen.
+    pub study: Option<Study>,
     /// What contact remembers within a tick.
     pub contact: ContactRoom,
 }
@@ -129,6 +132,7 @@ impl Scratch {
             strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
             line: Line::new(longest),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
+            study: None,
             contact: ContactRoom::new(layout),
         }
     }

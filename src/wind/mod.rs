@@ -61,11 +61,12 @@ pub(crate) fn gather_air(
         Option<&ClothAir>,
         Option<&ClothWindOverride>,
     )>,
-    wind: Res<ClothWind>,
+    wind: Option<Res<ClothWind>>,
     zones: Res<WindZones>,
     time: Res<Time>,
     mut failures: Failures,
 ) {
+    let wind = wind.as_deref().copied().unwrap_or_default();
     for (entity, mut cloth, air, own) in &mut cloths {
         let cloth = &mut *cloth;
         match set_air(cloth, air.map(|air| Air::from(*air))) {
@@ -85,7 +86,7 @@ pub(crate) fn gather_air(
             }
         }
         if air.is_some() {
-            let wind = own.map_or(*wind, |own| own.0);
+            let wind = own.map_or(wind, |own| own.0);
             cloth.step.set_wind(wind, time.elapsed_secs_f64());
             if blows(&wind, zones.get(), cloth.solver.bounds()) {
                 // In wind nothing rests.

@@ -48,6 +48,7 @@ const BAD: [f32; 7] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.3, 0.0, 1e
 #[test]
 fn shapes_of_no_size_are_refused() {
     let mut table: Vec<(&str, SdfShape)> = Vec::new();
+    let bone = |to, radius| SdfCollider::capsule_between(Vec3::ZERO, to, radius).shape;
     for bad in BAD {
         table.extend([
             ("sphere's radius", SdfShape::from(Sphere { radius: bad })),
@@ -60,7 +61,12 @@ fn shapes_of_no_size_are_refused() {
             ("minor radius", Torus { minor_radius: bad, major_radius: 0.3 }.into()),
             ("cone's radius", Cone { radius: bad, height: 0.3 }.into()),
             ("cone's height", Cone { radius: 0.3, height: bad }.into()),
+            ("capsule's radius", bone(Vec3::Y, bad)),
         ]);
+        // An end may be anywhere in the world.
+        if bad.is_nan() || bad.abs() > 1e7 {
+            table.push(("capsule's second end", bone(Vec3::new(0.0, 0.1, bad), 0.3)));
+        }
         // A capsule without a straight part and a torus without a hole are solids.
         if bad.abs() > 1e-6 || bad.is_nan() {
             table.extend([

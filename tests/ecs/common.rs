@@ -155,6 +155,15 @@ pub fn grid_mesh(
     triangle_mesh(positions, indices)
 }
 
+/// A metre of cloth, 8 x 8 as the sheet, with one cell cut out: no grid.
+pub fn holed_mesh() -> Mesh {
+    let place = |r: u32, c: u32| Vec3::new(c as f32 / 7.0 - 0.5, 0.0, r as f32 / 7.0 - 0.5);
+    let mut mesh = grid_mesh(8, 8, |v| v, place);
+    let Some(Indices::U32(indices)) = mesh.indices_mut() else { panic!("it has indices") };
+    indices.drain(6 * 24..6 * 25);
+    mesh
+}
+
 pub fn triangle_mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)

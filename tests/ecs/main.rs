@@ -6,9 +6,11 @@
 mod anchors;
 mod app;
 mod bad_colliders;
+mod bad_input;
 mod colliders;
 mod common;
 mod execution;
+mod fabrics;
 mod fields;
 mod intake;
 mod mesh;

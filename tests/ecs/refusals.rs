@@ -48,80 +48,6 @@ fn a_cloth_of_no_mesh_is_told_so_until_it_has_one() {
 }
 
 #[test]
-fn sheets_of_no_size_are_refused() {
-    for (size, particles) in [
-        (Vec2::ZERO, UVec2::splat(4)),
-        (Vec2::NAN, UVec2::splat(4)),
-        (Vec2::INFINITY, UVec2::splat(4)),
-        (Vec2::ONE, UVec2::ONE),
-        (Vec2::ONE, UVec2::ZERO),
-        (Vec2::ONE, UVec2::MAX),
-    ] {
-        let mut app = app();
-        let entity = spawn(&mut app, Cloth::sheet(size, particles));
-        let good = spawn(&mut app, sheet());
-        updates(&mut app, 3);
-        let error = check_told(&app, entity, good);
-        assert!(matches!(error, ClothError::Shape { .. }), "{error}");
-        *app.world_mut().get_mut::<Cloth>(entity).unwrap() = sheet();
-        updates(&mut app, 2);
-        assert_eq!(failure(&app, entity), None);
-    }
-}
-
-#[test]
-fn a_bad_material_is_refused_and_tried_again_when_mended() {
-    let mut app = app();
-    let bad = ClothMaterial { area_density: f32::NAN, ..default() };
-    let entity = spawn(&mut app, (sheet(), bad));
-    let good = spawn(&mut app, sheet());
-    updates(&mut app, 3);
-    let error = check_told(&app, entity, good);
-    assert!(matches!(error, ClothError::Parameter { component: "ClothMaterial", .. }));
-    assert!(error.to_string().contains("area_density"));
-    *app.world_mut().get_mut::<ClothMaterial>(entity).unwrap() = ClothMaterial::default();
-    updates(&mut app, 2);
-    assert_eq!(failure(&app, entity), None);
-    assert!(simulation(&app, entity).tick_count() > 0);
-}
-
-#[test]
-fn a_running_cloth_keeps_the_last_good_numbers() {
-    let mut app = app();
-    let entity = spawn(&mut app, sheet());
-    let good = spawn(&mut app, sheet());
-    updates(&mut app, 3);
-    app.world_mut().get_mut::<ClothMaterial>(entity).unwrap().thread_stiffness = -1.0;
-    updates(&mut app, 3);
-    assert!(check_told(&app, entity, good).to_string().contains("thread_stiffness"));
-    assert_eq!(bits(&app, entity), bits(&app, good));
-    *app.world_mut().get_mut::<ClothMaterial>(entity).unwrap() = ClothMaterial::default();
-    app.world_mut().get_mut::<ClothSettings>(entity).unwrap().substeps = Substeps::Fixed(0);
-    updates(&mut app, 3);
-    let error = check_told(&app, entity, good);
-    assert!(matches!(error, ClothError::Parameter { component: "ClothSettings", .. }));
-    *app.world_mut().get_mut::<ClothSettings>(entity).unwrap() = ClothSettings::default();
-    app.update();
-    assert_eq!(failure(&app, entity), None);
-    assert_eq!(bits(&app, entity), bits(&app, good));
-}
-
-#[test]
-fn uneven_scales_are_refused_until_they_are_even() {
-    for scale in [Vec3::new(1.0, 2.0, 1.0), Vec3::ZERO, Vec3::splat(-1.0), Vec3::NAN] {
-        let mut app = app();
-        let entity = spawn(&mut app, (sheet(), Transform::from_scale(scale)));
-        let good = spawn(&mut app, sheet());
-        updates(&mut app, 3);
-        assert!(matches!(check_told(&app, entity, good), ClothError::Scale { .. }));
-        transform(&mut app, entity).scale = Vec3::ONE;
-        updates(&mut app, 2);
-        assert_eq!(failure(&app, entity), None);
-        assert!(simulation(&app, entity).tick_count() > 0);
-    }
-}
-
-#[test]
 fn a_parents_scale_counts() {
     let mut app = app();
     let parent = spawn(&mut app, Transform::from_scale(Vec3::new(1.0, 1.0, 3.0)));
@@ -132,22 +58,6 @@ fn a_parents_scale_counts() {
     transform(&mut app, parent).scale = Vec3::ONE;
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
-}
-
-#[test]
-fn bad_gravity_holds_a_cloth_until_it_is_good() {
-    let mut app = app();
-    let entity = spawn(&mut app, (sheet(), ClothGravityOverride(Vec3::NAN)));
-    let good = spawn(&mut app, sheet());
-    updates(&mut app, 3);
-    assert!(matches!(
-        check_told(&app, entity, good),
-        ClothError::Solver { problem: SolverError::Gravity, .. }
-    ));
-    app.world_mut().entity_mut(entity).remove::<ClothGravityOverride>();
-    updates(&mut app, 2);
-    assert_eq!(failure(&app, entity), None);
-    assert_eq!(simulation(&app, entity).tick_count(), 2);
 }
 
 /// A broken solid: beyond x = 50 m its normals are no directions.

@@ -3,7 +3,7 @@
 //! balance, and that no particle is ever inside.
 
 use crate::common::*;
-use bevy::{mesh::Indices, prelude::*, time::TimeUpdateStrategy};
+use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::prelude::*;
 
 /// A metre of cloth, 8 x 8: the sheet, or a mesh of the same vertices with one cell cut out, its first
@@ -12,10 +12,7 @@ fn cloth(app: &mut App, graph: bool) -> Entity {
     if !graph {
         return spawn(app, sheet());
     }
-    let place = |r: u32, c: u32| Vec3::new(c as f32 / 7.0 - 0.5, 0.0, r as f32 / 7.0 - 0.5);
-    let mut mesh = grid_mesh(8, 8, |v| v, place);
-    let Some(Indices::U32(indices)) = mesh.indices_mut() else { panic!("it has indices") };
-    indices.drain(6 * 24..6 * 25);
+    let mut mesh = holed_mesh();
     let red = |v: usize| [if v < 8 { 1.0 } else { 0.0 }, 0.0, 0.0, 1.0];
     mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, (0..64).map(red).collect::<Vec<_>>());
     let mesh = Mesh3d(add_mesh(app, mesh));

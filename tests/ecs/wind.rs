@@ -1,20 +1,15 @@
 //! Air and wind in an app: which cloths feel what, and where. Truths: bit equality (seeds, frame rates, forms,
-//! what is out of reach), the speed of a light cloth, which is soon the wind's, and that what is
-//! refused is told to its own entity alone.
+//! what is out of reach), and the speed of a light cloth, which is soon the wind's.
 
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::{prelude::*, solver::SolverError};
+use bevy_drape::prelude::*;
 use std::{f32::consts::FRAC_PI_2, time::Duration};
 
 /// A film so light that it goes with the wind, and nothing else acts.
 fn film() -> impl Bundle {
-    film_in(ClothAir::default())
-}
-
-fn film_in(air: ClothAir) -> impl Bundle {
     let material = ClothMaterial { area_density: 1e-3, ..default() };
-    (sheet(), material, ClothGravityOverride(Vec3::ZERO), air)
+    (sheet(), material, ClothGravityOverride(Vec3::ZERO), ClothAir::default())
 }
 
 fn mean_velocity(app: &App, entity: Entity) -> Vec3 {
@@ -28,6 +23,15 @@ fn check_goes_with(app: &App, entity: Entity, wind: Vec3) {
     let velocity = mean_velocity(app, entity);
     let apart = velocity.distance(wind);
     assert!(apart <= 0.1 * (1.0 + wind.length()), "{velocity} in a wind of {wind}");
+}
+
+/// It does not move, but for the rounding of its rest shape.
+#[track_caller]
+fn check_is_still(app: &App, entity: Entity) {
+    let cloth = simulation(app, entity);
+    let fastest = (0..cloth.particle_count()).filter_map(|i| cloth.velocity(i)).map(Vec3::length);
+    let fastest = fastest.fold(0.0, f32::max);
+    assert!(fastest < 1e-6, "{fastest} m/s");
 }
 
 fn set_wind(app: &mut App, wind: ClothWind) {
@@ -44,7 +48,7 @@ fn only_a_cloth_with_air_feels_the_wind() {
     let does_not = spawn(&mut app, (sheet(), material, ClothGravityOverride(Vec3::ZERO)));
     updates(&mut app, 20);
     check_goes_with(&app, feels, wind);
-    assert_eq!(mean_velocity(&app, does_not), Vec3::ZERO);
+    check_is_still(&app, does_not);
     // Air comes and goes with its component.
     app.world_mut().entity_mut(does_not).insert(ClothAir::default());
     app.world_mut().entity_mut(feels).remove::<ClothAir>();
@@ -244,115 +248,4 @@ fn fused_and_staged_are_the_same() {
         cloths.map(|cloth| bits(&app, cloth))
     };
     assert_eq!(run(ClothExecution::Fused), run(ClothExecution::Staged));
-}
-
-/// The entity's error names it, and the good cloth has none.
-fn check_told(app: &App, entity: Entity, good: Entity) -> ClothError {
-    let error = failure(app, entity).expect("it is refused");
-    assert!(error.to_string().contains(&entity.to_string()), "{error}");
-    assert_eq!(failure(app, good), None);
-    assert!(simulation(app, good).tick_count() > 0);
-    error
-}
-
-#[test]
-fn bad_air_is_refused_and_the_last_good_one_stays() {
-    for (bad, name) in [
-        (ClothAir { density: f32::NAN, ..default() }, "density"),
-        (ClothAir { density: -1.0, ..default() }, "density"),
-        (ClothAir { drag: f32::INFINITY, ..default() }, "drag"),
-        (ClothAir { drag: -0.1, ..default() }, "drag"),
-        (ClothAir { lift: 1e9, ..default() }, "lift"),
-    ] {
-        let mut app = app();
-        let entity = spawn(&mut app, film());
-        let good = spawn(&mut app, film());
-        updates(&mut app, 3);
-        set_wind(&mut app, ClothWind::steady(Vec3::Y));
-        *app.world_mut().get_mut::<ClothAir>(entity).unwrap() = bad;
-        updates(&mut app, 3);
-        let error = check_told(&app, entity, good);
-        assert!(matches!(error, ClothError::Parameter { component: "ClothAir", .. }), "{error}");
-        assert!(error.to_string().contains(name), "{error}");
-        assert_eq!(bits(&app, entity), bits(&app, good));
-        *app.world_mut().get_mut::<ClothAir>(entity).unwrap() = ClothAir::default();
-        updates(&mut app, 1);
-        assert_eq!(failure(&app, entity), None);
-        // From the start there is no good one yet: no air.
-        let other = spawn(&mut app, film_in(bad));
-        updates(&mut app, 3);
-        check_told(&app, other, good);
-        assert_eq!(mean_velocity(&app, other), Vec3::ZERO);
-    }
-}
-
-#[test]
-fn a_bad_wind_holds_the_cloths_that_feel_it_until_it_is_good() {
-    let breeze = ClothWind::steady(Vec3::Y);
-    for bad in [
-        ClothWind::steady(Vec3::new(0.0, f32::NAN, 0.0)),
-        ClothWind::steady(Vec3::X * f32::INFINITY),
-        ClothWind::steady(Vec3::X * 1e9),
-        breeze.with_gusts(Gusts { strength: f32::NAN, ..gusts(0) }),
-        breeze.with_gusts(Gusts { strength: -1.0, ..gusts(0) }),
-        breeze.with_gusts(Gusts { scale: 0.0, ..gusts(0) }),
-        breeze.with_gusts(Gusts { period: f32::NAN, ..gusts(0) }),
-    ] {
-        let mut app = app();
-        let entity = spawn(&mut app, (film(), ClothWindOverride(bad)));
-        let good = spawn(&mut app, film());
-        updates(&mut app, 3);
-        let error = check_told(&app, entity, good);
-        let problem = |error: &ClothError| {
-            matches!(error, ClothError::Solver { problem: SolverError::Wind(_), .. })
-        };
-        assert!(problem(&error), "{error}");
-        app.world_mut().entity_mut(entity).remove::<ClothWindOverride>();
-        updates(&mut app, 2);
-        assert_eq!(failure(&app, entity), None);
-        assert_eq!(simulation(&app, entity).tick_count(), 2);
-        // The world's wind: who feels none goes on.
-        let still = spawn(&mut app, sheet());
-        set_wind(&mut app, bad);
-        updates(&mut app, 2);
-        assert!(problem(&check_told(&app, entity, still)));
-    }
-}
-
-#[test]
-fn a_bad_zone_is_left_out_and_the_others_go_on() {
-    let ball = || WindZone::directional(Sphere::new(30.0), Vec3::Y * 2.0);
-    let zone = |zone: WindZone| (zone, Transform::default());
-    let placed = |place: Transform| (ball(), place);
-    for (bad, place) in [
-        zone(WindZone::directional(Sphere::new(0.0), Vec3::Y)),
-        zone(WindZone::directional(Sphere::new(f32::NAN), Vec3::Y)),
-        zone(WindZone::directional(Cuboid::new(1.0, -1.0, 1.0), Vec3::Y)),
-        zone(WindZone::directional(Cone { radius: 1.0, height: f32::INFINITY }, Vec3::Y)),
-        zone(WindZone::directional(Sphere::new(1.0), Vec3::NAN)),
-        zone(WindZone::radial(Sphere::new(1.0), f32::INFINITY)),
-        zone(ball().with_falloff(-1.0)),
-        zone(ball().with_falloff(f32::NAN)),
-        placed(Transform::from_scale(Vec3::new(1.0, 2.0, 1.0))),
-        placed(Transform::from_scale(Vec3::ZERO)),
-        placed(Transform::from_xyz(0.0, f32::NAN, 0.0)),
-    ] {
-        let mut app = app();
-        let bad = spawn(&mut app, (bad, place));
-        spawn(&mut app, ball());
-        let cloth = spawn(&mut app, film());
-        updates(&mut app, 20);
-        check_told(&app, bad, cloth);
-        check_goes_with(&app, cloth, Vec3::Y * 2.0);
-        *app.world_mut().get_mut::<WindZone>(bad).unwrap() = ball();
-        *transform(&mut app, bad) = Transform::default();
-        updates(&mut app, 20);
-        assert_eq!(failure(&app, bad), None);
-        check_goes_with(&app, cloth, Vec3::Y * 4.0);
-        // One that has lost its place.
-        app.world_mut().entity_mut(bad).remove::<Transform>();
-        updates(&mut app, 20);
-        assert!(matches!(check_told(&app, bad, cloth), ClothError::NoTransform { .. }));
-        check_goes_with(&app, cloth, Vec3::Y * 2.0);
-    }
 }

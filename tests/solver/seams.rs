@@ -41,14 +41,17 @@ fn momentum(solver: &ClothSolver) -> DVec3 {
 }
 
 #[test]
-fn a_level_mesh_falls_at_its_terminal_speed_as_a_sheet_does() {
+fn a_level_mesh_falls_by_the_law_of_drag_as_a_sheet_does() {
     for topology in both() {
         for form in [FormChoice::Springs, FormChoice::Threads] {
             let mut solver = laid(&topology, Vec3::ZERO, plain(), settings(form, 8));
             let air = Air { lift: 0.0, ..Air::default() };
             solver.set_air(Some(air)).unwrap();
-            run(&mut solver, 160, GRAVITY, &[]);
-            let exact = (2.0 * 0.2 * 9.81 / (1.225 * 1.2_f64)).sqrt();
+            // Not for longer: a limp sheet that falls face down crumples, soonest an irregular one.
+            let ticks = 30;
+            run(&mut solver, ticks, GRAVITY, &[]);
+            let terminal = (2.0 * 0.2 * 9.81 / (1.225 * 1.2_f64)).sqrt();
+            let exact = terminal * (9.81 * ticks as f64 * f64::from(TICK) / terminal).tanh();
             let speed = -(0..33 * 33).map(|i| f64::from(solver.velocity(i).y)).sum::<f64>();
             let what = format!("{form:?}, graph {}: speed", topology.as_graph().is_some());
             check(&what, speed / f64::from(33 * 33), exact, 0.01 * exact);

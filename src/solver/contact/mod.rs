@@ -6,9 +6,11 @@
 //! impulse of that same undoing.
 //!
 //! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
-//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`).
+//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). What a cloth hangs
+//! from is held by more than its mass (`loads`).
 
 mod collider;
+mod loads;
 mod room;
 mod sweep;
 
@@ -20,9 +22,11 @@ use super::lattice::Layout;
 use crate::sdf::{PointBlock, SampleBlock};
 
 pub use collider::{Collider, ColliderMotion, Pose};
+pub(super) use loads::least_load;
 pub(super) use room::ContactRoom;
 
 use collider::Motion;
+use loads::Loads;
 use room::Awake;
 use sweep::Sweep;
 
@@ -57,6 +61,8 @@ pub(super) struct Skin {
     pub layers: u32,
     /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
     pub most_push: f32,
+    /// Approach that is undone at least where a particle bears a load \[m\].
+    pub least_load: f32,
     /// Length of the substep \[s\].
     pub step: f32,
 }
@@ -81,6 +87,7 @@ impl Kernel for ResolveContacts<'_> {
     fn run(mut self) -> u32 {
         let way = self.furthest_way();
         let Skin { epsilon, layers, .. } = self.skin;
+        self.room.begin_substep();
         self.room.wake(way, epsilon, layers, self.x, self.layout, self.origin, self.colliders);
         let mut touching = 0;
         for k in 0..self.room.awake.len() {
@@ -133,7 +140,7 @@ impl ResolveContacts<'_> {
                     let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
                     sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given);
                 }
-                let (gap, count) = self.resolve(slot, &motion, &mut tally);
+                let (gap, count) = self.resolve(slot, collider, &motion, &mut tally);
                 touching += count;
                 self.room.until[known] = gone + larger(gap, 0.0);
                 deepest = larger(-gap, deepest);
@@ -154,6 +161,8 @@ impl ResolveContacts<'_> {
     /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
     #[inline(never)]
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
+        // Nothing bears a load on what gives way: it would drive the rest of the cloth out faster.
+        self.room.loads.clear();
         let most = self.skin.most_push;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
@@ -181,7 +190,13 @@ impl ResolveContacts<'_> {
     /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
     /// particle was pushed) and the contacts.
     #[inline(always)]
-    fn resolve(&mut self, slot: usize, motion: &Motion<'_>, tally: &mut Tally) -> (f32, u32) {
+    fn resolve(
+        &mut self,
+        slot: usize,
+        collider: usize,
+        motion: &Motion<'_>,
+        tally: &mut Tally,
+    ) -> (f32, u32) {
         let w = Block::load(self.inverse_mass, slot);
         let x = Block3::load_sum(self.x, self.d, slot);
         let mut points = PointBlock::default();
@@ -207,11 +222,15 @@ impl ResolveContacts<'_> {
             return (nearest, 0);
         }
         let surface = surface_displacements(&points, &x, motion);
-        self.push_out(slot, &depth, &samples, &surface, motion, tally);
+        let load = self.push_out(slot, &depth, &samples, &surface, motion, tally);
+        if load.largest() > Loads::least_of_all(self.skin.least_load) {
+            self.note_loads(slot, &load, motion.measured.then_some(collider));
+        }
         (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
     }
 
     /// Moves particles out by their depth, and takes approach and friction from their displacements.
+    /// Returns the approach that was undone.
     #[inline(always)]
     fn push_out(
         &mut self,
@@ -221,7 +240,8 @@ impl ResolveContacts<'_> {
         surface: &Block3,
         motion: &Motion<'_>,
         tally: &mut Tally,
-    ) {
+    ) -> Block {
+        let mut load = Block::ZERO;
         let w = Block::load(self.inverse_mass, slot);
         let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
         for i in 0..LANES {
@@ -234,6 +254,7 @@ impl ResolveContacts<'_> {
             let push = depth.0[i];
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
+            load.0[i] = undone;
             let tangential = relative - normal * approach;
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
             let part = motion.friction * undone / sliding;
@@ -256,6 +277,17 @@ impl ResolveContacts<'_> {
         }
         d.store(self.d, slot);
         x.store(self.x, slot);
+        load
+    }
+
+    /// Notes the particles of a block that bear a load.
+    #[inline(never)]
+    fn note_loads(&mut self, slot: usize, load: &Block, given_to: Option<usize>) {
+        for (slot, &load) in (slot..).zip(&load.0) {
+            if load > self.room.loads_before.least(slot, self.skin.least_load) {
+                self.room.loads.add(slot, given_to);
+            }
+        }
     }
 }
 

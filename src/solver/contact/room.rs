@@ -10,7 +10,7 @@ use bevy::math::{Vec3, bounding::Aabb3d};
 use super::super::isa::Kernel;
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
-use super::Collider;
+use super::{Collider, Loads};
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -37,6 +37,9 @@ pub(in crate::solver) struct ContactRoom {
     slack: f32,
     /// Momentum that the cloth has given to each collider in the tick \[kg m/s\].
     pub impulses: Vec<Vec3>,
+    /// Particles that bear a load, and those that did in the substep before.
+    pub loads: Loads,
+    pub loads_before: Loads,
 }
 
 /// A collider that the cloth may have come to.
@@ -64,6 +67,8 @@ impl ContactRoom {
             high: Vec3::ZERO,
             slack: 0.0,
             impulses: Vec::new(),
+            loads: Loads::new(layout.len()),
+            loads_before: Loads::new(layout.len()),
         }
     }
 
@@ -80,6 +85,7 @@ impl ContactRoom {
     ) {
         self.awake.clear();
         self.until.clear();
+        self.loads.clear();
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
@@ -102,6 +108,12 @@ impl ContactRoom {
     fn gap(&self, collider: &Collider<'_>, epsilon: f32) -> f32 {
         let gap = |bounds: Aabb3d| box_gap(self.low, self.high, &bounds) - epsilon - self.slack;
         larger(collider.motion.bounds().map_or(0.0, gap), 0.0)
+    }
+
+    /// Forgets which particles bore a load, but for the substep before.
+    pub fn begin_substep(&mut self) {
+        core::mem::swap(&mut self.loads, &mut self.loads_before);
+        self.loads.clear();
     }
 
     /// Adds the way of a substep, and wakes the colliders that the cloth may have come to. `epsilon`

@@ -110,7 +110,7 @@ impl Sweep<'_> {
         let shortest = length / MOST_STEPS as f32;
         let distance = |t: f32| self.motion.shape.distance(from + way * t);
         let first = distance(0.0);
-        if !(first > 0.0) {
+        if first.is_nan() || first <= 0.0 {
             // Inside already: contact pushes it out.
             return None;
         }

@@ -98,7 +98,7 @@ impl TransposingKernel for CorrectPairs<'_> {
                 larger(elastic, spring.pull_to(limit))
             }),
             Rule::Limit { limit, .. } => {
-                self.correct(t, |spring| larger(spring.pull_to(limit), 0.0))
+                self.correct(t, |spring| larger(spring.pull_to(limit), 0.0));
             }
         }
     }
