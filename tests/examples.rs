@@ -63,6 +63,59 @@ fn curtain() {
 }
 
 #[test]
+fn flag() {
+    let (mut app, report) = run(Scene::Flag, 3.0);
+    let early = cloths(&mut app).remove(0);
+    headless::simulate(&mut app, 3.25).unwrap();
+    let late = cloths(&mut app).remove(0);
+    // The luff stays at the mast, the fly streams with the wind, and flutters.
+    for row in 0..42 {
+        assert_eq!(early[64 * row], late[64 * row]);
+        assert!(late[64 * row + 63].x - late[0].x > 0.7, "{}", late[64 * row + 63]);
+    }
+    let moved = early.iter().zip(&late).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(moved > 0.1, "{moved}");
+    hold(&report);
+}
+
+#[test]
+fn sail() {
+    let (mut app, report) = run(Scene::Sail, 4.0);
+    let cloth = cloths(&mut app).remove(0);
+    let corners = [0, 63, 64 * 63, 64 * 64 - 1].map(|corner| cloth[corner]);
+    assert!(corners.iter().all(|corner| corner.z.abs() < 1e-3), "{corners:?}");
+    // The wind along z fills it.
+    assert!(cloth[64 * 32 + 32].z > 0.3, "{}", cloth[64 * 32 + 32]);
+    hold(&report);
+}
+
+#[test]
+fn cape() {
+    let (mut app, report) = run(Scene::Cape, 5.0);
+    let cloth = cloths(&mut app).remove(0);
+    // It hangs from its collar, which is its highest part, on a circle of 1 m.
+    let collar = cloth[16];
+    assert!((collar.xz().length() - 1.0).abs() < 0.1 && collar.y > 1.35, "{collar}");
+    assert!(highest(&cloth) < collar.y + 0.02);
+    let hem = cloth[cloth.len() - 32];
+    assert!(hem.y < 0.8 && hem.distance(collar) > 0.8, "{hem}");
+    hold(&report);
+}
+
+#[test]
+fn bunny() {
+    let (mut app, report) = run(Scene::Bunny, 3.4);
+    // On the way it is lifted far from the rod, at z = 0; then it hangs at the bunny's tail.
+    let depth = |cloth: &[Vec3]| cloth.iter().map(|at| at.z).fold(f32::MIN, f32::max);
+    let cloth = cloths(&mut app).remove(0);
+    assert!(depth(&cloth) > 0.5, "{}", depth(&cloth));
+    headless::simulate(&mut app, 8.0).unwrap();
+    let cloth = cloths(&mut app).remove(0);
+    assert!(depth(&cloth) < 0.4, "{}", depth(&cloth));
+    hold(&report);
+}
+
+#[test]
 fn the_check_sees_what_is_wrong() {
     let mut app = headless::app(Scene::Spheres, 8, 1);
     assert!(check(app.world_mut()).is_err(), "it has not run");

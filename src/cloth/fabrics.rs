@@ -14,7 +14,7 @@
 //!   wool suiting is 4 to 8 %). Cloth is softer at first, as its yarns straighten: this is the secant.
 //! - *Shear stiffness*: usual results of Kawabata's shear test: 0.3, 0.8, 0.6, 2 and 3 gf/cm a degree for silk,
 //!   cotton, wool, denim and canvas; one is 56.2 N/m.
-//! - *Rubber* is worked out: a sheet of 1 mm, 930 kg/m3, Young's modulus E = 1.5 MPa, Poisson's ratio 1/2. A
+//! - *Rubber* is worked out: a sheet of 1 mm, 930 kg/m3, Young's modulus `E = 1.5 MPa`, Poisson's ratio 1/2. A
 //!   square lattice is isotropic where threads have `3/4 E h` and shear springs half of it; its
 //!   rigidity is `E h^3 / (12 (1 - 1/4))`.
 //!
