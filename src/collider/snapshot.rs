@@ -19,7 +19,8 @@ use bevy::{
 /// Where a collider was, is and goes.
 #[derive(Component, Default)]
 pub(crate) struct ColliderPose {
-    moving: Option<MovingPose>,
+    /// Boxed, so that looking over those that stand still passes through little memory.
+    moving: Option<Box<MovingPose>>,
     /// It stood still in the last tick: as long as nothing of it changes there is nothing to do.
     still: bool,
     /// Whether its impulse was asked for.
@@ -147,11 +148,12 @@ impl Moves<'_, '_> {
         self.orphans.read().count() > 0
     }
 
-    /// Whether this collider or an ancestor was changed.
-    fn moved_one(&self, collider: &FoundItem<'_, '_>) -> bool {
-        match &collider.place {
-            Some(place) if !collider.has_parent => place.is_changed(),
-            _ => self.moved(collider.entity),
+    /// Whether a collider or an ancestor of it was changed. Inlined, as it is asked of all that stand still.
+    #[inline(always)]
+    fn moved_one(&self, entity: Entity, place: Option<&Ref<Transform>>, has_parent: bool) -> bool {
+        match place {
+            Some(place) if !has_parent => place.is_changed(),
+            _ => self.moved(entity),
         }
     }
 
@@ -182,11 +184,10 @@ pub(crate) fn note_colliders(
     ticks: u32,
 ) {
     let orphans = moves.any_orphan();
-    for found in colliders {
-        if found.pose.still && !orphans && !moves.moved_one(&found) {
+    for FoundItem { entity, place, has_parent, mut pose, .. } in colliders {
+        if pose.still && !orphans && !moves.moved_one(entity, place.as_ref(), has_parent) {
             continue;
         }
-        let FoundItem { entity, mut pose, .. } = found;
         pose.still = false;
         if let Some(moving) = &mut pose.moving
             && let Ok(now) = pose_now(transforms, entity)
@@ -217,13 +218,12 @@ pub(crate) fn gather_colliders(
     mut failures: Failures,
 ) {
     let orphans = moves.any_orphan();
-    for found in &mut colliders {
-        let same = !found.collider.is_changed();
-        let asked = found.measured != found.pose.measured;
-        if found.pose.still && same && !asked && !orphans && !moves.moved_one(&found) {
+    for FoundItem { entity, collider, place, has_parent, measured, mut pose } in &mut colliders {
+        let same = !collider.is_changed();
+        let still = pose.still && pose.measured == measured && same && !orphans;
+        if still && !moves.moved_one(entity, place.as_ref(), has_parent) {
             continue;
         }
-        let FoundItem { entity, collider, mut pose, measured, .. } = found;
         pose.measured = measured;
         let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
@@ -256,7 +256,8 @@ fn gather(
         problem,
     })?;
     let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
-    let (start, end) = pose.moving.get_or_insert(MovingPose::new(now)).advance(now);
+    let (start, end) =
+        pose.moving.get_or_insert_with(|| Box::new(MovingPose::new(now))).advance(now);
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
     pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
