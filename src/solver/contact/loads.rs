@@ -20,13 +20,19 @@ const LEAST_GRAVITY: f32 = 9.81;
 /// they do at a pin; at less, what slides off slowly is held.
 const SEEN: f32 = 0.1;
 
-/// Particles that bore a load in a substep.
+/// Substeps in a row in which a particle is pressed so before it bears a load: what only falls onto a
+/// collider is pressed once.
+const SUBSTEPS: u8 = 2;
+
+/// Particles that were pressed onto colliders in a substep.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct Loads {
-    /// In the order in which they were found.
+    /// Those that bear a load, in the order in which they were found.
     list: Vec<Load>,
-    /// Whether the particle of a slot is in the list.
-    is_loaded: Vec<bool>,
+    /// All slots that were pressed.
+    pressed: Vec<usize>,
+    /// For how many substeps in a row a slot's particle has been.
+    since: Vec<u8>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,12 +54,14 @@ pub(in crate::solver) fn least_load(gravity: Vec3) -> f32 {
 impl Loads {
     /// Room for all particles.
     pub fn new(slots: usize) -> Self {
-        Self { list: Vec::with_capacity(slots), is_loaded: vec![false; slots] }
+        let (list, pressed) = (Vec::with_capacity(slots), Vec::with_capacity(slots));
+        Self { list, pressed, since: vec![0; slots] }
     }
 
     pub fn clear(&mut self) {
-        for load in self.list.drain(..) {
-            self.is_loaded[load.slot] = false;
+        self.list.clear();
+        for slot in self.pressed.drain(..) {
+            self.since[slot] = 0;
         }
     }
 
@@ -61,7 +69,7 @@ impl Loads {
     /// its own mass \[m\].
     #[inline(always)]
     pub fn least(&self, slot: usize, least: f32) -> f32 {
-        if self.is_loaded[slot] { least * SEEN } else { least }
+        if self.since[slot] >= SUBSTEPS { least * SEEN } else { least }
     }
 
     /// The least of that anywhere.
@@ -70,9 +78,14 @@ impl Loads {
         least * SEEN
     }
 
-    pub fn add(&mut self, slot: usize, given_to: Option<usize>) {
-        if !self.is_loaded[slot] {
-            self.is_loaded[slot] = true;
+    /// Notes that a particle is pressed onto a collider; `before` is what is known of the substep before.
+    pub fn add(&mut self, slot: usize, given_to: Option<usize>, before: &Self) {
+        if self.since[slot] > 0 {
+            return;
+        }
+        self.pressed.push(slot);
+        self.since[slot] = before.since[slot].saturating_add(1);
+        if self.since[slot] >= SUBSTEPS {
             self.list.push(Load { slot, given_to, inverse_mass: 0.0, before: Vec3::ZERO });
         }
     }

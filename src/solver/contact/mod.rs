@@ -284,8 +284,9 @@ impl ResolveContacts<'_> {
     #[inline(never)]
     fn note_loads(&mut self, slot: usize, load: &Block, given_to: Option<usize>) {
         for (slot, &load) in (slot..).zip(&load.0) {
-            if load > self.room.loads_before.least(slot, self.skin.least_load) {
-                self.room.loads.add(slot, given_to);
+            let ContactRoom { loads, loads_before, .. } = &mut *self.room;
+            if load > loads_before.least(slot, self.skin.least_load) {
+                loads.add(slot, given_to, loads_before);
             }
         }
     }
