@@ -173,24 +173,21 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
     let along = moved_since(&cloth.attachments, now);
-    for (particle, point) in own.points.iter_mut().enumerate() {
-        let end = solver.local_position(particle);
-        let blended = if now.blend < 1.0 {
-            let start = solver.local_start_position(particle);
-            start + (end - start) * now.blend
-        } else {
-            end
-        };
-        let seen = match along {
-            Some(motion) => {
-                let lever = blended + (solver.origin() - motion.pivot);
-                let pivot = motion.pivot - Vec3::from(now.transform.translation);
-                motion.rotation * lever + (pivot + motion.shift)
-            }
-            None => blended + offset,
-        };
-        *point = inverse * seen;
-    }
+    // From the cloth's coordinates to the world's axes, and from there into the entity's frame.
+    let (turn, shift) = match along {
+        Some(motion) => {
+            let lever = motion.rotation * (solver.origin() - motion.pivot);
+            let pivot = motion.pivot - Vec3::from(now.transform.translation);
+            (Mat3A::from_quat(motion.rotation), lever + (pivot + motion.shift))
+        }
+        None => (Mat3A::IDENTITY, offset),
+    };
+    let (turn, shift) = (inverse * turn, inverse * shift);
+    let [x, y, z] = turn.to_cols_array_2d().map(Vec3::from_array);
+    let points = &mut own.points;
+    solver.for_each_blended(now.blend, |particle, p| {
+        points[particle] = x * p.x + y * p.y + z * p.z + shift;
+    });
     place_pinned(&cloth.attachments, own, now, &inverse);
     Aabb::enclosing(&own.points)
 }

@@ -2,16 +2,49 @@
 
 use bevy::math::Vec3;
 
-/// The cross products of a row of cells, with an empty cell before and after.
+/// Vectors side by side, coordinate by coordinate: loops over them become vector instructions.
+#[derive(Default)]
+struct Row([Vec<f32>; 3]);
+
+/// Room to work normals out in, a row of cells at a time.
 #[derive(Default)]
 pub(super) struct CellRows {
-    above: Vec<Vec3>,
-    below: Vec<Vec3>,
+    /// Points of two rows.
+    upper: Row,
+    lower: Row,
+    /// Twice the vector areas of the cells above and below a row of points, with an empty cell before
+    /// and after.
+    above: Row,
+    below: Row,
+    normals: Row,
+}
+
+impl Row {
+    fn new(len: usize) -> Self {
+        Self(core::array::from_fn(|_| vec![0.0; len]))
+    }
+
+    fn take(&mut self, points: &[Vec3]) {
+        let [x, y, z] = &mut self.0;
+        for (((x, y), z), p) in x.iter_mut().zip(y).zip(z).zip(points) {
+            (*x, *y, *z) = (p.x, p.y, p.z);
+        }
+    }
+
+    fn clear(&mut self) {
+        self.0.iter_mut().for_each(|axis| axis.fill(0.0));
+    }
+
+    fn get(&self, at: usize) -> Vec3 {
+        Vec3::new(self.0[0][at], self.0[1][at], self.0[2][at])
+    }
 }
 
 impl CellRows {
     pub fn new(columns: usize) -> Self {
-        Self { above: vec![Vec3::ZERO; columns + 1], below: vec![Vec3::ZERO; columns + 1] }
+        let [upper, lower, normals] = core::array::from_fn(|_| Row::new(columns));
+        let [above, below] = core::array::from_fn(|_| Row::new(columns + 1));
+        Self { upper, lower, above, below, normals }
     }
 
     /// Calls `write` with the normal of every point of a grid, row by row.
@@ -26,33 +59,84 @@ impl CellRows {
         mut write: impl FnMut(usize, Vec3),
     ) {
         let rows = points.len() / columns;
-        self.below.fill(Vec3::ZERO);
+        self.below.clear();
+        self.lower.take(&points[..columns]);
         for row in 0..rows {
             core::mem::swap(&mut self.above, &mut self.below);
+            core::mem::swap(&mut self.upper, &mut self.lower);
             if row + 1 < rows {
-                let (upper, lower) = points[row * columns..(row + 2) * columns].split_at(columns);
-                for column in 1..columns {
-                    let diagonal = lower[column] - upper[column - 1];
-                    let antidiagonal = lower[column - 1] - upper[column];
-                    self.below[column] = antidiagonal.cross(diagonal);
-                }
+                self.lower.take(&points[(row + 1) * columns..(row + 2) * columns]);
+                self.cross_cells(columns);
             } else {
-                self.below.fill(Vec3::ZERO);
+                self.below.clear();
             }
+            self.add_cells(columns);
             for column in 0..columns {
-                let sum = (self.above[column] + self.above[column + 1])
-                    + (self.below[column] + self.below[column + 1]);
-                write(row * columns + column, unit(sum));
+                write(row * columns + column, self.normals.get(column));
+            }
+        }
+    }
+
+    /// Vector areas of the cells between two rows of points.
+    fn cross_cells(&mut self, columns: usize) {
+        let (first, last) = (0..columns - 1, 1..columns);
+        let [ax, ay, az] = self.upper.0.each_ref().map(|axis| &axis[first.clone()]);
+        let [bx, by, bz] = self.upper.0.each_ref().map(|axis| &axis[last.clone()]);
+        let [cx, cy, cz] = self.lower.0.each_ref().map(|axis| &axis[first.clone()]);
+        let [dx, dy, dz] = self.lower.0.each_ref().map(|axis| &axis[last.clone()]);
+        let [x, y, z] = self.below.0.each_mut().map(|axis| &mut axis[last.clone()]);
+        // One length for all, so that nothing is checked in the loop.
+        let n = columns - 1;
+        let corner = |[x, y, z]: [&[f32]; 3], i: usize| Vec3::new(x[i], y[i], z[i]);
+        for i in 0..n {
+            let diagonal = corner([dx, dy, dz], i) - corner([ax, ay, az], i);
+            let antidiagonal = corner([cx, cy, cz], i) - corner([bx, by, bz], i);
+            let area = antidiagonal.cross(diagonal);
+            (x[i], y[i], z[i]) = (area.x, area.y, area.z);
+        }
+    }
+
+    /// Normals of the row of points between the two rows of cells.
+    fn add_cells(&mut self, columns: usize) {
+        let (left, right) = (0..columns, 1..columns + 1);
+        let [ax, ay, az] = self.above.0.each_ref().map(|axis| &axis[left.clone()]);
+        let [bx, by, bz] = self.above.0.each_ref().map(|axis| &axis[right.clone()]);
+        let [cx, cy, cz] = self.below.0.each_ref().map(|axis| &axis[left.clone()]);
+        let [dx, dy, dz] = self.below.0.each_ref().map(|axis| &axis[right.clone()]);
+        let [x, y, z] = self.normals.0.each_mut().map(|axis| &mut axis[..columns]);
+        let cell = |[x, y, z]: [&[f32]; 3], i: usize| Vec3::new(x[i], y[i], z[i]);
+        let mut usual = true;
+        for i in 0..columns {
+            let sum = (cell([ax, ay, az], i) + cell([bx, by, bz], i))
+                + (cell([cx, cy, cz], i) + cell([dx, dy, dz], i));
+            let square = sum.length_squared();
+            usual &= (square > LEAST) & (square < MOST);
+            let normal = sum / square.sqrt();
+            (x[i], y[i], z[i]) = (normal.x, normal.y, normal.z);
+        }
+        if usual {
+            return;
+        }
+        for i in 0..columns {
+            let sum = (self.above.get(i) + self.above.get(i + 1))
+                + (self.below.get(i) + self.below.get(i + 1));
+            let normal = unit(sum);
+            for (axis, value) in self.normals.0.iter_mut().zip(normal.to_array()) {
+                axis[i] = value;
             }
         }
     }
 }
 
+/// Squared lengths between these have a square root and an inverse.
+const LEAST: f32 = 1e-30;
+const MOST: f32 = 1e30;
+
 /// The direction of a vector whose squared length may be too small for a float.
 #[inline]
 pub(super) fn unit(sum: Vec3) -> Vec3 {
     let square = sum.length_squared();
-    if square > 1e-30 && square < 1e30 {
+    if square > LEAST && square < MOST {
         return sum / square.sqrt();
     }
     let largest = sum.abs().max_element();
