@@ -70,6 +70,7 @@ mod collider;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
+pub mod hang;
 mod mesh;
 mod plugin;
 pub mod sdf;
