@@ -79,9 +79,9 @@ mod step;
 mod wind;
 
 pub use cloth::{
-    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
+    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
     ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
-    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, Pin, PinHold, PinProblem,
+    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem,
     PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
@@ -100,10 +100,10 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
-        ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial,
+        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial,
         ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
         ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
-        ClothWindOverride, ColliderImpulse, ColorChannel, Pin, PinHold, PinSelection, ResetCloth,
+        ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold, PinSelection, ResetCloth,
         SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{

@@ -89,7 +89,9 @@ fn brake(
 fn drag(solver: &ClothSolver, gravity: Vec3) -> f32 {
     let (min, max) = solver.bounds();
     let down = gravity.normalize_or(Vec3::NEG_Y);
-    let height = (max - min).dot(down.abs()).max(1e-3);
+    // What lies level now will hang, or lie on something.
+    let least = 0.5 * solver.topology().total_area().sqrt();
+    let height = (max - min).dot(down.abs()).max(least);
     // A plate that hangs from its edge swings as a pendulum of two thirds of its height.
     2.0 * (1.5 * gravity.length().max(1.0) / height).sqrt()
 }

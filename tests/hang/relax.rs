@@ -7,7 +7,10 @@ use bevy::math::{Vec2, Vec3};
 use bevy_drape::{
     ClothMaterial,
     hang::{RelaxReport, Relaxation, hang, relax},
-    solver::{ClothSolver, FormChoice, MassLumping, Material, Settings, StepInput, Topology},
+    solver::{
+        Air, ClothSolver, FormChoice, MassLumping, Material, Settings, SolverError, StepInput,
+        Topology,
+    },
 };
 
 use crate::{common::*, surface::point};
@@ -47,6 +50,101 @@ fn moves(solver: &mut ClothSolver, ticks: usize) -> f64 {
         most = most.max(farthest(&positions(solver), &from));
     }
     most
+}
+
+#[test]
+fn a_strip_comes_to_the_discrete_elastic_catenary() {
+    // N springs of EA = T W / 2 a column and N - 1 masses between: eps = w L / EA = rho g L / T.
+    for row in table(include_str!("../data/catenary_discrete_sag.csv")) {
+        let value = |column: usize| row[column].parse::<f32>().unwrap();
+        let (span, eps, springs) = (value(0), value(1), value(2) as usize);
+        if ![16, 32].contains(&springs) || eps == 0.0 {
+            continue;
+        }
+        let strip = sheet(Vec2::new(0.1, 1.0), springs + 1, 2, MassLumping::Lumped);
+        let material = Material { thread_stiffness: 0.2 * 9.81 / eps, ..plain() };
+        let settings = Settings { tethers: false, ..settings(FormChoice::Springs, 64) };
+        let last = 2 * springs;
+        let places = [(0, 0.0, 0.0), (1, 0.1, 0.0), (last, 0.0, span), (last + 1, 0.1, span)];
+        let points = places.map(|(i, x, z)| (i, Vec3::new(x, 0.0, z)));
+        let limits = Relaxation { speed: 2e-6, longest: 20.0 };
+        let topology = Topology::from(strip);
+        let (solver, report) = start(&topology, &points, material, settings, limits);
+        assert!(!solver.plan().clamped.thread, "{}", solver.plan());
+        let reference: f64 = row[3].parse().unwrap();
+        for column in 0..2 {
+            let sag = -f64::from(solver.position(springs + column).y);
+            let what = format!("D / L {span}, eps {eps}, {springs} springs: sag / L");
+            check(&what, sag, reference, 2.5e-6);
+            // The continuum, from which N springs are some 1 / N^2 away.
+            check(&what, sag, row[4].parse().unwrap(), 0.5 / (springs * springs) as f64);
+        }
+        assert!(report.at_rest, "{report:?}");
+    }
+}
+
+#[test]
+fn it_gives_the_same_bits_and_leaves_the_cloth_as_it_was() {
+    let topology = Topology::from(sheet(Vec2::ONE, 17, 17, MassLumping::Lumped));
+    let material = Material::from(ClothMaterial::default());
+    let corners = [(0, Vec3::ZERO), (16, Vec3::X * 0.7)];
+    let limits = Relaxation { longest: 2.0, ..Relaxation::default() };
+    let run = || start(&topology, &corners, material, Settings::default(), limits);
+    let ((one, report), (other, again)) = (run(), run());
+    assert_eq!(bits(&one), bits(&other));
+    assert_eq!(report, again);
+    assert_eq!(*one.material(), material);
+    assert_eq!(fastest(&one), 0.0);
+    assert!(!one.has_moved());
+    assert_eq!(one.position(16), Vec3::X * 0.7);
+}
+
+#[test]
+fn trace() {
+    for (n, f) in [(17, 0.7_f32), (32, 0.7), (9, 0.7), (17, 0.9)] {
+        let topology = Topology::from(sheet(Vec2::ONE, n, n, MassLumping::Lumped));
+        let material = Material::from(ClothMaterial::default());
+        let corners = [(0, Vec3::ZERO), (n - 1, Vec3::X * f)];
+        for longest in [1.0, 2.0, 4.0, 8.0, 16.0] {
+            let limits = Relaxation { longest, ..Relaxation::default() };
+            let (solver, report) = start(&topology, &corners, material, Settings::default(), limits);
+            println!("{n} {f} {longest} {} {:?}", solver.plan(), report);
+        }
+    }
+}
+
+#[test]
+fn it_ends_when_its_time_is_over_and_says_so() {
+    let topology = Topology::from(sheet(Vec2::ONE, 9, 9, MassLumping::Lumped));
+    let material = Material::from(ClothMaterial::default());
+    let corners = [(0, Vec3::ZERO), (8, Vec3::X * 0.7)];
+    let limits = Relaxation { speed: 0.0, longest: 10.0 * TICK };
+    let (_, report) = start(&topology, &corners, material, Settings::default(), limits);
+    assert_eq!((report.ticks, report.at_rest), (10, false));
+    assert!(report.speed > 0.0);
+    let limits = Relaxation { longest: 0.0, ..limits };
+    let (_, report) = start(&topology, &corners, material, Settings::default(), limits);
+    assert_eq!((report.ticks, report.at_rest), (0, false));
+}
+
+#[test]
+fn air_and_drag_are_put_back() {
+    let topology = Topology::from(sheet(Vec2::ONE, 9, 9, MassLumping::Lumped));
+    let material = Material::from(ClothMaterial::default());
+    let mut solver = at_rest(&topology, Vec3::ZERO, material, Settings::default());
+    solver.set_air(Some(Air::default())).unwrap();
+    solver.set_pins(&[0, 8]).unwrap();
+    let pins = still(&solver);
+    let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, ..StepInput::default() };
+    let report = relax(&mut solver, &input, Relaxation::default()).unwrap();
+    assert!(report.at_rest);
+    assert_eq!(solver.air(), Some(&Air::default()));
+    assert_eq!(*solver.material(), material);
+    // Bad input is told, and the cloth is as it was then too.
+    let input = StepInput { gravity: Vec3::NAN, ..input };
+    assert_eq!(relax(&mut solver, &input, Relaxation::default()), Err(SolverError::Gravity));
+    assert_eq!(solver.air(), Some(&Air::default()));
+    assert_eq!(*solver.material(), material);
 }
 
 #[test]

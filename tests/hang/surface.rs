@@ -61,7 +61,7 @@ fn hung_from_two_corners_no_thread_changes_its_length() {
             // The graph's inner edges are not along threads: the shear of the surface stretches them.
             if name == "lattice" {
                 // Chords of cells on a curve are shorter than their arcs.
-                check_strains(&format!("span {span}"), &topology, &places, 0.005, 0.13);
+                check_strains(&format!("span {span}"), &topology, &places, 0.007, 0.4);
             }
             let curve = Catenary::new(
                 DVec3::ZERO,
@@ -99,17 +99,17 @@ fn hung_from_more_points_its_threads_are_near_their_length() {
         // Four corners drawn together, as a hammock; three; and one of them higher.
         let drawn = |i: usize, by: f32| point(i, flat(i, &topology) * Vec3::new(by, 1.0, by));
         let four = [0, 32, 1056, 1088].map(|i| drawn(i, 0.8));
-        check_strains(&format!("{name}, four corners"), &topology, &hung(&topology, &four), 0.08, 0.45);
+        check_strains(&format!("{name}, four corners"), &topology, &hung(&topology, &four), 0.21, 1.0);
         let three = [0, 32, 1056].map(|i| drawn(i, 0.8));
-        check_strains(&format!("{name}, three"), &topology, &hung(&topology, &three), 0.08, 0.45);
+        check_strains(&format!("{name}, three"), &topology, &hung(&topology, &three), 0.23, 0.85);
         let middle = [drawn(0, 0.8), drawn(32, 0.8), point(16 * 33 + 16, flat(544, &topology))];
-        check_strains(&format!("{name}, middle"), &topology, &hung(&topology, &middle), 0.12, 0.5);
+        check_strains(&format!("{name}, middle"), &topology, &hung(&topology, &middle), 0.24, 0.8);
         // Two opposite corners: both sides hang from the diagonal.
         let diagonal = [drawn(0, 0.9), drawn(1088, 0.9)];
-        check_strains(&format!("{name}, diagonal"), &topology, &hung(&topology, &diagonal), 0.3, 0.5);
+        check_strains(&format!("{name}, diagonal"), &topology, &hung(&topology, &diagonal), 0.18, 0.45);
         // Two points inside: cloth on all sides.
         let inside = [drawn(16 * 33 + 8, 0.9), drawn(16 * 33 + 24, 0.9)];
-        check_strains(&format!("{name}, inside"), &topology, &hung(&topology, &inside), 0.3, 0.9);
+        check_strains(&format!("{name}, inside"), &topology, &hung(&topology, &inside), 0.13, 0.85);
     }
 }
 
@@ -169,7 +169,7 @@ fn a_curved_cloth_is_spread_out_first() {
     let points = [point(0, Vec3::ZERO), point(24, Vec3::X * 0.7)];
     // Ways over edges and diagonals are up to 8 % longer than straight ones.
     let places = hung(&topology, &points);
-    check_strains("tube, two corners", &topology, &places, 0.2, 0.6);
+    check_strains("tube, two corners", &topology, &places, 0.1, 0.7);
     let lowest = places.iter().map(|p| p.y).fold(0.0, f32::min);
     check("depth [m]", f64::from(-lowest), 1.0 + 0.32, 0.15);
 }
@@ -194,7 +194,7 @@ fn pieces_that_nothing_joins_are_hung_on_their_own() {
         let off = places[i].distance(Vec3::Y);
         assert!((off - way).abs() < 1e-5 && places[i].y <= 1.0, "{i}: {off} of {way}");
     }
-    check_strains("three pieces", &topology, &places, 0.1, 0.5);
+    check_strains("three pieces", &topology, &places, 0.07, 0.9);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn many_points_are_no_trouble() {
     let row: Vec<_> = (0..65)
         .map(|i| point(i, Vec3::new(0.5 * rest[i].x, 0.0, 0.005 * (i as f32).sin())))
         .collect();
-    check_strains("a row", &topology, &hung(&topology, &row), 0.2, 0.9);
+    check_strains("a row", &topology, &hung(&topology, &row), 0.28, 0.6);
     let border: Vec<_> = (0..65 * 65)
         .filter(|i| [0, 64].contains(&(i / 65)) || [0, 64].contains(&(i % 65)))
         .map(|i| point(i, rest[i]))
