@@ -81,8 +81,8 @@ mod wind;
 pub use cloth::{
     Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
     ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
-    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem,
-    PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
+    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, HangProblem, HangingPlaces,
+    Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -100,11 +100,12 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
-        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial,
-        ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
-        ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
-        ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold, PinSelection, ResetCloth,
-        SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
+        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
+        ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation,
+        ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights,
+        ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold,
+        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor,
+        WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,

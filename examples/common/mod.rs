@@ -14,6 +14,7 @@ mod drape;
 mod figure;
 mod flag;
 pub mod headless;
+mod hung;
 #[cfg(feature = "demo")]
 pub mod light;
 pub mod obj;

@@ -175,9 +175,11 @@ pub(crate) fn hang_cloths(
 /// Whether a cloth is to be hung otherwise than it is. One whose time has come is carried along with its
 /// anchors instead, unless it has other pins.
 fn is_new(hanging: Option<&Hanging>, asked: &Asked, pins: &ClothPins) -> bool {
-    hanging.is_none_or(|hanging| {
-        if hanging.begun { hanging.pins != *pins } else { hanging.asked != *asked }
-    })
+    hanging.is_none_or(
+        |hanging| {
+            if hanging.begun { hanging.pins != *pins } else { hanging.asked != *asked }
+        },
+    )
 }
 
 fn hang_error(entity: Entity, problem: impl Into<HangProblem>) -> ClothError {
@@ -292,16 +294,16 @@ fn put(cloth: &mut ClothSimulation, entity: Entity, positions: &[Vec3]) {
     let local = |anchor: &Anchor, at: &Attached| {
         to_local(&anchor.pose.end(), positions[at.particle as usize])
     };
-    cloth.attachments.hold_at(|anchor, at| {
-        if anchor.entity == entity { at.local } else { local(anchor, at) }
-    });
+    cloth.attachments.hold_at(
+        |anchor, at| {
+            if anchor.entity == entity { at.local } else { local(anchor, at) }
+        },
+    );
     cloth.stale = true;
 }
 
 /// The result of the relaxation, once it is there.
-fn finished(
-    cloth: &mut ClothSimulation,
-) -> Option<Result<(Vec<Vec3>, RelaxReport), SolverError>> {
+fn finished(cloth: &mut ClothSimulation) -> Option<Result<(Vec<Vec3>, RelaxReport), SolverError>> {
     let hanging = cloth.hanging.as_mut()?;
     let result = block_on(poll_once(hanging.task.as_mut()?))?;
     hanging.task = None;

@@ -90,15 +90,15 @@ fn by_ways(topology: &Topology, members: &[usize]) -> Vec<DVec2> {
         let way = f64::from(landmarks[i].1[particle]);
         way * way
     };
-    let mean_of = |i: usize| {
-        landmarks.iter().map(|&(other, _)| square(i, other)).sum::<f64>() / count as f64
-    };
+    let mean_of =
+        |i: usize| landmarks.iter().map(|&(other, _)| square(i, other)).sum::<f64>() / count as f64;
     let means: Vec<f64> = (0..count).map(mean_of).collect();
     let mean = means.iter().sum::<f64>() / count as f64;
     // Products of the landmarks' places about their middle, as their distances tell them.
     let mut products: Vec<Vec<f64>> = (0..count)
         .map(|i| {
-            let product = |j: usize| -0.5 * (square(i, landmarks[j].0) - means[i] - means[j] + mean);
+            let product =
+                |j: usize| -0.5 * (square(i, landmarks[j].0) - means[i] - means[j] + mean);
             (0..count).map(product).collect()
         })
         .collect();
@@ -145,7 +145,8 @@ fn landmarks(topology: &Topology, members: &[usize]) -> Vec<(usize, Vec<f32>)> {
 fn largest_axis(matrix: &mut [Vec<f64>]) -> (f64, Vec<f64>) {
     let count = matrix.len();
     // Begins with the column of the largest diagonal entry, which has a part along the axis.
-    let largest = (0..count).fold(0, |best, i| if matrix[i][i] > matrix[best][best] { i } else { best });
+    let largest =
+        (0..count).fold(0, |best, i| if matrix[i][i] > matrix[best][best] { i } else { best });
     let mut axis = matrix[largest].clone();
     let mut value = 0.0;
     for _ in 0..200 {

@@ -19,5 +19,5 @@ mod surface;
 mod triangulate;
 
 pub use catenary::{Catenary, CatenaryError};
-pub use relax::{Relaxation, RelaxReport, relax};
+pub use relax::{RelaxReport, Relaxation, relax};
 pub use surface::{HangError, HangingPoint, hang};

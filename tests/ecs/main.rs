@@ -10,6 +10,7 @@ mod colliders;
 mod common;
 mod execution;
 mod fields;
+mod hung;
 mod intake;
 mod mesh;
 mod pins;

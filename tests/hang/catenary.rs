@@ -63,7 +63,8 @@ fn its_points_are_evenly_spaced_along_it() {
                 let (whole, cut) = (line.at((part + inside) * length), cut.at(inside * length));
                 assert!(whole.distance(cut) <= 1e-6 * length, "{from} {to} {length} {part}");
             }
-            let steps: Vec<_> = (0..1001).map(|i| line.at((part + 1e-4 * f64::from(i)) * length)).collect();
+            let steps: Vec<_> =
+                (0..1001).map(|i| line.at((part + 1e-4 * f64::from(i)) * length)).collect();
             let sum: f64 = steps.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
             assert!((sum - 0.1 * length).abs() <= 1e-6 * length, "{sum} of {length} at {part}");
         }
@@ -161,7 +162,10 @@ fn a_taut_line_is_straight() {
         let sag = f64::max(excess, 1e-12).sqrt();
         for (i, point) in line.points(9).enumerate() {
             let off = point.distance(from.lerp(to, i as f64 / 8.0));
-            assert!(point.is_finite() && off <= 0.7 * sag * chord + 1e-6 * chord, "{off} at {excess}");
+            assert!(
+                point.is_finite() && off <= 0.7 * sag * chord + 1e-6 * chord,
+                "{off} at {excess}"
+            );
         }
         if excess >= 1e-9 {
             let off = line.at(0.5 * line.length()).distance(from.midpoint(to));

@@ -57,7 +57,10 @@ fn points_at_one_place() {
 #[test]
 fn particles_that_are_not_there_or_twice() {
     let points = [point(0, Vec3::ZERO), point(81, Vec3::X)];
-    assert_eq!(refused(&points, 0.0, GRAVITY), HangError::NoSuchParticle { particle: 81, count: 81 });
+    assert_eq!(
+        refused(&points, 0.0, GRAVITY),
+        HangError::NoSuchParticle { particle: 81, count: 81 }
+    );
     let points = [point(4, Vec3::ZERO), point(8, Vec3::X * 0.1), point(4, Vec3::X)];
     assert_eq!(refused(&points, 0.0, GRAVITY), HangError::Twice(4));
 }

@@ -100,20 +100,6 @@ fn it_gives_the_same_bits_and_leaves_the_cloth_as_it_was() {
 }
 
 #[test]
-fn trace() {
-    for (n, f) in [(17, 0.7_f32), (32, 0.7), (9, 0.7), (17, 0.9)] {
-        let topology = Topology::from(sheet(Vec2::ONE, n, n, MassLumping::Lumped));
-        let material = Material::from(ClothMaterial::default());
-        let corners = [(0, Vec3::ZERO), (n - 1, Vec3::X * f)];
-        for longest in [1.0, 2.0, 4.0, 8.0, 16.0] {
-            let limits = Relaxation { longest, ..Relaxation::default() };
-            let (solver, report) = start(&topology, &corners, material, Settings::default(), limits);
-            println!("{n} {f} {longest} {} {:?}", solver.plan(), report);
-        }
-    }
-}
-
-#[test]
 fn it_ends_when_its_time_is_over_and_says_so() {
     let topology = Topology::from(sheet(Vec2::ONE, 9, 9, MassLumping::Lumped));
     let material = Material::from(ClothMaterial::default());

@@ -99,14 +99,26 @@ fn hung_from_more_points_its_threads_are_near_their_length() {
         // Four corners drawn together, as a hammock; three; and one of them higher.
         let drawn = |i: usize, by: f32| point(i, flat(i, &topology) * Vec3::new(by, 1.0, by));
         let four = [0, 32, 1056, 1088].map(|i| drawn(i, 0.8));
-        check_strains(&format!("{name}, four corners"), &topology, &hung(&topology, &four), 0.21, 1.0);
+        check_strains(
+            &format!("{name}, four corners"),
+            &topology,
+            &hung(&topology, &four),
+            0.21,
+            1.0,
+        );
         let three = [0, 32, 1056].map(|i| drawn(i, 0.8));
         check_strains(&format!("{name}, three"), &topology, &hung(&topology, &three), 0.23, 0.85);
         let middle = [drawn(0, 0.8), drawn(32, 0.8), point(16 * 33 + 16, flat(544, &topology))];
         check_strains(&format!("{name}, middle"), &topology, &hung(&topology, &middle), 0.24, 0.8);
         // Two opposite corners: both sides hang from the diagonal.
         let diagonal = [drawn(0, 0.9), drawn(1088, 0.9)];
-        check_strains(&format!("{name}, diagonal"), &topology, &hung(&topology, &diagonal), 0.18, 0.45);
+        check_strains(
+            &format!("{name}, diagonal"),
+            &topology,
+            &hung(&topology, &diagonal),
+            0.18,
+            0.45,
+        );
         // Two points inside: cloth on all sides.
         let inside = [drawn(16 * 33 + 8, 0.9), drawn(16 * 33 + 24, 0.9)];
         check_strains(&format!("{name}, inside"), &topology, &hung(&topology, &inside), 0.13, 0.85);
