@@ -90,25 +90,16 @@ fn by_ways(topology: &Topology, members: &[usize]) -> Vec<DVec2> {
         let way = f64::from(landmarks[i].1[particle]);
         way * way
     };
-    let mean_of =
-        |i: usize| landmarks.iter().map(|&(other, _)| square(i, other)).sum::<f64>() / count as f64;
+    // A way back need not be rounded as the way there.
+    let between =
+        |i: usize, j: usize| 0.5 * (square(i, landmarks[j].0) + square(j, landmarks[i].0));
+    let mean_of = |i: usize| (0..count).map(|j| between(i, j)).sum::<f64>() / count as f64;
     let means: Vec<f64> = (0..count).map(mean_of).collect();
     let mean = means.iter().sum::<f64>() / count as f64;
     // Products of the landmarks' places about their middle, as their distances tell them.
-    let mut products: Vec<Vec<f64>> = (0..count)
-        .map(|i| {
-            let product =
-                |j: usize| -0.5 * (square(i, landmarks[j].0) - means[i] - means[j] + mean);
-            (0..count).map(product).collect()
-        })
-        .collect();
-    // A way back need not be rounded as the way there.
-    for i in 0..count {
-        for j in 0..i {
-            let even = 0.5 * (products[i][j] + products[j][i]);
-            (products[i][j], products[j][i]) = (even, even);
-        }
-    }
+    let product = |i: usize, j: usize| -0.5 * (between(i, j) - means[i] - means[j] + mean);
+    let mut products: Vec<Vec<f64>> =
+        (0..count).map(|i| (0..count).map(|j| product(i, j)).collect()).collect();
     let axes = [largest_axis(&mut products), largest_axis(&mut products)];
     let place = |&particle: &usize| {
         let coordinate = |(value, axis): &(f64, Vec<f64>)| {

@@ -201,10 +201,10 @@ fn pieces_that_nothing_joins_are_hung_on_their_own() {
     let points = [point(0, Vec3::ZERO), point(8, Vec3::X * 0.6), point(81, Vec3::Y)];
     let places = hung(&topology, &points);
     assert_eq!(places[162..], topology.rest_positions()[162..], "what nothing holds stays");
-    for i in 81..162 {
-        let way = topology.rest_positions()[i].distance(topology.rest_positions()[81]);
-        let off = places[i].distance(Vec3::Y);
-        assert!((off - way).abs() < 1e-5 && places[i].y <= 1.0, "{i}: {off} of {way}");
+    let rest = topology.rest_positions();
+    for (place, at_rest) in places[81..162].iter().zip(&rest[81..162]) {
+        let (off, way) = (place.distance(Vec3::Y), at_rest.distance(rest[81]));
+        assert!((off - way).abs() < 1e-5 && place.y <= 1.0, "{off} of {way}");
     }
     check_strains("three pieces", &topology, &places, 0.07, 0.9);
 }
