@@ -35,7 +35,8 @@
 //! # How a tick goes
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
-//!   [`ClothSimulation`]; changed components change it.
+//!   [`ClothSimulation`]; changed components change it. With [`ClothHung`] it starts where it hangs, at
+//!   rest.
 //! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind. A
 //!   cloth whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen
 //!   ([`ClothFrozen`]) or sleeps ([`ClothSleep`]) sits the tick out.

@@ -4,74 +4,16 @@ use bevy::math::{DVec2, DVec3, Vec3};
 
 use super::catenary::Catenary;
 use super::flatten::flatten;
+use super::points::{HangError, HangingPoint, check_each, check_pairs};
 use super::triangulate::{Triangulation, crossing, triangulate};
 use crate::solver::Topology;
 
-/// Hanging points nearer to each other than this part of the cloth between them are at one place.
-const COINCIDENT: f64 = 1e-6;
-/// Rounding of places in single precision, relative to the cloth between two of them.
+/// Heights that differ by less than this part of the curves' lengths are the same.
 const ROUNDING: f64 = 1e-5;
 /// Triangles are split until their sides are shorter than this part of the cloth's usual spring.
 const FINENESS: f64 = 0.5;
 /// Largest angle of a pleat, where a cloth hangs down around a single point.
 const PLEAT: f64 = 0.5;
-
-/// A particle that hangs at a given place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HangingPoint {
-    /// The particle.
-    pub particle: u32,
-    /// Where it is, in world space \[m\].
-    pub place: Vec3,
-}
-
-/// Why a cloth cannot hang from the points given.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum HangError {
-    /// Fewer than two points.
-    #[error("a cloth is hung from two points or more, not from {0}; hold another particle")]
-    TooFewPoints(usize),
-    /// A particle that is to hang does not exist.
-    #[error("there is no particle {particle} to hang: the cloth has {count}")]
-    NoSuchParticle {
-        /// The particle asked for.
-        particle: u32,
-        /// Particles of the cloth.
-        count: usize,
-    },
-    /// Two points are the same particle.
-    #[error("particle {0} is to hang at two places; leave one of them")]
-    Twice(u32),
-    /// Two points are at the same place.
-    #[error("particles {first} and {second} are to hang at the same place; move them apart")]
-    Coincident {
-        /// One particle.
-        first: u32,
-        /// The other.
-        second: u32,
-    },
-    /// Two points are further apart than the cloth between them reaches.
-    #[error(
-        "particles {first} and {second} are to hang {distance} m apart, but the cloth between them reaches \
-         no further than {reach} m; bring them together, or make the cloth larger"
-    )]
-    TooFar {
-        /// One particle.
-        first: u32,
-        /// The other.
-        second: u32,
-        /// Distance of their places \[m\].
-        distance: f64,
-        /// Length of the cloth between them, stretched as far as it may be \[m\].
-        reach: f64,
-    },
-    /// A place is not finite.
-    #[error("the place at which particle {0} is to hang is not finite")]
-    NonFinite(u32),
-    /// There is no gravity, or it is not finite.
-    #[error("without gravity nothing hangs; give the direction in which it pulls")]
-    NoGravity,
-}
 
 /// Where all particles of a cloth are that hangs from two or more points, gravity pulling along `down` (of
 /// any length): positions in world space \[m\], by particle.
@@ -96,7 +38,7 @@ pub fn hang(
     let up = -down.as_dvec3().try_normalize().ok_or(HangError::NoGravity)?;
     check_each(topology, points)?;
     let cloth = flatten(topology);
-    check_pairs(topology, &cloth.at, &cloth.piece, points, f64::from(max_strain))?;
+    check_pairs(topology, &cloth, points, f64::from(max_strain))?;
     let mut places: Vec<Vec3> = start.to_vec();
     let spacing = usual_spring(topology);
     let mut pieces: Vec<usize> = points.iter().map(|p| cloth.piece[p.particle as usize]).collect();
@@ -121,52 +63,6 @@ pub fn hang(
         places[point.particle as usize] = point.place;
     }
     Ok(places)
-}
-
-fn check_each(topology: &Topology, points: &[HangingPoint]) -> Result<(), HangError> {
-    let count = topology.particle_count();
-    let mut particles: Vec<u32> = points.iter().map(|point| point.particle).collect();
-    particles.sort_unstable();
-    if let Some(&particle) = particles.last().filter(|&&last| last as usize >= count) {
-        return Err(HangError::NoSuchParticle { particle, count });
-    }
-    if let Some(pair) = particles.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(HangError::Twice(pair[0]));
-    }
-    if let Some(point) = points.iter().find(|point| !point.place.is_finite()) {
-        return Err(HangError::NonFinite(point.particle));
-    }
-    if points.len() < 2 {
-        return Err(HangError::TooFewPoints(points.len()));
-    }
-    Ok(())
-}
-
-fn check_pairs(
-    topology: &Topology,
-    at: &[DVec2],
-    piece: &[usize],
-    points: &[HangingPoint],
-    max_strain: f64,
-) -> Result<(), HangError> {
-    let rest = topology.rest_positions();
-    for (i, one) in points.iter().enumerate() {
-        for other in &points[..i] {
-            let [a, b] = [other.particle as usize, one.particle as usize];
-            let distance = one.place.as_dvec3().distance(other.place.as_dvec3());
-            // No way along a cloth is shorter than the one through space.
-            let cloth = at[a].distance(at[b]).max(f64::from(rest[a].distance(rest[b])));
-            let [first, second] = [other.particle, one.particle];
-            if distance <= COINCIDENT * cloth {
-                return Err(HangError::Coincident { first, second });
-            }
-            let reach = cloth * (1.0 + max_strain);
-            if piece[a] == piece[b] && distance > reach + ROUNDING * cloth {
-                return Err(HangError::TooFar { first, second, distance, reach });
-            }
-        }
-    }
-    Ok(())
 }
 
 /// The mean length of the springs at rest \[m\].

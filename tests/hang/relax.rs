@@ -75,6 +75,7 @@ fn a_strip_comes_to_the_discrete_elastic_catenary() {
         for column in 0..2 {
             let sag = -f64::from(solver.position(springs + column).y);
             let what = format!("D / L {span}, eps {eps}, {springs} springs: sag / L");
+            // 1e-6 of the solver, and as much of places in single precision.
             check(&what, sag, reference, 2.5e-6);
             // The continuum, from which N springs are some 1 / N^2 away.
             check(&what, sag, row[4].parse().unwrap(), 0.5 / (springs * springs) as f64);
@@ -131,6 +132,31 @@ fn air_and_drag_are_put_back() {
     assert_eq!(relax(&mut solver, &input, Relaxation::default()), Err(SolverError::Gravity));
     assert_eq!(solver.air(), Some(&Air::default()));
     assert_eq!(*solver.material(), material);
+}
+
+#[test]
+fn whatever_hangs_hardly_moves_when_it_is_let_go() {
+    let lattice = Topology::from(sheet(Vec2::ONE, 25, 25, MassLumping::Lumped));
+    let graph = Topology::from(mesh(25, 25, 1.0 / 24.0, 0.2));
+    let material = Material::from(ClothMaterial::default());
+    // Two corners at different heights, opposite ones, three, four, two points inside.
+    let scenes: [&[usize]; 5] =
+        [&[0, 24], &[0, 624], &[0, 24, 600], &[0, 24, 600, 624], &[306, 318]];
+    for (name, topology) in [("lattice", lattice), ("graph", graph)] {
+        for particles in scenes {
+            let place = |&i: &usize| {
+                let drawn = topology.rest_positions()[i] * 0.8;
+                (i, drawn + Vec3::Y * if i == 24 { 0.2 } else { 0.0 })
+            };
+            let points: Vec<_> = particles.iter().map(place).collect();
+            let limits = Relaxation::default();
+            let (mut hung, report) =
+                start(&topology, &points, material, Settings::default(), limits);
+            assert!(report.at_rest, "{name} {particles:?}: {report:?}");
+            let what = format!("{name}, {particles:?}: largest move in 1 s [m]");
+            check_at_most(&what, moves(&mut hung, 64), 0.02);
+        }
+    }
 }
 
 #[test]
