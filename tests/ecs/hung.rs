@@ -190,6 +190,14 @@ fn what_moves_before_the_first_tick_is_hung_there() {
     transform(&mut app, right).translation = RIGHT + 0.2 * Vec3::X;
     updates(&mut app, 2);
     assert_eq!(position(&app, entity, 15), RIGHT + 0.2 * Vec3::X);
+    // Out of reach it lies in its rest shape, and hangs again once it can.
+    transform(&mut app, right).translation = RIGHT + Vec3::X;
+    updates(&mut app, 2);
+    assert!(matches!(failure(&app, entity), Some(ClothError::Hang { .. })));
+    assert!(position(&app, entity, 15).distance(Vec3::new(5.5, 5.0, 4.5)) < 1e-6);
+    transform(&mut app, right).translation = RIGHT + 0.2 * Vec3::X;
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     wait_for(&mut app, entity);
     updates(&mut app, 20);

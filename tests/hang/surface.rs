@@ -160,14 +160,15 @@ fn it_turns_with_the_scene_and_with_gravity() {
 
 #[test]
 fn a_curved_cloth_is_spread_out_first() {
-    // A quarter of a tube: its ways along the cloth are those of a rectangle of 1 x 1.
+    // Three quarters of a tube: its ways along the cloth are those of a rectangle of 1 x 1.
     let (rows, columns) = (25, 25);
-    let radius = 2.0 / std::f32::consts::PI;
+    let turn = 1.5 * std::f32::consts::PI;
+    let radius = 1.0 / turn;
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
     for r in 0..rows {
         for c in 0..columns {
-            let angle = c as f32 / 24.0 * std::f32::consts::FRAC_PI_2;
+            let angle = c as f32 / 24.0 * turn;
             positions.push(Vec3::new(radius * angle.sin(), -radius * angle.cos(), r as f32 / 24.0));
             if r + 1 < rows && c + 1 < columns {
                 let at = (r * columns + c) as u32;
