@@ -1,7 +1,7 @@
 //! What can go wrong, told to the entity that it concerns.
 
 use crate::{
-    cloth::{PinProblem, WeightProblem},
+    cloth::{HangProblem, PinProblem, WeightProblem},
     collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
@@ -44,7 +44,7 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: GraphError,
     },
-    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `SdfCollider` or `WindZone` is out of its
+    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `ClothHung`, `SdfCollider` or `WindZone` is out of its
     /// range. A running cloth keeps the last good ones, a collider or zone is left out.
     #[error("{entity}: {problem}; change `{component}`")]
     Parameter {
@@ -72,6 +72,14 @@ pub enum ClothError {
         pin: usize,
         /// What is wrong with it.
         problem: PinProblem,
+    },
+    /// The cloth does not start hung from its pins, but in its rest shape.
+    #[error("cloth {entity} starts in its rest shape: {problem} (it has `ClothHung`)")]
+    Hang {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with its pins' places, or how it went.
+        problem: HangProblem,
     },
     /// The entity's transform is not finite, scales its axes differently, or scales them to nothing usable.
     #[error(
@@ -173,11 +181,12 @@ pub(crate) enum Blame {
     Sleep,
     Air,
     Zone,
+    Hanging,
 }
 
 impl Blame {
     /// What may be wrong with a cloth.
-    pub const OF_CLOTHS: [Self; 14] = [
+    pub const OF_CLOTHS: [Self; 15] = [
         Self::Shape,
         Self::Weights,
         Self::Material,
@@ -192,6 +201,7 @@ impl Blame {
         Self::Inertia,
         Self::Sleep,
         Self::Air,
+        Self::Hanging,
     ];
 }
 
@@ -217,6 +227,7 @@ impl ClothError {
             Self::Parameter { component: "ClothSleep", .. } => Blame::Sleep,
             Self::Parameter { component: "ClothAir", .. } => Blame::Air,
             Self::Parameter { component: "WindZone", .. } => Blame::Zone,
+            Self::Parameter { component: "ClothHung", .. } | Self::Hang { .. } => Blame::Hanging,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { .. } => Blame::Pins,
             Self::Solver { .. } => Blame::Motion,

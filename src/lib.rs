@@ -35,7 +35,8 @@
 //! # How a tick goes
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
-//!   [`ClothSimulation`]; changed components change it.
+//!   [`ClothSimulation`]; changed components change it. With [`ClothHung`] it starts where it hangs, at
+//!   rest.
 //! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind. A
 //!   cloth whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen
 //!   ([`ClothFrozen`]) or sleeps ([`ClothSleep`]) sits the tick out.
@@ -70,6 +71,7 @@ mod collider;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
+pub mod hang;
 mod mesh;
 mod plugin;
 pub mod sdf;
@@ -78,10 +80,10 @@ mod step;
 mod wind;
 
 pub use cloth::{
-    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
+    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
     ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
-    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, Pin, PinHold, PinProblem,
-    PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
+    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, HangProblem, HangingPlaces,
+    Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -99,11 +101,12 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
-        ClothGravity, ClothGravityOverride, ClothInertia, ClothInterpolation, ClothMaterial,
-        ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation, ClothSleep,
-        ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
-        ClothWindOverride, ColliderImpulse, ColorChannel, Pin, PinHold, PinSelection, ResetCloth,
-        SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
+        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
+        ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation,
+        ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights,
+        ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold,
+        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor,
+        WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,

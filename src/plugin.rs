@@ -2,11 +2,12 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothInertia,
+        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
         ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
         ClothTeleport, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
         following::{ask_for_reset, ask_for_teleport},
+        hung::{cancel_hanging, hang_cloths},
         rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
     },
@@ -123,6 +124,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothExecution>()
             .register_type::<ClothTeleport>()
             .register_type::<ClothInertia>()
+            .register_type::<ClothHung>()
             .register_type::<ClothSleep>()
             .register_type::<ClothFrozen>()
             .register_type::<SdfCollider>()
@@ -141,7 +143,8 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_reset)
             .add_observer(forget_collider)
             .add_observer(forget_zone)
-            .add_observer(cancel_bake);
+            .add_observer(cancel_bake)
+            .add_observer(cancel_hanging);
         register_fields(app);
 
         // Once a frame, before its ticks: note where things are.
@@ -160,7 +163,7 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
+                    (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
@@ -217,7 +220,7 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (set_up_cloths, apply_changes, apply_pins).chain().in_set(Setup),
+                (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
                 draw_cloths.in_set(Draw),
             ),
         );

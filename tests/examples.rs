@@ -116,6 +116,24 @@ fn bunny() {
 }
 
 #[test]
+fn hung() {
+    let mut app = headless::app(Scene::Hung, 64, 1);
+    headless::simulate(&mut app, 0.1).unwrap();
+    let before = cloths(&mut app);
+    let report = headless::simulate(&mut app, 1.1).unwrap();
+    println!("{report}");
+    check(app.world_mut()).unwrap();
+    let moved: Vec<f32> = before
+        .iter()
+        .zip(cloths(&mut app))
+        .map(|(from, to)| from.iter().zip(to).map(|(a, b)| a.distance(b)).fold(0.0, f32::max))
+        .collect();
+    // The one that starts hung stays; the one that starts flat comes down.
+    assert!(moved[0] < 0.02 * 1.6 && moved[1] > 0.5 * 1.6, "{moved:?}");
+    hold(&report);
+}
+
+#[test]
 fn the_check_sees_what_is_wrong() {
     let mut app = headless::app(Scene::Spheres, 8, 1);
     assert!(check(app.world_mut()).is_err(), "it has not run");

@@ -85,12 +85,14 @@ fn load_bunny() -> Mesh {
         .with_computed_smooth_normals()
 }
 
-/// Time stands still until the bunny's field is there, so that every run is the same.
-pub fn wait_for_bakes(
-    waiting: Query<(), (With<BakeSdf>, Without<SdfCollider>, Without<ClothFailure>)>,
+/// Time stands still until the bunny's field is there and cloths that start hung are at rest, so that every
+/// run is the same.
+pub fn wait_for_tasks(
+    baking: Query<(), (With<BakeSdf>, Without<SdfCollider>, Without<ClothFailure>)>,
+    cloths: Query<&ClothSimulation>,
     mut time: ResMut<Time<Virtual>>,
 ) {
-    if waiting.is_empty() {
+    if baking.is_empty() && !cloths.iter().any(ClothSimulation::is_hanging) {
         time.unpause();
     } else {
         time.pause();

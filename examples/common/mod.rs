@@ -15,6 +15,7 @@ mod drape;
 mod figure;
 mod flag;
 pub mod headless;
+mod hung;
 #[cfg(feature = "demo")]
 pub mod light;
 pub mod obj;

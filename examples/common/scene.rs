@@ -1,13 +1,14 @@
 //! The scenes: cloths, solids and how they look, without a window.
 
 use super::{
-    bunny::{add_bunny, hop, wait_for_bakes},
+    bunny::{add_bunny, hop, wait_for_tasks},
     cape::add_cape,
     check::Bounds,
     curtain::add_curtain,
     drape::{add_covered_bunny, add_spheres},
     figure::walk,
     flag::add_flag,
+    hung::add_hung,
     sail::add_sail,
     slide::slide,
 };
@@ -55,6 +56,8 @@ pub enum Scene {
     Bunny,
     /// A cloth hung from two corners that come closer.
     Curtain,
+    /// A curtain that starts hung, beside one that starts flat.
+    Hung,
     /// A flag in a gusty wind.
     Flag,
     /// A sail that fills in a steady wind.
@@ -67,7 +70,7 @@ impl Scene {
     /// Adds the scene to an app that has a [`ClothPlugin`], meshes and transforms.
     pub fn add_to(self, app: &mut App, particles: u32) {
         app.init_resource::<Assets<Image>>();
-        app.add_systems(Update, wait_for_bakes).add_systems(FixedUpdate, (slide, hop, walk));
+        app.add_systems(Update, wait_for_tasks).add_systems(FixedUpdate, (slide, hop, walk));
         let world = app.world_mut();
         add_ground(world);
         // The box that the cloths are in at the end.
@@ -88,6 +91,10 @@ impl Scene {
             Self::Curtain => {
                 add_curtain(world, particles);
                 ([-1.5, 0.0, -2.4], [1.5, 2.6, 2.4])
+            }
+            Self::Hung => {
+                add_hung(world, particles);
+                ([-2.5, 0.0, -2.4], [2.5, 2.6, 2.4])
             }
             Self::Flag => {
                 add_flag(world, particles);

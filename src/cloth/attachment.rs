@@ -112,6 +112,19 @@ impl Attachments {
         leads(|anchor| anchor.holds).or_else(|| leads(|anchor| anchor.pulls)).or(own)
     }
 
+    /// All that is held, hard pins first: as the motions of a tick.
+    pub fn held(&self) -> impl Iterator<Item = &Attached> {
+        self.attached.iter().chain(self.pulled.iter().map(|pulled| &pulled.at))
+    }
+
+    /// Takes hold of what is held at other places in the anchors' frames.
+    pub fn hold_at(&mut self, local: impl Fn(&Anchor, &Attached) -> Vec3) {
+        let Self { anchors, attached, pulled, .. } = self;
+        for at in attached.iter_mut().chain(pulled.iter_mut().map(|pulled| &mut pulled.at)) {
+            at.local = local(&anchors[at.anchor as usize], at);
+        }
+    }
+
     /// What is held starts from where it is.
     pub fn take_hold_anew(&mut self) {
         self.attached.iter_mut().for_each(|attached| attached.fresh = true);
@@ -158,7 +171,9 @@ pub(crate) fn apply_pins(
         let changed = pins.as_ref().map_or(cloth.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
-        let fresh = cloth.tick_count == 0;
+        // One that is being hung is carried along from then on.
+        let begun = cloth.hanging.as_ref().is_some_and(|hanging| hanging.has_begun());
+        let fresh = cloth.tick_count == 0 && !begun;
         let awaited = cloth.attachments.awaited;
         let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
         if !(fresh || found || changed) {
@@ -341,7 +356,8 @@ pub(crate) fn gather_pins(
                 }
             }
         }
-        follow(entity, cloth, frozen.is_some_and(|frozen| frozen.steps == 0), &mut failures);
+        let stands = cloth.is_hanging() || frozen.is_some_and(|frozen| frozen.steps == 0);
+        follow(entity, cloth, stands, &mut failures);
     }
 }
 

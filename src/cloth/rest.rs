@@ -153,13 +153,17 @@ pub(crate) fn choose_steps(
             cloth.rest.disturb();
         }
         cloth.rest.choose(cloth.step.gravity);
-        let stands = frozen.is_some_and(|mut frozen| {
+        if let Some(hanging) = &mut cloth.hanging {
+            hanging.begin();
+        }
+        let takes_no_step = |mut frozen: Mut<ClothFrozen>| {
             let stands = frozen.steps == 0;
             if !stands {
                 frozen.steps -= 1;
             }
             stands
-        });
+        };
+        let stands = cloth.is_hanging() || frozen.is_some_and(takes_no_step);
         let steps = !(stands || cloth.quarantined || cloth.rest.asleep);
         if steps {
             cloth.step.gravity = cloth.following.seen(cloth.step.gravity);

@@ -192,7 +192,10 @@ fn moved_before_its_first_tick(
     transforms: &TransformHelper,
     entity: Entity,
 ) -> bool {
-    running.tick_count == 0 && pose_now(transforms, entity).is_ok_and(|pose| pose != running.placed)
+    let begun = running.hanging.as_ref().is_some_and(|hanging| hanging.has_begun());
+    running.tick_count == 0
+        && !begun
+        && pose_now(transforms, entity).is_ok_and(|pose| pose != running.placed)
 }
 
 pub(crate) fn pose_error(entity: Entity, error: PoseError) -> ClothError {
@@ -235,6 +238,7 @@ fn build(
         attachments: Attachments::default(),
         following: Following::default(),
         rest: Rest::default(),
+        hanging: None,
         shape: cloth.shape,
         material,
         settings,

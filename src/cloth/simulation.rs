@@ -2,9 +2,10 @@
 
 use super::{
     ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
-    following::Following, pins::Choices, rest::Rest,
+    following::Following, hung::Hanging, pins::Choices, rest::Rest,
 };
 use crate::{
+    hang::RelaxReport,
     mesh::{ClothIntake, RestShape},
     solver::{
         ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
@@ -25,6 +26,8 @@ pub struct ClothSimulation {
     pub(crate) attachments: Attachments,
     pub(crate) following: Following,
     pub(crate) rest: Rest,
+    /// Where it is to start hung from its pins.
+    pub(crate) hanging: Option<Box<Hanging>>,
     /// What it was made from.
     pub(crate) shape: ClothShape,
     /// What is in force: the components may hold numbers that were refused.
@@ -78,6 +81,17 @@ impl ClothSimulation {
     /// Whether the cloth sleeps, see [`ClothSleep`](super::ClothSleep).
     pub fn is_asleep(&self) -> bool {
         self.rest.is_asleep()
+    }
+
+    /// Whether the cloth stands still because it is being brought to rest where it hangs, in the
+    /// background. See [`ClothHung`](super::ClothHung).
+    pub fn is_hanging(&self) -> bool {
+        self.hanging.as_ref().is_some_and(|hanging| hanging.is_pending())
+    }
+
+    /// How it came to rest before it started; `None` where it was not hung, or is not at rest yet.
+    pub fn hung(&self) -> Option<&RelaxReport> {
+        self.hanging.as_ref()?.report()
     }
 
     /// Wakes the cloth, for what it cannot know of.

@@ -133,6 +133,27 @@ impl ClothSolver {
         Ok(())
     }
 
+    /// Puts all particles elsewhere, at rest \[m\]: as a cloth that is new.
+    ///
+    /// # Errors
+    /// [`SolverError::WrongPositionCount`] or [`SolverError::NonFinite`]; nothing is moved then.
+    pub fn place(&mut self, positions: &[Vec3]) -> Result<(), SolverError> {
+        let expected = self.topology.particle_count();
+        if positions.len() != expected {
+            return Err(SolverError::WrongPositionCount { expected, got: positions.len() });
+        }
+        if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
+            return Err(SolverError::NonFinite { what: "position", particle });
+        }
+        for (particle, &p) in positions.iter().enumerate() {
+            self.state.x.set(self.topology.slot(particle), p - self.state.origin);
+        }
+        self.state.d.clear();
+        self.state.last_step = 0.0;
+        self.stand_still();
+        Ok(())
+    }
+
     /// Says that the cloth does not move at present, as no tick is taken: what is drawn between two
     /// ticks is where it is. Its velocities are kept for the next tick.
     pub fn stand_still(&mut self) {

@@ -93,6 +93,15 @@ impl<'a> Ways<'a> {
     }
 }
 
+impl Topology {
+    /// Lengths of the shortest ways along the cloth at rest from a particle to all, over threads and
+    /// diagonals \[m\]; infinite where none leads.
+    pub(crate) fn ways_from(&self, particle: usize) -> Vec<f32> {
+        let (way, _) = Ways::new(self).shortest(&[self.slot(particle)], true);
+        (0..self.particle_count()).map(|to| way[self.slot(to)]).collect()
+    }
+}
+
 fn visit_lattice(lattice: &Lattice, slot: usize, shear: bool, mut visit: impl FnMut(usize, f32)) {
     let mut visit = |to: usize, length: f32| {
         if length > 0.0 {

@@ -12,6 +12,7 @@ mod common;
 mod execution;
 mod fabrics;
 mod fields;
+mod hung;
 mod intake;
 mod mesh;
 mod pins;
