@@ -45,7 +45,7 @@ fn the_table_of_facets_is_what_sampling_finds() {
 
 /// A sheet of cells `a` that lies on the top of a ball of radius R, held `thickness` off it.
 fn on_a_ball(r: f64, a: f64, thickness: f64) -> Vec<DVec3> {
-    let cells = 12;
+    let cells = 6;
     let sheet = Sheet::square(cells, a * cells as f64);
     let material = Material {
         thread_stiffness: 300.0,
@@ -83,13 +83,19 @@ fn faces_clear_a_ball_with_the_epsilon_of_the_closed_form() {
         let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
         check(&format!("{part} of epsilon: least gap beyond it [m]"), least, 0.0, 2e-7);
         let touching: Vec<_> = gaps.iter().copied().filter(|&g| g < 1e-4).collect();
-        assert!(touching.len() > 40, "{} touch", touching.len());
+        assert!(touching.len() > 20, "{} touch", touching.len());
         let mean = touching.iter().sum::<f64>() / touching.len() as f64;
         check(&format!("{part} of epsilon: mean gap beyond it [m]"), mean, 0.0, 2e-6);
-        // Threads stretch by less than 1 %, and the facet with them.
-        let deepest = deepest_face(&x, 13, r);
-        let expected = (1.0 - part) * facet;
-        check(&format!("{part} of epsilon: deepest face [m]"), deepest, expected, 0.05 * facet);
+        // A flat sheet is strained on a ball: of the longest side that there is between right angles.
+        let longest = (0..42)
+            .filter(|i| i % 7 < 6)
+            .map(|i| x[i + 1].distance(x[i + 7]))
+            .fold(0.0, f64::max);
+        let out = r + part * facet;
+        let expected = r - (out * out - longest * longest / 4.0).sqrt();
+        let deepest = deepest_face(&x, 7, r);
+        check(&format!("{part} of epsilon: deepest face [m]"), deepest, expected, 0.02 * facet);
+        check(&format!("{part} of epsilon: the table's [m]"), deepest, (1.0 - part) * facet, 0.1 * facet);
     }
 }
 
@@ -121,10 +127,14 @@ fn the_threshold_of_sliding_is_coulombs_angle() {
                     if slide(middle, mu, high, substeps, 64) > 1e-4 { slides = middle } else { holds = middle }
                 }
                 let what = format!("mu {mu} at {high} m x{substeps}: angle that slides [degrees]");
-                check(&what, 0.5 * (holds + slides), angle, 0.1);
-                let creep = slide(angle - 0.25, mu, high, substeps, 640);
-                let what = format!("mu {mu} at {high} m x{substeps}, 0.25 degrees less: creep in 10 s [m]");
-                check_at_most(&what, creep.abs(), 1e-4);
+                // 2 m from the origin places are rounded to 1.2e-7 m, a fifth of what gravity does in the
+                // finest of these substeps: some of the hold of friction is lost in that.
+                let coarse = high > 0.0 && substeps == 64;
+                check(&what, 0.5 * (holds + slides), angle, if coarse { 0.5 } else { 0.05 });
+                let below = (0.95 * f64::from(mu)).atan().to_degrees();
+                let creep = slide(below, mu, high, substeps, 640);
+                let what = format!("mu {mu} at {high} m x{substeps}, 0.95 of its slope: creep in 10 s [m]");
+                check_at_most(&what, creep.abs(), if coarse { 1e-3 } else { 1e-5 });
             }
         }
     }

@@ -134,7 +134,7 @@ fn the_planned_step_is_at_its_margin_of_the_limit() {
         let turned = |values: &[f64]| (0.5 * turn(values).1).sin().powi(2);
         check(&format!("{name}, folded: omega^2 h^2 / 4"), turned(&folded), margin, 1e-4);
         check(&format!("{name}, flat: omega^2 h^2 / 4"), turned(&flat), margin / 2.0, 1e-4);
-        check(&format!("{name}, folded: growth of a substep"), turn(&folded).0, 1.0, 1e-5);
+        check(&format!("{name}, folded: growth of a substep"), turn(&folded).0, 1.0, 1e-4);
         // And by bisection, with the constants that the plan left.
         let kept = Fabric { thread: f64::from(plan.thread_stiffness), ..fabric };
         let model = sheet.model(&kept, &[], DVec3::ZERO);

@@ -85,6 +85,21 @@ pub fn turn(x: &[f64]) -> (f64, f64) {
     (factor, (p / (2.0 * factor)).acos())
 }
 
+/// A substep that carries the stiffest motion too [s].
+const STEP: f64 = 1.0 / 256.0;
+/// Samples taken: ten periods and more.
+const SAMPLES: usize = 100;
+
+/// Substeps from sample to sample: some eighth of a period.
+fn sampling(omega: f64) -> usize {
+    (0.8 / (omega * STEP)).round() as usize
+}
+
+/// The chain's frequency from the angle between samples: `sin(phi / 2) = omega h / 2` in a substep.
+fn frequency(angle: f64, omega: f64) -> f64 {
+    2.0 / STEP * (0.5 * angle / sampling(omega) as f64).sin()
+}
+
 /// Values of a mode after each of `count` substeps of length `h`.
 fn solved(
     topology: impl Into<Topology>,
@@ -117,17 +132,15 @@ fn the_reference_meets_the_table_of_modes() {
             let omega = tabled(mode, equal);
             let sheet = strip(CELLS, 1.0);
             let model = sheet.model(&fabric(equal), &[0, 1, 2], DVec3::ZERO);
-            let h = 0.3 / omega;
             let mut motion = Motion::at_rest(&start(mode, equal));
-            let values: Vec<_> = (0..120)
+            let values: Vec<_> = (0..SAMPLES)
                 .map(|_| {
-                    model.step(&mut motion, Method::Verlet, h);
+                    model.steps(&mut motion, Method::Verlet, STEP, sampling(omega));
                     part(&motion.x, mode, equal)
                 })
                 .collect();
             let (factor, angle) = turn(&values);
-            // Verlet's angle: sin(phi / 2) = omega h / 2.
-            let measured = 2.0 / h * (0.5 * angle).sin();
+            let measured = frequency(angle, omega);
             check(&format!("equal {equal}, mode {mode} [1/s]"), measured, omega, 1e-8 * omega);
             check("amplitude after a step", factor, 1.0, 1e-9);
         }
@@ -140,16 +153,17 @@ fn springs_swing_at_the_tables_frequencies_and_lose_nothing() {
     for equal in [false, true] {
         for mode in [1, 2, 3] {
             let omega = tabled(mode, equal);
-            let h = 0.3 / omega;
             let lumping = lumping(&fabric(equal));
             for (what, topology) in [
                 ("lattice", Topology::from(sheet.lattice(lumping))),
                 ("graph", Topology::from(sheet.graph(lumping))),
             ] {
-                // Five periods and more.
-                let values = solved(topology, mode, equal, FormChoice::Springs, h, 120);
+                let every = sampling(omega);
+                let count = SAMPLES * every;
+                let values = solved(topology, mode, equal, FormChoice::Springs, STEP, count);
+                let values: Vec<_> = values.into_iter().skip(every - 1).step_by(every).collect();
                 let (factor, angle) = turn(&values);
-                let measured = 2.0 / h * (0.5 * angle).sin();
+                let measured = frequency(angle, omega);
                 let what = format!("{what}, equal {equal}, mode {mode}");
                 check(&format!("{what} [1/s]"), measured, omega, 2e-5 * omega);
                 let decrement = -factor.ln() * 2.0 * PI / angle;

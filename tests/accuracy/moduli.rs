@@ -3,7 +3,7 @@
 //! and the pull across the cut weighed, as what it sets in motion in a first short step; and a strip is
 //! pulled by springs of known strength.
 
-use bevy::math::{DMat2, DVec2, DVec3, Vec3};
+use bevy::math::{DMat2, DVec2, DVec3};
 use bevy_drape::solver::{ClothSolver, FormChoice, SoftPin, StepInput, Topology};
 
 use super::common::*;
@@ -161,8 +161,14 @@ fn a_graphs_moduli_are_the_tables() {
 
 /// Young's modulus and Poisson's ratio of a strip 1/4 as wide as long, pulled by 1e-4 of its length by
 /// springs as strong as it is itself.
-fn pulled(topology: Topology, sheet: &Sheet, fabric: &Fabric, form: FormChoice) -> (f64, f64) {
-    let settings = settings_for(fabric, Method::Verlet, settings(form, 24));
+fn pulled(
+    topology: Topology,
+    sheet: &Sheet,
+    fabric: &Fabric,
+    form: FormChoice,
+    substeps: u32,
+) -> (f64, f64) {
+    let settings = settings_for(fabric, Method::Verlet, settings(form, substeps));
     // About the origin, where floats are finest.
     let (columns, rows) = (sheet.columns(), sheet.rows());
     let middle = DVec3::new(0.125, 0.0, 0.5);
@@ -223,12 +229,32 @@ fn a_strip_is_as_stiff_as_the_lattices_modulus() {
                 ("lattice", Topology::from(sheet.lattice(lumping(&fabric)))),
                 ("graph", Topology::from(sheet.graph(lumping(&fabric)))),
             ] {
-                let (young, poisson) = pulled(topology, &sheet, &fabric, form);
+                let substeps = if form == FormChoice::Threads { 96 } else { 24 };
+                let (young, poisson) = pulled(topology, &sheet, &fabric, form, substeps);
                 let what = format!("{what} {form:?} kd {}", m.kd);
                 check(&format!("{what}: E / ks"), young / unit, m.weave, 0.01 * m.weave);
                 check(&format!("{what}: nu"), poisson, m.poisson, 0.02);
             }
         }
     }
-    let _ = Vec3::ZERO;
+}
+
+#[test]
+fn threads_are_softer_by_the_square_of_their_substep() {
+    // Shear, weft and warp are solved one after the other, each from where the last one left off: what one
+    // takes back of the other's work is as `k h^2` to a particle's mass.
+    let sheet = Sheet { cells: [10, 40], cell: DVec2::splat(0.025) };
+    let m = moduli().into_iter().find(|m| m.kd == 1.0 && m.kb == 0.0).unwrap();
+    let fabric = Fabric { thread: 20.0, shear: 20.0, drag: 14.0, ..Fabric::default() };
+    let softer = [12, 24, 48].map(|substeps| {
+        let lattice = sheet.lattice(lumping(&fabric)).into();
+        1.0 - pulled(lattice, &sheet, &fabric, FormChoice::Threads, substeps).0 / 20.0 / m.weave
+    });
+    println!("threads x12, x24, x48: E is lower by {}", list(&softer));
+    let law = |substeps: f64| {
+        let h = f64::from(TICK) / substeps;
+        20.0 * h * h / (0.2 * 0.025 * 0.025)
+    };
+    check("x12: in k h^2 / m", softer[0] / law(12.0), 0.195, 0.03);
+    check("order", (softer[0] / softer[2]).log2() / 2.0, 2.0, 0.25);
 }

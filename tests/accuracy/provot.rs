@@ -70,7 +70,7 @@ fn passes_converge_as_slowly_as_the_table_says() {
 #[test]
 fn no_order_of_passes_raises_the_strain_beyond_twice_the_first() {
     for springs in [10, 20, 40] {
-        check_at_most(&format!("{springs} springs, strain after one pass"), after(springs, 1), 1.0);
+        check_at_most(&format!("{springs} springs, strain after one pass"), after(springs, 1), 1.0 + 1e-6);
     }
 }
 
