@@ -36,10 +36,7 @@ fn quartic_elastica(gamma4: f64) -> f64 {
 fn tabled(model: &str, clamp: &str, parameter: f64, cells: usize) -> f64 {
     let rows = table(include_str!("../data/discrete_cantilever_convergence.csv"));
     let row = rows.iter().find(|r| {
-        r[0] == model
-            && r[1] == clamp
-            && r[2].parse() == Ok(parameter)
-            && r[3].parse() == Ok(cells)
+        r[0] == model && r[1] == clamp && r[2].parse() == Ok(parameter) && r[3].parse() == Ok(cells)
     });
     row.unwrap()[4].parse().unwrap()
 }
@@ -119,7 +116,13 @@ fn droop(fabric: &Fabric, cells: usize, graph: bool) -> f64 {
     } else {
         (32.0 * fabric.rigidity / fabric.density).sqrt() / (cell * cell)
     };
-    let more = if graph { 4.0 } else { 1.0 };
+    let more = if graph {
+        4.0
+    } else if fabric.flexion {
+        2.0
+    } else {
+        1.0
+    };
     let substeps = (more * f64::from(TICK) * omega / 1.8).ceil().max(16.0) as u32;
     let settings = settings_for(&fabric, Method::Verlet, settings(FormChoice::Threads, substeps));
     let topology: Topology = if graph {

@@ -55,14 +55,20 @@ fn equilibrium(springs: usize, span: f64, eps: f64) -> Vec<DVec3> {
 #[test]
 fn the_reference_meets_the_discrete_table_and_the_elastic_catenary() {
     for row in table(include_str!("../data/catenary_discrete_sag.csv")) {
-        let [span, eps, n, sag, continuum] = [0, 1, 2, 3, 4].map(|i| row[i].parse::<f64>().unwrap());
+        let [span, eps, n, sag, continuum] =
+            [0, 1, 2, 3, 4].map(|i| row[i].parse::<f64>().unwrap());
         if eps == 0.0 || n > 64.0 {
             continue;
         }
         let x = equilibrium(n as usize, span, eps);
         let what = format!("span {span}, eps {eps}, {n} springs");
         check(&format!("{what}: sag / L"), -x[n as usize / 2].y, sag, 2e-11);
-        check(&format!("{what}: elastic catenary's sag / L"), elastic(span, eps).1, continuum, 1e-10);
+        check(
+            &format!("{what}: elastic catenary's sag / L"),
+            elastic(span, eps).1,
+            continuum,
+            1e-10,
+        );
     }
 }
 
@@ -75,7 +81,12 @@ fn the_chain_nears_the_catenary_as_the_square_of_its_cells_and_the_rigid_one_wit
     // 2 c sinh(D / 2 c) = L: c(cosh(D / 2 c) - 1) = 0.2654375 at D = 0.8 (the table's inextensible one).
     for (eps, relative) in [(1e-3, 1.26e-3), (1e-2, 1.25e-2), (1e-1, 0.114)] {
         let more = elastic(0.8, eps).1 / 0.265_437_5 - 1.0;
-        check(&format!("eps {eps}: sag over the rigid one's, less 1"), more, relative, 0.01 * relative);
+        check(
+            &format!("eps {eps}: sag over the rigid one's, less 1"),
+            more,
+            relative,
+            0.01 * relative,
+        );
     }
 }
 
@@ -130,8 +141,15 @@ fn a_strip_of_threads_hangs_as_the_discrete_chain_but_for_the_substep() {
             let away = |(a, b): (&DVec3, &DVec3)| (a.y - b.y).hypot(a.z - b.z);
             settled.iter().zip(&exact).map(away).fold(0.0, f64::max)
         });
-        println!("span {span}, eps {eps}: from the exact chain x4, x8, x16: {off}", off = list(&off));
-        check_at_most(&format!("span {span}, eps {eps}: from the exact chain x16 / L"), off[2], 1e-4);
+        println!(
+            "span {span}, eps {eps}: from the exact chain x4, x8, x16: {off}",
+            off = list(&off)
+        );
+        check_at_most(
+            &format!("span {span}, eps {eps}: from the exact chain x16 / L"),
+            off[2],
+            1e-4,
+        );
     }
 }
 

@@ -78,9 +78,12 @@ fn fabrics() -> Vec<(&'static str, Fabric)> {
 fn the_solvers_motion_is_the_references_but_for_rounding() {
     let sheet = Sheet::square(8, 1.0);
     for (what, fabric) in fabrics() {
-        for (method, substeps) in
-            [(Method::Verlet, 4), (Method::Verlet, 16), (Method::Midpoint, 32), (Method::Euler, 128)]
-        {
+        for (method, substeps) in [
+            (Method::Verlet, 4),
+            (Method::Verlet, 16),
+            (Method::Midpoint, 32),
+            (Method::Euler, 128),
+        ] {
             let same = reference(&fabric, method, 16, substeps);
             let lattice = solved(sheet.lattice(lumping(&fabric)), &fabric, method, 16, substeps);
             // Sums of rounded displacements: as the root of their number.
@@ -104,7 +107,8 @@ fn a_cloth_converges_at_each_methods_order() {
         for (method, coarse, order) in
             [(Method::Verlet, 32, 2.0), (Method::Midpoint, 64, 2.0), (Method::Euler, 512, 1.0)]
         {
-            let errors = [1, 2, 4].map(|n| apart(&reference(&fabric, method, 12, coarse * n), &exact));
+            let errors =
+                [1, 2, 4].map(|n| apart(&reference(&fabric, method, 12, coarse * n), &exact));
             let measured = (errors[0] / errors[2]).log2() / 2.0;
             let tolerance = if method == Method::Euler { 0.05 } else { 0.03 };
             check(&format!("{what}, {method:?}: reference's order"), measured, order, tolerance);

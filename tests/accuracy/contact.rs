@@ -2,7 +2,10 @@
 //! (`data/epsilon_sphere.csv`): with epsilon `sqrt(R^2 + a^2 / 2) - R` the faces of cells of side a stay
 //! outside too; and to Coulomb's threshold and acceleration on inclines, also where `f32` is coarse.
 
-use bevy::math::{DVec3, Quat, Vec2, Vec3, primitives::{InfinitePlane3d, Sphere}};
+use bevy::math::{
+    DVec3, Quat, Vec2, Vec3,
+    primitives::{InfinitePlane3d, Sphere},
+};
 use bevy_drape::solver::{ClothSolver, Collider, FormChoice, MassLumping, Material, Pose};
 
 use super::common::*;
@@ -15,7 +18,8 @@ fn deepest_face(x: &[DVec3], columns: usize, r: f64) -> f64 {
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
             let at = row * columns + column;
-            for [a, b, c] in [[at, at + columns, at + 1], [at + 1, at + columns, at + columns + 1]] {
+            for [a, b, c] in [[at, at + columns, at + 1], [at + 1, at + columns, at + columns + 1]]
+            {
                 for i in 0..=8 {
                     for j in 0..=8 - i {
                         let (s, t) = (f64::from(i) / 8.0, f64::from(j) / 8.0);
@@ -39,7 +43,12 @@ fn the_table_of_facets_is_what_sampling_finds() {
         let height = (out * out - leg * leg).sqrt();
         check("middle of the facet over the ball [m]", height - r, 0.0, 1e-8);
         let out = r + edge;
-        check("middle of the edge over the ball [m]", out.hypot(0.0).powi(2) - a * a / 4.0, r * r, 1e-8);
+        check(
+            "middle of the edge over the ball [m]",
+            out.hypot(0.0).powi(2) - a * a / 4.0,
+            r * r,
+            1e-8,
+        );
     }
 }
 
@@ -87,15 +96,18 @@ fn faces_clear_a_ball_with_the_epsilon_of_the_closed_form() {
         let mean = touching.iter().sum::<f64>() / touching.len() as f64;
         check(&format!("{part} of epsilon: mean gap beyond it [m]"), mean, 0.0, 2e-6);
         // A flat sheet is strained on a ball: of the longest side that there is between right angles.
-        let longest = (0..42)
-            .filter(|i| i % 7 < 6)
-            .map(|i| x[i + 1].distance(x[i + 7]))
-            .fold(0.0, f64::max);
+        let longest =
+            (0..42).filter(|i| i % 7 < 6).map(|i| x[i + 1].distance(x[i + 7])).fold(0.0, f64::max);
         let out = r + part * facet;
         let expected = r - (out * out - longest * longest / 4.0).sqrt();
         let deepest = deepest_face(&x, 7, r);
         check(&format!("{part} of epsilon: deepest face [m]"), deepest, expected, 0.02 * facet);
-        check(&format!("{part} of epsilon: the table's [m]"), deepest, (1.0 - part) * facet, 0.1 * facet);
+        check(
+            &format!("{part} of epsilon: the table's [m]"),
+            deepest,
+            (1.0 - part) * facet,
+            0.1 * facet,
+        );
     }
 }
 
@@ -124,16 +136,20 @@ fn the_threshold_of_sliding_is_coulombs_angle() {
                 let (mut holds, mut slides) = (angle - 2.0, angle + 2.0);
                 while slides - holds > 0.02 {
                     let middle = 0.5 * (holds + slides);
-                    if slide(middle, mu, high, substeps, 64) > 1e-4 { slides = middle } else { holds = middle }
+                    // What slides gains speed; what creeps does not.
+                    let gone = slide(middle, mu, high, substeps, 64);
+                    if gone > 2e-3 { slides = middle } else { holds = middle }
                 }
                 let what = format!("mu {mu} at {high} m x{substeps}: angle that slides [degrees]");
                 // 2 m from the origin places are rounded to 1.2e-7 m, a fifth of what gravity does in the
                 // finest of these substeps: some of the hold of friction is lost in that.
                 let coarse = high > 0.0 && substeps == 64;
-                check(&what, 0.5 * (holds + slides), angle, if coarse { 0.5 } else { 0.05 });
+                check(&what, 0.5 * (holds + slides), angle, 0.1);
                 let below = (0.95 * f64::from(mu)).atan().to_degrees();
                 let creep = slide(below, mu, high, substeps, 640);
-                let what = format!("mu {mu} at {high} m x{substeps}, 0.95 of its slope: creep in 10 s [m]");
+                let what = format!(
+                    "mu {mu} at {high} m x{substeps}, 0.95 of its slope: creep in 10 s [m]"
+                );
                 check_at_most(&what, creep.abs(), if coarse { 1e-3 } else { 1e-5 });
             }
         }
@@ -149,7 +165,8 @@ fn the_acceleration_beyond_it_is_coulombs() {
                     let angle = (factor * f64::from(mu)).atan();
                     let expected = 9.81 * (angle.sin() - f64::from(mu) * angle.cos());
                     let way = slide(angle.to_degrees(), mu, high, substeps, 64);
-                    let what = format!("mu {mu} x{factor} at {high} m x{substeps}: acceleration [m/s2]");
+                    let what =
+                        format!("mu {mu} x{factor} at {high} m x{substeps}: acceleration [m/s2]");
                     check(&what, 2.0 * way, expected, 5e-3 * expected);
                 }
             }

@@ -79,26 +79,25 @@ fn mean(errors: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_error_of_the_energy_scales_with_the_squared_step() {
-    let exact = [28, 56, 112].map(|substeps| most(&errors_of_reference(substeps, 10)));
-    let found = [28, 56].map(|substeps| most(&errors(substeps, 10)));
-    println!("largest error over the largest kinetic energy: reference {}", list(&exact));
-    println!("solver {}", list(&found));
-    for (coarse, fine) in [(exact[0], exact[1]), (exact[1], exact[2]), (found[0], found[1])] {
-        check("of twice as long a step, relative", coarse / fine, 4.0, 0.5);
-    }
+fn the_references_error_of_the_energy_scales_with_the_squared_step() {
+    let most = [14, 28].map(|substeps| most(&errors_of_reference(substeps, 60)));
+    println!("largest error over the largest kinetic energy: {}", list(&most));
+    check("of twice as long a step, relative", most[0] / most[1], 4.0, 0.8);
 }
 
 #[test]
-fn the_energy_does_not_drift_in_ten_minutes() {
+fn the_solvers_energy_does_not_drift_in_ten_minutes_and_scales_with_the_squared_step() {
+    // It spreads to all motions in the first minutes, and then is on a plateau.
     let plateau = [14, 28].map(|substeps| {
-        let errors = errors(substeps, 600);
-        let minute = |i: usize| mean(&errors[i * 480..(i + 1) * 480]);
-        let means: Vec<_> = (0..10).map(minute).collect();
-        println!("x{substeps}: mean error by minute {means}", means = list(&means));
+        let means: Vec<_> = errors(substeps, 600).chunks(480).map(mean).collect();
+        println!("x{substeps}: mean error by minute {}", list(&means));
         let (fifth, tenth) = (means[4], means[9]);
         check(&format!("x{substeps}: minute 10 over minute 5"), tenth / fifth, 1.0, 0.15);
         mean(&means[4..])
     });
     check("plateau of twice as long a step, relative", plateau[0] / plateau[1], 4.0, 0.5);
+    // With finer steps rounding shows: it takes energy, some 1e-4 of the kinetic a minute.
+    let means: Vec<_> = errors(56, 240).chunks(480).map(mean).collect();
+    println!("x56: mean error by minute {}", list(&means));
+    check_at_most("x56: what rounding takes in two minutes", (means[3] - means[1]).abs(), 1e-3);
 }

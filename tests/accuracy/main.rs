@@ -9,6 +9,7 @@ mod cloth_order;
 #[allow(dead_code)]
 #[path = "../solver/common.rs"]
 mod common;
+mod conservation;
 mod contact;
 mod energy;
 mod limits;

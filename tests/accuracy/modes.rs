@@ -49,9 +49,7 @@ fn tabled(mode: usize, equal: bool) -> f64 {
 fn start(mode: usize, equal: bool) -> Vec<DVec3> {
     let sheet = strip(CELLS, 1.0);
     let rest = sheet.rest();
-    (0..sheet.count())
-        .map(|i| rest[i] + DVec3::Z * AMPLITUDE * shape(mode, equal, i / 3))
-        .collect()
+    (0..sheet.count()).map(|i| rest[i] + DVec3::Z * AMPLITUDE * shape(mode, equal, i / 3)).collect()
 }
 
 /// The mode's part of places, in amplitudes.
@@ -115,7 +113,8 @@ fn solved(
     let mut solver = ClothSolver::new(topology, &x, material(&fabric), settings).unwrap();
     solver.set_pins(&[0, 1, 2]).unwrap();
     let pins = still(&solver);
-    let input = StepInput { dt: h as f32, pins: &pins, gravity: Vec3::ZERO, ..StepInput::default() };
+    let input =
+        StepInput { dt: h as f32, pins: &pins, gravity: Vec3::ZERO, ..StepInput::default() };
     (0..count)
         .map(|_| {
             solver.tick(&input).unwrap();

@@ -223,7 +223,8 @@ fn a_strip_is_as_stiff_as_the_lattices_modulus() {
             continue;
         }
         let unit = 20.0;
-        let fabric = Fabric { thread: unit * m.ks, shear: unit * m.kd, drag: 14.0, ..Fabric::default() };
+        let fabric =
+            Fabric { thread: unit * m.ks, shear: unit * m.kd, drag: 14.0, ..Fabric::default() };
         for form in [FormChoice::Springs, FormChoice::Threads] {
             for (what, topology) in [
                 ("lattice", Topology::from(sheet.lattice(lumping(&fabric)))),

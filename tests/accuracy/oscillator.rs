@@ -6,9 +6,7 @@
 //! `4 C / (rho a^2)`. Both are linear along its springs.
 
 use bevy::math::{DVec3, Vec2, Vec3};
-use bevy_drape::solver::{
-    ClothSolver, DampingForm, FormChoice, MassLumping, Material, StepInput,
-};
+use bevy_drape::solver::{ClothSolver, DampingForm, FormChoice, MassLumping, Material, StepInput};
 
 use super::common::*;
 use super::reference::{Damper, Method, Model, Motion, Spring};
@@ -86,7 +84,8 @@ fn the_reference_meets_the_tables_of_verlets_order() {
     for row in table(include_str!("../data/verlet_order.csv")) {
         let (h, expected): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
         if row[0] == "taylor" {
-            let error = (reference(0.0, 0.5, Method::Verlet, &even(h)) - exact(0.0, 0.5, 2.0)).abs();
+            let error =
+                (reference(0.0, 0.5, Method::Verlet, &even(h)) - exact(0.0, 0.5, 2.0)).abs();
             check(&format!("error at h {h}"), error, expected, 1e-5 * expected + 2e-13);
             errors.push(error);
         }

@@ -12,13 +12,13 @@ use super::scenes::*;
 #[test]
 fn the_reference_falls_by_the_closed_form() {
     let sheet = Sheet::square(4, 0.5);
-    let fabric = Fabric { thread: 20.0, shear: 5.0, rigidity: 1e-4, damping: 0.01, ..Fabric::default() };
+    let fabric =
+        Fabric { thread: 20.0, shear: 5.0, rigidity: 1e-4, damping: 0.01, ..Fabric::default() };
     for axial in [false, true] {
         let model = sheet.model(&Fabric { axial, ..fabric }, &[], GRAVITY.as_dvec3());
         let mut motion = Motion::at_rest(&sheet.rest());
         model.steps(&mut motion, Method::Verlet, 1.0 / 960.0, 960);
-        let fallen: Vec<_> =
-            sheet.rest().iter().map(|p| *p + GRAVITY.as_dvec3() * 0.5).collect();
+        let fallen: Vec<_> = sheet.rest().iter().map(|p| *p + GRAVITY.as_dvec3() * 0.5).collect();
         check_at_most("reference, from the closed form [m]", apart(&motion.x, &fallen), 1e-12);
     }
 }
@@ -114,7 +114,8 @@ fn exchanged(exchange: bool, form: FormChoice, substeps: u32) -> Vec<DVec3> {
     let fabric = fabric();
     let settings = settings_for(&fabric, Method::Verlet, settings(form, substeps));
     let mut solver =
-        ClothSolver::new(std::sync::Arc::new(lattice), &positions, material(&fabric), settings).unwrap();
+        ClothSolver::new(std::sync::Arc::new(lattice), &positions, material(&fabric), settings)
+            .unwrap();
     let held = [0, rows * columns - 1];
     let pins: Vec<_> =
         (0..sheet.count()).filter(|&i| held.contains(&place(i))).map(|i| i as u32).collect();

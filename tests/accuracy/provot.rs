@@ -14,12 +14,8 @@ fn after(springs: usize, passes: u32) -> f64 {
     let sheet = strip(springs, 1.0);
     let material = Material { thread_stiffness: 0.0, max_strain: 0.1, ..plain() };
     let base = settings(FormChoice::Springs, 1);
-    let settings = Settings {
-        provot_passes: passes,
-        tethers: false,
-        lumping: MassLumping::Equal,
-        ..base
-    };
+    let settings =
+        Settings { provot_passes: passes, tethers: false, lumping: MassLumping::Equal, ..base };
     let lattice = sheet.lattice(MassLumping::Equal);
     let stretch = Vec3::new(1.0, 1.0, 1.5);
     let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p * stretch).collect();
@@ -43,7 +39,9 @@ fn passes_converge_as_slowly_as_the_table_says() {
         };
         rows.iter().find(of).unwrap()[4].parse().unwrap()
     };
-    for (springs, first, second) in [(10, 50, 200), (20, 200, 500), (20, 500, 1000), (40, 500, 1000)] {
+    for (springs, first, second) in
+        [(10, 50, 200), (20, 200, 500), (20, 500, 1000), (40, 500, 1000)]
+    {
         let per_pass = |a: f64, b: f64| (a / b).ln() / f64::from(second - first);
         let excess = |passes| after(springs, passes) - 0.1;
         let (measured, expected) = (
@@ -70,7 +68,11 @@ fn passes_converge_as_slowly_as_the_table_says() {
 #[test]
 fn no_order_of_passes_raises_the_strain_beyond_twice_the_first() {
     for springs in [10, 20, 40] {
-        check_at_most(&format!("{springs} springs, strain after one pass"), after(springs, 1), 1.0 + 1e-6);
+        check_at_most(
+            &format!("{springs} springs, strain after one pass"),
+            after(springs, 1),
+            1.0 + 1e-6,
+        );
     }
 }
 

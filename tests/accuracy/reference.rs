@@ -214,7 +214,9 @@ impl Model {
     fn accelerations(&self, x: &[DVec3]) -> Vec<DVec3> {
         let force = self.forces(x);
         (0..x.len())
-            .map(|i| if self.held[i] { DVec3::ZERO } else { force[i] / self.mass[i] + self.gravity })
+            .map(
+                |i| if self.held[i] { DVec3::ZERO } else { force[i] / self.mass[i] + self.gravity },
+            )
             .collect()
     }
 

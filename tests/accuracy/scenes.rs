@@ -50,12 +50,8 @@ impl Sheet {
     }
 
     pub fn lattice(&self, lumping: MassLumping) -> std::sync::Arc<bevy_drape::solver::Lattice> {
-        let lattice = bevy_drape::solver::Lattice::new(
-            self.rows(),
-            self.columns(),
-            &self.rest_32(),
-            lumping,
-        );
+        let lattice =
+            bevy_drape::solver::Lattice::new(self.rows(), self.columns(), &self.rest_32(), lumping);
         std::sync::Arc::new(lattice.unwrap())
     }
 

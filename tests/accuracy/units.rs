@@ -20,7 +20,13 @@ fn topologies(sheet: &Sheet) -> [(&'static str, Topology); 2] {
 }
 
 /// Sag of a square of 1 m held along two opposite sides, level and as far apart as it is long.
-fn sag(topology: &Topology, sheet: &Sheet, fabric: &Fabric, form: FormChoice, substeps: u32) -> f64 {
+fn sag(
+    topology: &Topology,
+    sheet: &Sheet,
+    fabric: &Fabric,
+    form: FormChoice,
+    substeps: u32,
+) -> f64 {
     let settings = settings_for(fabric, Method::Verlet, settings(form, substeps));
     let mut solver = at_rest(topology, Vec3::ZERO, material(fabric), settings);
     let (rows, columns) = (sheet.rows(), sheet.columns());
@@ -52,7 +58,8 @@ fn a_sheet_sags_alike_at_every_resolution() {
                 // Chains of a mesh are of 32 springs, one solved after the other: what that loses is as
                 // the square of substeps and cells, `k h^2` to a particle's mass.
                 let n = cells as f64;
-                let cut = if form == FormChoice::Threads && kind == 1 && cells > 32 { 1.0 } else { 0.0 };
+                let cut =
+                    if form == FormChoice::Threads && kind == 1 && cells > 32 { 1.0 } else { 0.0 };
                 let h = f64::from(TICK) / f64::from(substeps);
                 let bound = 0.4 / (n * n) + 2e-5 + cut * 0.008 * 20.0 * h * h * n * n / 0.2;
                 let what = format!("{name}, {form:?}, {cells} a side: sag / catenary's, less 1");
@@ -120,12 +127,8 @@ fn droop(topology: &Topology, sheet: &Sheet, fabric: &Fabric, form: FormChoice) 
 #[test]
 fn a_strip_droops_alike_at_every_resolution() {
     // Gamma = 100; the threads stretch by half a percent.
-    let fabric = Fabric {
-        thread: 200.0,
-        rigidity: 0.2 * 9.81 / 100.0,
-        drag: 6.0,
-        ..Fabric::default()
-    };
+    let fabric =
+        Fabric { thread: 200.0, rigidity: 0.2 * 9.81 / 100.0, drag: 6.0, ..Fabric::default() };
     let strip = |cells: usize| Sheet {
         cells: [cells / 8, cells + 1],
         cell: DVec2::splat(1.0 / cells as f64),
