@@ -118,7 +118,7 @@ fn the_planned_step_is_at_its_margin_of_the_limit() {
     let columns = sheet.columns();
     // Stiffer than the step carries: it is lowered to what is safe.
     let fabric = Fabric { thread: 1e4, ..Fabric::default() };
-    let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
     for (name, topology) in [
         ("lattice", Topology::from(sheet.lattice(lumping(&fabric)))),
         ("graph", Topology::from(sheet.graph(lumping(&fabric)))),
