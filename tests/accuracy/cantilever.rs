@@ -180,6 +180,7 @@ fn hinges_of_a_mesh_droop_as_the_elastica_at_second_order() {
         let error = |cells| droop(&fabric, cells, true) / master - 1.0;
         let (coarse, fine) = (error(8), error(16));
         println!("gamma {gamma}: mesh of 8 cells off by {coarse:.4}, of 16 by {fine:.4}");
+        check(&format!("gamma {gamma}: order"), (coarse / fine).log2(), 2.0, 0.25);
         check_at_most(&format!("gamma {gamma}: error of 16 cells"), fine.abs(), 0.05);
     }
 }
