@@ -223,8 +223,10 @@ pub(super) struct DampedSprings<'a> {
 
 /// Where the damping goes.
 pub(super) enum DampingTarget<'a> {
-    /// Displacements half a substep on: `d + gain (a + D w)`.
+    /// Displacements half a substep on: `keep d + gain (a + D w)`.
     Predict {
+        /// Part of them that still air leaves.
+        keep: f32,
         /// Half a substep, times the time that makes velocities of displacements \[s2\].
         gain: f32,
         /// Accelerations without damping.
@@ -250,11 +252,11 @@ impl Kernel for AddDamping<'_> {
                 let force = self.springs.force(slot, self.d, d);
                 let mut out = Block3::ZERO;
                 match &mut self.target {
-                    DampingTarget::Predict { gain, a, predicted } => {
+                    DampingTarget::Predict { keep, gain, a, predicted } => {
                         let a = Block3::load(a, slot);
                         for i in 0..LANES {
                             let damped = a.at(i) + force.at(i) * w.0[i];
-                            out.set(i, d.at(i) + damped * *gain);
+                            out.set(i, d.at(i) * *keep + damped * *gain);
                         }
                         out.store(predicted, slot);
                     }

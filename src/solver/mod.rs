@@ -216,8 +216,9 @@ impl ClothSolver {
     }
 
     /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
-    /// without which the whole scheme would be of first order.
+    /// without which the whole scheme would be of first order; and so it would, were drag left out of it.
     fn add_damping(&mut self) {
+        let half = self.half_kick();
         let Topology::Lattice(lattice) = &self.topology else { return };
         let Scratch { a, b, .. } = &mut self.scratch;
         let state = &self.state;
@@ -229,11 +230,21 @@ impl ClothSolver {
             inverse_mass: &self.held.inverse_mass,
             x: &state.x,
         };
-        let gain = 0.5 * state.last_step * state.unit;
-        let target = DampingTarget::Predict { gain, a, predicted: b };
+        let gain = half.gain * state.unit;
+        let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted: b };
         self.isa.run(AddDamping { springs, d: &state.d, target });
         let target = DampingTarget::Accelerations(a);
         self.isa.run(AddDamping { springs, d: b, target });
+    }
+
+    /// From the middle of the last substep to its end.
+    fn half_kick(&self) -> Kick {
+        Kick::new(self.drag(), 0.5 * self.state.last_step)
+    }
+
+    /// Rate at which still air stops the cloth \[1/s\].
+    fn drag(&self) -> f32 {
+        if self.air.is_some() { 0.0 } else { self.material.drag }
     }
 
     /// Takes the wind of a tick, if the cloth feels any. Gives what it adds to the load on the tethers,
@@ -284,8 +295,7 @@ impl ClothSolver {
             Acceleration::Uniform(input.gravity)
         };
         // From the middle of the last substep to the middle of this one.
-        let drag = if self.air.is_some() { 0.0 } else { self.material.drag };
-        let kick = Kick::new(drag, 0.5 * (self.state.last_step + plan.step));
+        let kick = Kick::new(self.drag(), 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
         self.isa.run(Integrate {
             layout: self.topology.layout(),
@@ -522,6 +532,7 @@ impl ClothSolver {
 
     fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
         self.fill_places();
+        let half = self.half_kick();
         let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
         else {
             return;
@@ -531,7 +542,7 @@ impl ClothSolver {
         room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
         if plan.damping > 0.0 {
             let form = self.material.damping_form;
-            room.add_damping(isa, graph, strengths, form, &self.state, a);
+            room.add_damping(isa, graph, strengths, form, half, &self.state, a);
         }
     }
 

@@ -429,13 +429,15 @@ impl Bound {
 /// The constants that particles have in the mean, where each has what the substeps carry.
 fn mean(circles: &[Circle], asked: Constants, stable: f32) -> Constants {
     let mut sums = [0.0_f64; 3];
-    for shares in circles.iter().map(|circle| circle.shares(&asked, stable)) {
+    // Neither what is held nor what stands beside the cloth has springs to lower.
+    let moving = || circles.iter().filter(|circle| circle.rate(&asked) > 0.0);
+    for shares in moving().map(|circle| circle.shares(&asked, stable)) {
         for (sum, share) in sums.iter_mut().zip([shares.thread, shares.shear, shares.bending]) {
             *sum += f64::from(1.0 - share);
         }
     }
     let [thread, shear, bending] = sums.map(|sum| {
-        let lost = (sum / circles.len() as f64) as f32;
+        let lost = (sum / moving().count().max(1) as f64) as f32;
         // That of a few in many particles shows all the same.
         if sum > 0.0 { (1.0 - lost).min(1.0 - f32::EPSILON) } else { 1.0 }
     });

@@ -67,7 +67,7 @@ impl ClothSolver {
 
     /// Still air, as an acceleration.
     fn brake(&mut self) {
-        let drag = if self.air.is_some() { 0.0 } else { self.material.drag };
+        let drag = self.drag();
         if drag > 0.0 {
             let part = -drag / self.state.unit;
             let (add, a) = (self.adding(), &mut self.scratch.a);

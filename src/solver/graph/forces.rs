@@ -102,8 +102,10 @@ pub(crate) struct Damped<'a> {
 
 /// Where the damping goes.
 pub(crate) enum Target<'a> {
-    /// Displacements half a substep on: `d + gain (a + D w)`.
+    /// Displacements half a substep on: `keep d + gain (a + D w)`.
     Predict {
+        /// Part of them that still air leaves.
+        keep: f32,
         /// Half a substep, times the time that makes velocities of displacements \[s2\].
         gain: f32,
         /// Accelerations without damping.
@@ -121,14 +123,14 @@ impl TransposingKernel for GatherDamping<'_> {
     fn run(self, t: impl Transpose) {
         let Self { springs, places, target } = self;
         match target {
-            Target::Predict { gain, a, predicted } => {
+            Target::Predict { keep, gain, a, predicted } => {
                 for slot in (0..predicted.len()).step_by(LANES) {
                     let (force, d, w) = springs.force(t, slot, places, &places.d);
                     let a = Block3::load(a, slot);
                     let mut out = Block3::ZERO;
                     for i in 0..LANES {
                         let damped = a.at(i) + force.at(i) * w.0[i];
-                        out.set(i, d.at(i) + damped * gain);
+                        out.set(i, d.at(i) * keep + damped * gain);
                     }
                     store(t, predicted, slot, out, Block::ZERO);
                 }

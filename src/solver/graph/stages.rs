@@ -11,6 +11,7 @@ use super::places::{FillPlaces, Places, TakeDisplacements};
 use super::solve::SolveChains;
 use super::strengths::Strengths;
 use crate::solver::constraint::Rule;
+use crate::solver::integrate::Kick;
 use crate::solver::isa::Isa;
 use crate::solver::lanes::{Array, LANES, Soa};
 use crate::solver::parameters::DampingForm;
@@ -99,10 +100,10 @@ impl Room {
         graph: &Graph,
         strengths: &Strengths,
         form: DampingForm,
+        half: Kick,
         state: &State,
         a: &mut Soa,
     ) {
-        let gain = 0.5 * state.last_step * state.unit;
         let springs = Damped {
             table: &graph.springs,
             constant: &strengths.damping,
@@ -110,7 +111,8 @@ impl Room {
             form,
         };
         let Self { places, predicted, .. } = self;
-        let target = Target::Predict { gain, a, predicted };
+        let gain = half.gain * state.unit;
+        let target = Target::Predict { keep: half.decay, gain, a, predicted };
         isa.run_transposing(GatherDamping { springs, places, target });
         let target = Target::Accelerations { predicted, a };
         isa.run_transposing(GatherDamping { springs, places, target });

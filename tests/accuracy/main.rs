@@ -1,0 +1,25 @@
+//! The solver held to closed forms and tables at the accuracy that `f32` allows, and an independent `f64`
+//! model (`reference`) held to them at theirs. Each module says which.
+//!
+//! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
+
+mod cantilever;
+mod catenary;
+mod cloth_order;
+#[allow(dead_code)]
+#[path = "../solver/common.rs"]
+mod common;
+mod conservation;
+mod contact;
+mod energy;
+mod limits;
+mod modes;
+mod moduli;
+mod oscillator;
+mod places;
+mod poster;
+mod provot;
+mod reference;
+mod scenes;
+mod settled;
+mod units;

@@ -1,0 +1,204 @@
+//! Axial oscillations of a hanging strip without gravity. Held to the closed forms of the discrete chain
+//! (`data/chain_modes.csv`): springs turn them at Verlet's angle and leave their amplitude alone, threads
+//! damp them by a law of their own, which is stated here.
+//!
+//! A thread's correction is the spring's force at the substep's end: `x' - 2 x + x'' = -(omega h)^2 x'`,
+//! so that a substep multiplies an oscillation by `1 / sqrt(1 + (omega h)^2)` and turns it by
+//! `atan(omega h)`. For small omega h its rate of decay is `omega^2 h / 2`.
+
+use std::f64::consts::PI;
+
+use bevy::math::{DVec3, Vec3};
+use bevy_drape::solver::{ClothSolver, FormChoice, StepInput, Topology};
+
+use super::common::*;
+use super::reference::{Fabric, Method, Motion};
+use super::scenes::*;
+
+const CELLS: usize = 10;
+const AMPLITUDE: f64 = 1e-3;
+/// `sqrt(E / rho) / L` [1/s].
+const UNIT: f64 = 10.0;
+
+fn fabric(equal: bool) -> Fabric {
+    Fabric { thread: 0.2 * UNIT * UNIT, equal, ..Fabric::default() }
+}
+
+/// Displacement of a row in a mode.
+fn shape(mode: usize, equal: bool, row: usize) -> f64 {
+    let n = CELLS as f64;
+    let ends = if equal { 2.0 * n + 1.0 } else { 2.0 * n };
+    ((2 * mode - 1) as f64 * PI * row as f64 / ends).sin()
+}
+
+/// The table's frequency of a mode [1/s].
+fn tabled(mode: usize, equal: bool) -> f64 {
+    let kind = if equal { "axial_full_tip" } else { "axial_half_tip" };
+    let rows = table(include_str!("../data/chain_modes.csv"));
+    let row = rows
+        .iter()
+        .find(|r| r[0] == kind && r[1].parse() == Ok(CELLS) && r[2].parse() == Ok(mode))
+        .unwrap();
+    let unit: f64 = row[3].parse().unwrap();
+    // Of a strip of equal masses a row weighs N / (N + 1) of a cell's, and its three springs are whole,
+    // where two cells are: 3 / 2 of the stiffness, beside the whole sheet's mass.
+    let n = CELLS as f64;
+    UNIT * unit * if equal { (1.5 * (n + 1.0) / n).sqrt() } else { 1.0 }
+}
+
+fn start(mode: usize, equal: bool) -> Vec<DVec3> {
+    let sheet = strip(CELLS, 1.0);
+    let rest = sheet.rest();
+    (0..sheet.count()).map(|i| rest[i] + DVec3::Z * AMPLITUDE * shape(mode, equal, i / 3)).collect()
+}
+
+/// The mode's part of places, in amplitudes.
+fn part(x: &[DVec3], mode: usize, equal: bool) -> f64 {
+    let rest = strip(CELLS, 1.0).rest();
+    let weight = |i: usize| if !equal && i / 3 == CELLS { 0.5 } else { 1.0 };
+    let (mut sum, mut square) = (0.0, 0.0);
+    for i in 0..x.len() {
+        let s = shape(mode, equal, i / 3);
+        sum += weight(i) * s * (x[i].z - rest[i].z);
+        square += weight(i) * s * s;
+    }
+    sum / square / AMPLITUDE
+}
+
+/// The factor and the angle of one step, of values that are multiplied and turned so in each: the best
+/// `p` and `q` of `x'' = p x' - q x`.
+pub fn turn(x: &[f64]) -> (f64, f64) {
+    let (mut aa, mut ab, mut bb, mut ac, mut bc) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for w in x.windows(3) {
+        let (a, b, c) = (w[1], -w[0], w[2]);
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+        ac += a * c;
+        bc += b * c;
+    }
+    let det = aa * bb - ab * ab;
+    let (p, q) = ((ac * bb - bc * ab) / det, (aa * bc - ab * ac) / det);
+    let factor = q.sqrt();
+    (factor, (p / (2.0 * factor)).acos())
+}
+
+/// A substep that carries the stiffest motion too [s].
+const STEP: f64 = 1.0 / 256.0;
+/// Samples taken: ten periods and more.
+const SAMPLES: usize = 100;
+
+/// Substeps from sample to sample: some eighth of a period.
+fn sampling(omega: f64) -> usize {
+    (0.8 / (omega * STEP)).round() as usize
+}
+
+/// The chain's frequency from the angle between samples: `sin(phi / 2) = omega h / 2` in a substep.
+fn frequency(angle: f64, omega: f64) -> f64 {
+    2.0 / STEP * (0.5 * angle / sampling(omega) as f64).sin()
+}
+
+/// Values of a mode after each of `count` substeps of length `h`.
+fn solved(
+    topology: impl Into<Topology>,
+    mode: usize,
+    equal: bool,
+    form: FormChoice,
+    h: f64,
+    count: usize,
+) -> Vec<f64> {
+    let fabric = fabric(equal);
+    let x: Vec<_> = start(mode, equal).iter().map(|p| p.as_vec3()).collect();
+    let settings = settings_for(&fabric, Method::Verlet, settings(form, 1));
+    let mut solver = ClothSolver::new(topology, &x, material(&fabric), settings).unwrap();
+    solver.set_pins(&[0, 1, 2]).unwrap();
+    let pins = still(&solver);
+    let input =
+        StepInput { dt: h as f32, pins: &pins, gravity: Vec3::ZERO, ..StepInput::default() };
+    (0..count)
+        .map(|_| {
+            solver.tick(&input).unwrap();
+            assert!(!solver.plan().clamped.thread, "{}", solver.plan());
+            part(&places(&solver), mode, equal)
+        })
+        .collect()
+}
+
+#[test]
+fn the_reference_meets_the_table_of_modes() {
+    for equal in [false, true] {
+        for mode in [1, 2, 3] {
+            let omega = tabled(mode, equal);
+            let sheet = strip(CELLS, 1.0);
+            let model = sheet.model(&fabric(equal), &[0, 1, 2], DVec3::ZERO);
+            let mut motion = Motion::at_rest(&start(mode, equal));
+            let values: Vec<_> = (0..SAMPLES)
+                .map(|_| {
+                    model.steps(&mut motion, Method::Verlet, STEP, sampling(omega));
+                    part(&motion.x, mode, equal)
+                })
+                .collect();
+            let (factor, angle) = turn(&values);
+            let measured = frequency(angle, omega);
+            check(&format!("equal {equal}, mode {mode} [1/s]"), measured, omega, 1e-8 * omega);
+            check("amplitude after a step", factor, 1.0, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn springs_swing_at_the_tables_frequencies_and_lose_nothing() {
+    let sheet = strip(CELLS, 1.0);
+    for equal in [false, true] {
+        for mode in [1, 2, 3] {
+            let omega = tabled(mode, equal);
+            let lumping = lumping(&fabric(equal));
+            for (what, topology) in [
+                ("lattice", Topology::from(sheet.lattice(lumping))),
+                ("graph", Topology::from(sheet.graph(lumping))),
+            ] {
+                let every = sampling(omega);
+                let count = SAMPLES * every;
+                let values = solved(topology, mode, equal, FormChoice::Springs, STEP, count);
+                let values: Vec<_> = values.into_iter().skip(every - 1).step_by(every).collect();
+                let (factor, angle) = turn(&values);
+                let measured = frequency(angle, omega);
+                let what = format!("{what}, equal {equal}, mode {mode}");
+                check(&format!("{what} [1/s]"), measured, omega, 2e-5 * omega);
+                let decrement = -factor.ln() * 2.0 * PI / angle;
+                check(&format!("{what}: decrement of a period"), decrement, 0.0, 1e-4);
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_damp_by_the_law_of_the_implicit_substep() {
+    let sheet = strip(CELLS, 1.0);
+    for mode in [1, 2, 3] {
+        let omega = tabled(mode, false);
+        for q in [0.05, 0.2, 1.0] {
+            let lattice = sheet.lattice(lumping(&fabric(false)));
+            let count = (4.0 / q) as usize + 6;
+            let values = solved(lattice, mode, false, FormChoice::Threads, q / omega, count);
+            let (factor, angle) = turn(&values);
+            let what = format!("mode {mode}, omega h {q}");
+            let law = 0.5 * (1.0 + q * q).ln();
+            check(&format!("{what}: decay of a substep"), -factor.ln(), law, 2e-3 * law + 2e-6);
+            check(&format!("{what}: angle of a substep"), angle, f64::atan(q), 2e-3 * q);
+        }
+    }
+    // Substeps buy it back, one for one: decay over a time is omega^2 h / 2.
+    let omega = tabled(1, false);
+    let decay = |substeps: f64| {
+        let h = f64::from(TICK) / substeps;
+        let lattice = sheet.lattice(lumping(&fabric(false)));
+        let count = (2.0 / (omega * h)) as usize;
+        let values = solved(lattice, 1, false, FormChoice::Threads, h, count);
+        -turn(&values).0.ln() / h
+    };
+    for substeps in [4.0, 8.0, 16.0] {
+        let law = omega * omega * f64::from(TICK) / substeps / 2.0;
+        check(&format!("x{substeps}: decay [1/s]"), decay(substeps), law, 0.02 * law);
+    }
+}
