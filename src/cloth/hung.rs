@@ -146,10 +146,11 @@ impl Hanging {
 /// Hangs cloths that have not started, and starts them when they are at rest.
 pub(crate) fn hang_cloths(
     mut cloths: Query<(Entity, &ClothHung, &mut ClothSimulation, Option<&ClothGravityOverride>)>,
-    gravity: Res<ClothGravity>,
+    gravity: Option<Res<ClothGravity>>,
     fixed: Option<Res<Time<Fixed>>>,
     mut failures: Failures,
 ) {
+    let gravity = gravity.as_deref().copied().unwrap_or_default();
     for (entity, hung, mut cloth, own) in &mut cloths {
         if cloth.tick_count > 0 {
             continue;
