@@ -1,0 +1,171 @@
+//! The report of speed against error: scenes, each with jobs that are points of its curves, run one after
+//! another, timed, and written as tables and plots.
+
+pub mod machine;
+pub mod peers;
+pub mod plot;
+pub mod readme;
+pub mod run;
+pub mod scenes;
+pub mod tables;
+
+use std::error::Error;
+
+pub type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// How much is measured.
+#[derive(Clone, Copy)]
+pub struct Extent {
+    /// Fewer sizes and settings.
+    pub quick: bool,
+    /// Times that each job is run; less often where one takes long.
+    pub runs: usize,
+}
+
+/// One scene: what it is, what is measured, and with what.
+pub struct Scene<'a> {
+    /// As it is asked for, and as its files are called.
+    pub name: &'static str,
+    pub title: &'static str,
+    /// Constants, horizon, reference and its own error.
+    pub about: String,
+    pub errors: Vec<Metric>,
+    pub jobs: Vec<Job<'a>>,
+    pub plots: Vec<Plot>,
+}
+
+/// An error that a scene is measured by.
+#[derive(Clone)]
+pub struct Metric {
+    pub name: &'static str,
+    pub unit: &'static str,
+}
+
+impl Metric {
+    pub const fn new(name: &'static str, unit: &'static str) -> Self {
+        Self { name, unit }
+    }
+
+    /// With its unit, as tables and axes are headed.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.into()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+}
+
+/// One setting of one method.
+pub struct Job<'a> {
+    /// The curve that it is a point of.
+    pub method: String,
+    /// Particles a side, or cells along a strip.
+    pub n: usize,
+    /// What is turned, in words.
+    pub knob: String,
+    pub run: Box<dyn Fn() -> Outcome<Measured> + 'a>,
+}
+
+/// What one run of a job came to.
+#[derive(Default)]
+pub struct Measured {
+    /// Time of each frame of 1/60 s \[ms\].
+    pub frames: Vec<f64>,
+    /// In the order of the scene's metrics; NaN where one does not apply.
+    pub errors: Vec<f64>,
+    /// Particles times substeps in a frame.
+    pub work: usize,
+    /// Why the run is no success: drawn as a failure.
+    pub failed: Option<String>,
+    /// Its errors are themselves times, taken over as many runs as they need.
+    pub varies: bool,
+}
+
+/// What a scene is drawn as.
+pub struct Plot {
+    /// The error drawn, of the scene's metrics.
+    pub metric: usize,
+    /// Only points of this size, if any.
+    pub n: Option<usize>,
+    /// Below this, `f32` rounds.
+    pub floor: Option<f64>,
+    /// What differs by less is chance: a disturbed start does as much.
+    pub chaos: Option<f64>,
+    /// Which error of the peers is the same, if they ran this scene.
+    pub peers: Option<peers::Error>,
+}
+
+impl Plot {
+    pub fn of(metric: usize) -> Self {
+        Self { metric, n: None, floor: None, chaos: None, peers: None }
+    }
+}
+
+/// A job's result over all its runs.
+pub struct Point {
+    pub method: String,
+    pub n: usize,
+    pub knob: String,
+    pub time: Times,
+    pub errors: Vec<f64>,
+    pub failed: Option<String>,
+}
+
+/// Milliseconds a frame: the median frame and the 99th percentile of the median run, and the median frames
+/// of the fastest and of the slowest run.
+#[derive(Clone, Copy)]
+pub struct Times {
+    pub median: f64,
+    pub p99: f64,
+    pub least: f64,
+    pub most: f64,
+    /// Nanoseconds a particle and substep.
+    pub each: f64,
+}
+
+/// A scene and its points.
+pub struct Results<'a> {
+    pub scene: Scene<'a>,
+    pub points: Vec<Point>,
+}
+
+/// Runs a job, several times unless it takes long; the runs must come to the same errors.
+pub fn measure(job: &Job<'_>, extent: Extent) -> Outcome<Point> {
+    const LONG: f64 = 1500.0;
+    let mut medians = Vec::new();
+    let mut first: Option<Measured> = None;
+    let mut spent = 0.0;
+    for _ in 0..extent.runs.max(1) {
+        let run = (job.run)().map_err(|error| format!("{}, {}: {error}", job.method, job.knob))?;
+        spent += run.frames.iter().sum::<f64>();
+        let mut frames = run.frames.clone();
+        frames.sort_by(f64::total_cmp);
+        let quantile = |part: f64| {
+            let at = (part * frames.len() as f64) as usize;
+            frames.get(at.min(frames.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+        };
+        medians.push((quantile(0.5), quantile(0.99)));
+        if let Some(before) = &first {
+            let same =
+                |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+            if !before.errors.iter().zip(&run.errors).all(same) {
+                return Err(
+                    format!("{}, {}: another run, other errors", job.method, job.knob).into()
+                );
+            }
+        }
+        let once = run.varies;
+        first.get_or_insert(run);
+        if once || spent > LONG {
+            break;
+        }
+    }
+    let Measured { errors, work, failed, .. } = first.unwrap_or_default();
+    medians.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (median, p99) = medians[medians.len() / 2];
+    let (least, most) = (medians[0].0, medians[medians.len() - 1].0);
+    let each = median * 1e6 / work.max(1) as f64;
+    let time = Times { median, p99, least, most, each };
+    Ok(Point { method: job.method.clone(), n: job.n, knob: job.knob.clone(), time, errors, failed })
+}

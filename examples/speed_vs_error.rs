@@ -1,0 +1,148 @@
+//! Speed against error: every scene of the report, its knobs swept, as tables, CSV, Markdown and plots.
+//!
+//! `cargo run --release --example speed_vs_error` writes the whole report into `assets/report`; with
+//! `--quick` or `--scenes` a part of it, into `target/speed_vs_error`.
+
+// A program may print.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Instant,
+};
+
+use clap::{Parser, builder::PossibleValuesParser};
+use indicatif::{ProgressBar, ProgressStyle};
+
+#[path = "common/exact.rs"]
+mod exact;
+#[allow(dead_code)]
+#[path = "../tests/accuracy/reference.rs"]
+mod reference;
+#[path = "common/speed/mod.rs"]
+mod speed;
+
+use speed::{
+    Extent, Outcome, Results, Scene, machine::Machine, peers, plot, readme, scenes, tables,
+};
+
+/// Measures speed against error, scene by scene.
+#[derive(Parser)]
+struct Options {
+    /// Fewer sizes and settings, in under a minute.
+    #[arg(short, long)]
+    quick: bool,
+    /// Only these scenes; all where none are named.
+    #[arg(short, long, value_delimiter = ',', value_parser = names())]
+    scenes: Vec<String>,
+    /// Runs of each setting, unless they take long.
+    #[arg(short, long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..100))]
+    runs: u32,
+    /// Where to write to.
+    #[arg(short, long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Put the report's short form into the README as well, between its marks.
+    #[arg(long)]
+    readme: bool,
+}
+
+fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new(scenes::ALL.map(|(name, _)| name))
+}
+
+fn main() -> ExitCode {
+    match report(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn report(options: &Options) -> Outcome<()> {
+    let begun = Instant::now();
+    let whole = !options.quick && options.scenes.is_empty();
+    if options.readme && !whole {
+        return Err("the README shows the whole report: leave out --quick and --scenes".into());
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let usual = if whole { "assets/report" } else { "target/speed_vs_error" };
+    let folder = options.out.clone().unwrap_or_else(|| here.join(usual));
+    // Before minutes of work.
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let levels = peers::read()?;
+    let machine = Machine::look();
+    println!("{machine}");
+
+    let extent = Extent {
+        quick: options.quick,
+        runs: if options.quick { 1 } else { options.runs as usize },
+    };
+    let all = measure(options, extent)?;
+    let mut plots = Vec::new();
+    for results in &all {
+        plots.push(draw(&folder, results, &levels, machine.factor())?);
+    }
+    let extra = readme::summary(&all, &levels, machine.factor());
+    tables::write_markdown(&folder.join("report.md"), &machine, &all, &extra, &plots)?;
+    tables::write_csv(&folder.join("report.csv"), &all)?;
+    if options.readme {
+        readme::insert(&here.join("README.md"), &format!("{machine}\n\n{extra}"))?;
+    }
+    println!("\n{extra}");
+    println!("{} s; tables and plots are in {}", begun.elapsed().as_secs(), folder.display());
+    Ok(())
+}
+
+/// Runs all jobs of the scenes asked for behind a progress bar.
+fn measure(options: &Options, extent: Extent) -> Outcome<Vec<Results<'static>>> {
+    let asked = |(name, _): &&(&str, _)| {
+        options.scenes.is_empty() || options.scenes.iter().any(|scene| scene == name)
+    };
+    let scenes: Vec<_> = scenes::ALL.iter().filter(asked).collect();
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed} {msg:30!}")?;
+    let bar = ProgressBar::new(0).with_style(style);
+    let mut all = Vec::new();
+    let built: Vec<(&str, Scene<'static>)> = scenes
+        .iter()
+        .map(|(name, build)| {
+            bar.set_message(format!("{name}: its reference"));
+            let scene = build(extent)?;
+            bar.inc_length(scene.jobs.len() as u64);
+            Ok((*name, scene))
+        })
+        .collect::<Outcome<_>>()?;
+    for (name, scene) in built {
+        let mut points = Vec::new();
+        for job in &scene.jobs {
+            bar.set_message(format!("{name}: {}", job.method));
+            points.push(speed::measure(job, extent)?);
+            bar.inc(1);
+        }
+        let results = Results { scene, points };
+        bar.suspend(|| tables::print(&results));
+        all.push(results);
+    }
+    bar.finish_and_clear();
+    Ok(all)
+}
+
+/// Draws a scene's plots, and gives their files.
+fn draw(
+    folder: &Path,
+    results: &Results<'_>,
+    levels: &[peers::Level],
+    factor: f64,
+) -> Outcome<Vec<String>> {
+    let mut files = Vec::new();
+    for plot in &results.scene.plots {
+        let metric = results.scene.errors[plot.metric].name.to_lowercase().replace([' ', '/'], "_");
+        let file = format!("{}_{metric}.svg", results.scene.name);
+        plot::draw(&folder.join(&file), results, plot, levels, factor)?;
+        files.push(file);
+    }
+    Ok(files)
+}
