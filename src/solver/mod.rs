@@ -4,7 +4,7 @@
 //! stages, one function each:
 //!
 //! 1. [`accumulate_forces`](ClothSolver::accumulate_forces): explicit springs, bending, damping, gravity,
-//!    air give accelerations (`forces`, `bending`, `air`);
+//!    air give accelerations (`forces`, `rows`, `bending`, `damping`, `air`);
 //! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
@@ -37,6 +37,7 @@ mod air;
 mod bending;
 mod constraint;
 mod contact;
+mod damping;
 mod error;
 mod forces;
 mod graph;
@@ -50,6 +51,7 @@ mod measure;
 mod motion;
 mod parameters;
 mod plan;
+mod rows;
 mod setup;
 mod soft;
 mod state;
@@ -89,7 +91,8 @@ use air::{Push, Surface};
 use bending::Bend;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Skin, Span, least_load};
-use forces::{AccumulateForces, AddDamping, DampedSprings, DampingTarget};
+use damping::{AddDamping, DampedSprings, DampingTarget};
+use forces::AccumulateForces;
 use held::Held;
 use input::is_near;
 use integrate::{Acceleration, Displace, Integrate, Kick};
@@ -198,7 +201,7 @@ impl ClothSolver {
         let plan = self.plan;
         let x = &self.state.x;
         let layout = lattice.layout;
-        let Scratch { a, moments, .. } = &mut self.scratch;
+        let Scratch { a, moments, rows, .. } = &mut self.scratch;
         let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
         self.isa.run(AccumulateForces {
             lattice,
@@ -207,6 +210,7 @@ impl ClothSolver {
             gravity: input.gravity,
             inverse_mass: &self.held.inverse_mass,
             x,
+            rows,
             a,
         });
         if plan.damping > 0.0 {
@@ -220,7 +224,7 @@ impl ClothSolver {
     fn add_damping(&mut self) {
         let half = self.half_kick();
         let Topology::Lattice(lattice) = &self.topology else { return };
-        let Scratch { a, b, .. } = &mut self.scratch;
+        let Scratch { a, b, rows, .. } = &mut self.scratch;
         let state = &self.state;
         let springs = DampedSprings {
             lattice,
@@ -232,9 +236,9 @@ impl ClothSolver {
         };
         let gain = half.gain * state.unit;
         let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted: b };
-        self.isa.run(AddDamping { springs, d: &state.d, target });
+        self.isa.run(AddDamping { springs, d: &state.d, rows, target });
         let target = DampingTarget::Accelerations(a);
-        self.isa.run(AddDamping { springs, d: b, target });
+        self.isa.run(AddDamping { springs, d: b, rows, target });
     }
 
     /// From the middle of the last substep to its end.

@@ -7,6 +7,7 @@ use super::contact::ContactRoom;
 use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
+use super::rows::SpringRows;
 use super::study::Study;
 use super::topology::Topology;
 
@@ -83,6 +84,8 @@ fn on_grid(p: Vec3) -> Vec3 {
 pub(crate) struct Scratch {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
+    /// Forces of a lattice's springs, while a row is worked on.
+    pub rows: SpringRows,
     /// Moments of the hinges.
     pub moments: Moments,
     /// Displacements predicted for the damping.
@@ -128,6 +131,7 @@ impl Scratch {
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
+            rows: SpringRows::new(woven),
             moments: Moments::new(woven),
             strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
             line: Line::new(longest),
