@@ -43,6 +43,9 @@ struct Options {
     /// Where to write to.
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Only time a crowd of cloths on so many threads.
+    #[arg(long, hide = true, value_parser = clap::value_parser!(u16).range(1..1024))]
+    crowd: Option<u16>,
     /// Put the report's short form into the README as well, between its marks.
     #[arg(long)]
     readme: bool,
@@ -53,7 +56,12 @@ fn names() -> PossibleValuesParser {
 }
 
 fn main() -> ExitCode {
-    match report(&Options::parse()) {
+    let options = Options::parse();
+    if let Some(threads) = options.crowd {
+        println!("{}", scenes::scaling::crowd(threads.into()));
+        return ExitCode::SUCCESS;
+    }
+    match report(&options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

@@ -74,7 +74,7 @@ pub struct Measured {
     pub frames: Vec<f64>,
     /// In the order of the scene's metrics; NaN where one does not apply.
     pub errors: Vec<f64>,
-    /// Particles times substeps in a frame.
+    /// Particles times substeps in a frame; 0 where there are several cloths.
     pub work: usize,
     /// Why the run is no success: drawn as a failure.
     pub failed: Option<String>,
@@ -165,7 +165,7 @@ pub fn measure(job: &Job<'_>, extent: Extent) -> Outcome<Point> {
     medians.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, p99) = medians[medians.len() / 2];
     let (least, most) = (medians[0].0, medians[medians.len() - 1].0);
-    let each = median * 1e6 / work.max(1) as f64;
+    let each = if work > 0 { median * 1e6 / work as f64 } else { f64::NAN };
     let time = Times { median, p99, least, most, each };
     Ok(Point { method: job.method.clone(), n: job.n, knob: job.knob.clone(), time, errors, failed })
 }

@@ -25,15 +25,16 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(140, 86, 75),
     RGBColor(180, 160, 0),
 ];
-const GREYS: [RGBColor; 8] = [
-    RGBColor(90, 90, 90),
-    RGBColor(150, 150, 150),
-    RGBColor(110, 120, 140),
-    RGBColor(170, 180, 200),
-    RGBColor(130, 110, 90),
-    RGBColor(190, 160, 130),
-    RGBColor(120, 150, 110),
-    RGBColor(60, 60, 80),
+/// Paler than those.
+const PEERS: [RGBColor; 8] = [
+    RGBColor(110, 160, 60),
+    RGBColor(170, 200, 130),
+    RGBColor(110, 110, 170),
+    RGBColor(170, 170, 215),
+    RGBColor(70, 70, 110),
+    RGBColor(200, 150, 90),
+    RGBColor(200, 110, 130),
+    RGBColor(120, 120, 120),
 ];
 
 /// A named curve: the points that succeeded, and the times of those that failed.
@@ -42,6 +43,8 @@ struct Curve {
     colour: RGBColor,
     own: bool,
     points: Vec<(f64, f64)>,
+    /// What was set at each of the points, in short.
+    labels: Vec<String>,
     failed: Vec<f64>,
 }
 
@@ -56,7 +59,14 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
         };
         let at = curves.iter().position(|curve| curve.name == name).unwrap_or_else(|| {
             let colour = COLOURS[curves.len() % COLOURS.len()];
-            curves.push(Curve { name, colour, own: true, points: Vec::new(), failed: Vec::new() });
+            curves.push(Curve {
+                name,
+                colour,
+                own: true,
+                points: Vec::new(),
+                labels: Vec::new(),
+                failed: Vec::new(),
+            });
             curves.len() - 1
         });
         let error = point.errors.get(plot.metric).copied().unwrap_or(f64::NAN);
@@ -64,6 +74,8 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
             curves[at].failed.push(point.time.median);
         } else {
             curves[at].points.push((point.time.median, error));
+            let label = point.knob.strip_suffix(" substeps").unwrap_or_default();
+            curves[at].labels.push(label.to_owned());
         }
     }
     curves
@@ -84,9 +96,10 @@ fn peers_curves(results: &Results<'_>, plot: &Plot, levels: &[Level], factor: f6
         points.retain(|(time, error)| time.is_finite() && error.is_finite() && *time < LONGEST);
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let failed = bad.iter().map(|level| level.time * factor).filter(|&t| t < LONGEST).collect();
-        Curve { name: (*name).into(), colour: *colour, own: false, points, failed }
+        let name = (*name).into();
+        Curve { name, colour: *colour, own: false, points, labels: Vec::new(), failed }
     };
-    DRAWN.iter().zip(&GREYS).map(curve).filter(|curve| !curve.points.is_empty()).collect()
+    DRAWN.iter().zip(&PEERS).map(curve).filter(|curve| !curve.points.is_empty()).collect()
 }
 
 /// Draws one plot of a scene to an SVG.
@@ -212,6 +225,13 @@ fn draw_chart(
             let mark = |&at| Circle::new(at, size, curve.colour.filled());
             chart.draw_series(inside.iter().map(mark))?;
         }
+        for (&(time, error), label) in curve.points.iter().zip(&curve.labels) {
+            let style = ("sans-serif", 12).into_font().color(&curve.colour);
+            let place = (time * 1.04, error.max(bottom) * 1.04);
+            if error <= top {
+                chart.draw_series([Text::new(label.clone(), place, style)])?;
+            }
+        }
         let beyond = curve.points.iter().filter(|(_, error)| *error > top).map(|point| point.0);
         let cross = |time| Cross::new((time, top / 1.25), size, curve.colour.stroke_width(2));
         chart.draw_series(curve.failed.iter().copied().chain(beyond).map(cross))?;
@@ -251,6 +271,9 @@ fn draw_legend(area: &Area<'_>, plot: &Plot, curves: &[Curve]) -> Drawn {
             })?;
         }
         write("", &nothing)?;
+    }
+    if curves.iter().any(|curve| curve.own && !curve.labels.is_empty()) {
+        write("numbers: substeps a frame", &nothing)?;
     }
     write("a failure", &|y| area.draw(&Cross::new((20, y), 5, BLACK.stroke_width(2))))?;
     if plot.floor.is_some() {

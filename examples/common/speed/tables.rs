@@ -36,7 +36,7 @@ fn rows(results: &Results<'_>) -> Vec<Vec<String>> {
             knob.clone(),
             spread,
             format!("{p99:.3}"),
-            format!("{each:.1}"),
+            short(*each),
         ];
         row.extend(errors.iter().map(|error| short(*error)));
         row.resize(rows[0].len() - 1, String::new());

@@ -5,6 +5,7 @@ mod cantilever;
 mod falls;
 mod incline;
 mod parts;
+pub mod scaling;
 mod statics;
 mod survival;
 mod swing;
@@ -17,7 +18,7 @@ use bevy_drape::solver::{Graph, Lattice, MassLumping, Topology};
 use super::{Extent, Outcome, Scene};
 
 /// A scene by the name that it is asked for with.
-pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 11] = [
+pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 12] = [
     ("hang", falls::hang),
     ("drape", falls::drape),
     ("p1", statics::strip),
@@ -29,6 +30,7 @@ pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 11] = [
     ("p7", cantilever::scene),
     ("p8", survival::scene),
     ("parts", parts::scene),
+    ("scaling", scaling::scene),
 ];
 
 /// A rectangular sheet of `rows` x `columns` particles.
