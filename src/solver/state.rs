@@ -90,7 +90,7 @@ pub(crate) struct Scratch {
     pub moments: Moments,
     /// Displacements predicted for the damping.
     pub b: Soa,
-    /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
+    /// Twice [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
     /// The unknowns of a block of threads.
     pub line: Line,
@@ -102,7 +102,7 @@ pub(crate) struct Scratch {
     pub contact: ContactRoom,
 }
 
-/// Directions, inverse pivots and right-hand sides of [`LANES`] threads solved side by side.
+/// Directions, inverse pivots and right-hand sides of threads solved side by side.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     pub direction: Soa,
@@ -127,13 +127,13 @@ impl Scratch {
         let len = layout.len();
         // What only a lattice's threads and hinges work in.
         let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
-        let longest = woven.rows.max(woven.columns) * LANES;
+        let longest = 2 * woven.rows.max(woven.columns) * LANES;
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
             rows: SpringRows::new(woven),
             moments: Moments::new(woven),
-            strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
+            strip: Soa::zeros(2 * woven.columns.next_multiple_of(LANES) * LANES),
             line: Line::new(longest),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,

@@ -2,7 +2,8 @@
 //!
 //! The distance constraints along a line couple only neighbours, so that their matrix is
 //! tridiagonal: `w_j + w_(j+1) + compliance` on the diagonal and `-w_(j+1) n_j . n_(j+1)` beside it.
-//! One forward and one backward pass solve it, [`LANES`] lines side by side. The compliance is the
+//! One forward and one backward pass solve it, [`LANES`] lines side by side, and two such blocks in
+//! turns: each step of a pass waits for the one before, and meanwhile the other block's is worked on. The compliance is the
 //! spring's own, `1 / (k h^2)` (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18; with drag, what a
 //! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
@@ -47,7 +48,7 @@ pub(super) struct Lines<'a> {
     pub springs: &'a Family,
     pub reach: Reach,
     pub inverse_mass: &'a [f32],
-    /// Room for the unknowns of [`LANES`] threads.
+    /// Room for the unknowns of two blocks of [`LANES`] threads.
     pub line: &'a mut Line,
 }
 
@@ -58,14 +59,25 @@ impl Kernel for SolveWarp<'_> {
     #[inline(always)]
     fn run(mut self) -> bool {
         let mut excess = Block::ZERO;
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let first = self.layout.slot(0, column);
-            let stride = self.layout.stride;
-            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
-            self.lines.eliminate(column, &ends, &mut excess);
-            self.lines.substitute(column, &mut ends);
+        let mut column = 0;
+        while column + LANES < self.layout.columns {
+            self.solve::<2>(column, &mut excess);
+            column += 2 * LANES;
+        }
+        if column < self.layout.columns {
+            self.solve::<1>(column, &mut excess);
         }
         excess.largest() > 0.0
+    }
+}
+
+impl SolveWarp<'_> {
+    #[inline(always)]
+    fn solve<const BLOCKS: usize>(&mut self, column: usize, excess: &mut Block) {
+        let first = self.layout.slot(0, column);
+        let mut ends = InPlace { x: self.x, d: self.d, first, stride: self.layout.stride };
+        self.lines.eliminate::<BLOCKS>(column, &ends, excess);
+        self.lines.substitute::<BLOCKS>(column, &mut ends);
     }
 }
 
@@ -76,12 +88,13 @@ impl TransposingKernel for SolveWeft<'_> {
     #[inline(always)]
     fn run(mut self, transpose: impl Transpose) -> bool {
         let mut excess = Block::ZERO;
-        for row in (0..self.layout.rows).step_by(LANES) {
-            self.fill_strip(transpose, row);
-            let mut ends = Strip(self.strip);
-            self.lines.eliminate(row, &ends, &mut excess);
-            self.lines.substitute(row, &mut ends);
-            self.add_strip(transpose, row);
+        let mut row = 0;
+        while row + LANES < self.layout.rows {
+            self.solve::<2>(transpose, row, &mut excess);
+            row += 2 * LANES;
+        }
+        if row < self.layout.rows {
+            self.solve::<1>(transpose, row, &mut excess);
         }
         excess.largest() > 0.0
     }
@@ -89,24 +102,38 @@ impl TransposingKernel for SolveWeft<'_> {
 
 impl SolveWeft<'_> {
     #[inline(always)]
-    fn fill_strip(&mut self, t: impl Transpose, row: usize) {
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let slot = self.layout.slot(row, column);
-            let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
-            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
-            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
-            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
+    fn solve<const BLOCKS: usize>(&mut self, t: impl Transpose, row: usize, excess: &mut Block) {
+        let width = self.layout.columns.next_multiple_of(LANES) * LANES;
+        for block in 0..BLOCKS {
+            self.fill_strip(t, row + block * LANES, block * width);
+        }
+        let mut ends = Strip { places: self.strip, width };
+        self.lines.eliminate::<BLOCKS>(row, &ends, excess);
+        self.lines.substitute::<BLOCKS>(row, &mut ends);
+        for block in 0..BLOCKS {
+            self.add_strip(t, row + block * LANES, block * width);
         }
     }
 
     #[inline(always)]
-    fn add_strip(&mut self, t: impl Transpose, row: usize) {
+    fn fill_strip(&mut self, t: impl Transpose, row: usize, first: usize) {
         for column in (0..self.layout.columns).step_by(LANES) {
-            let slot = self.layout.slot(row, column);
+            let (slot, to) = (self.layout.slot(row, column), first + column * LANES);
+            let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
+            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, to);
+            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, to);
+            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, to);
+        }
+    }
+
+    #[inline(always)]
+    fn add_strip(&mut self, t: impl Transpose, row: usize, first: usize) {
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let (slot, from) = (self.layout.slot(row, column), first + column * LANES);
             let (d, strip) = (&mut *self.d, &*self.strip);
-            add_tile(t, &strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
-            add_tile(t, &strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
-            add_tile(t, &strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
+            add_tile(t, &strip.x, from, &mut d.x, slot, self.layout.stride);
+            add_tile(t, &strip.y, from, &mut d.y, slot, self.layout.stride);
+            add_tile(t, &strip.z, from, &mut d.z, slot, self.layout.stride);
         }
     }
 }
@@ -157,12 +184,12 @@ fn add_tile(
     }
 }
 
-/// Where the particles of [`LANES`] threads are, and where their corrections go.
+/// Where the particles of blocks of [`LANES`] threads are, and where their corrections go.
 trait Ends {
-    /// Positions of the particles at a place along the threads.
-    fn positions(&self, place: usize) -> Block3;
+    /// Positions of a block's particles at a place along the threads.
+    fn positions(&self, place: usize, block: usize) -> Block3;
     /// Takes their corrections.
-    fn correct(&mut self, place: usize, correction: Block3);
+    fn correct(&mut self, place: usize, block: usize, correction: Block3);
 }
 
 /// Rows of the sheet.
@@ -175,13 +202,13 @@ struct InPlace<'a> {
 
 impl Ends for InPlace<'_> {
     #[inline(always)]
-    fn positions(&self, place: usize) -> Block3 {
-        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+    fn positions(&self, place: usize, block: usize) -> Block3 {
+        Block3::load_sum(self.x, self.d, self.first + place * self.stride + block * LANES)
     }
 
     #[inline(always)]
-    fn correct(&mut self, place: usize, correction: Block3) {
-        let slot = self.first + place * self.stride;
+    fn correct(&mut self, place: usize, block: usize, correction: Block3) {
+        let slot = self.first + place * self.stride + block * LANES;
         let mut d = Block3::load(self.d, slot);
         for i in 0..LANES {
             d.set(i, d.at(i) + correction.at(i));
@@ -190,52 +217,77 @@ impl Ends for InPlace<'_> {
     }
 }
 
-/// A strip of columns, whose positions give way to their corrections.
-struct Strip<'a>(&'a mut Soa);
+/// Strips of columns, whose positions give way to their corrections.
+struct Strip<'a> {
+    places: &'a mut Soa,
+    /// From a strip to the next.
+    width: usize,
+}
 
 impl Ends for Strip<'_> {
     #[inline(always)]
-    fn positions(&self, place: usize) -> Block3 {
-        Block3::load(self.0, place * LANES)
+    fn positions(&self, place: usize, block: usize) -> Block3 {
+        Block3::load(self.places, block * self.width + place * LANES)
     }
 
     #[inline(always)]
-    fn correct(&mut self, place: usize, correction: Block3) {
-        correction.store(self.0, place * LANES);
+    fn correct(&mut self, place: usize, block: usize, correction: Block3) {
+        correction.store(self.places, block * self.width + place * LANES);
     }
 }
 
 impl Lines<'_> {
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
-    fn eliminate(&mut self, thread: usize, ends: &impl Ends, excess: &mut Block) {
-        let mut x0 = ends.positions(0);
-        let mut w0 = Block::load(self.inverse_mass, self.layout.slot(0, thread));
-        let mut last = Pivot::default();
+    fn eliminate<const BLOCKS: usize>(
+        &mut self,
+        thread: usize,
+        ends: &impl Ends,
+        excess: &mut Block,
+    ) {
+        let mut x0 = [Block3::ZERO; BLOCKS];
+        let mut w0 = [Block::ZERO; BLOCKS];
+        let mut last = [Pivot::default(); BLOCKS];
+        for block in 0..BLOCKS {
+            x0[block] = ends.positions(0, block);
+            w0[block] = self.inverse_masses(0, thread, block);
+        }
         for place in 1..self.layout.rows {
-            let spring = self.layout.slot(place - 1, thread);
-            let x1 = ends.positions(place);
-            let w1 = Block::load(self.inverse_mass, self.layout.slot(place, thread));
-            let rest = Block::load(&self.springs.rest, spring);
-            let factor = Block::load(&self.springs.compliance, spring);
-            let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
-            next.store(self.line, (place - 1) * LANES);
-            (x0, w0, last) = (x1, w1, next);
+            for block in 0..BLOCKS {
+                let spring = self.layout.slot(place - 1, thread + block * LANES);
+                let x1 = ends.positions(place, block);
+                let w1 = self.inverse_masses(place, thread, block);
+                let rest = Block::load(&self.springs.rest, spring);
+                let factor = Block::load(&self.springs.compliance, spring);
+                let (x, w) = ([&x0[block], &x1], [&w0[block], &w1]);
+                let next = last[block].next(&self.reach, x, w, &rest, &factor, excess);
+                next.store(self.line, ((place - 1) * BLOCKS + block) * LANES);
+                (x0[block], w0[block], last[block]) = (x1, w1, next);
+            }
         }
     }
 
     /// Back substitution: tensions from the last spring to the first, and the corrections of the
     /// particles between them.
     #[inline(always)]
-    fn substitute(&mut self, thread: usize, ends: &mut impl Ends) {
-        let mut tension = Tension::default();
+    fn substitute<const BLOCKS: usize>(&mut self, thread: usize, ends: &mut impl Ends) {
+        let mut tension = [Tension::default(); BLOCKS];
         for place in (1..self.layout.rows).rev() {
-            let pivot = Pivot::load(self.line, (place - 1) * LANES);
-            let w = Block::load(self.inverse_mass, self.layout.slot(place, thread));
-            ends.correct(place, tension.next(&pivot, &w));
+            for (block, tension) in tension.iter_mut().enumerate() {
+                let pivot = Pivot::load(self.line, ((place - 1) * BLOCKS + block) * LANES);
+                let w = self.inverse_masses(place, thread, block);
+                ends.correct(place, block, tension.next(&pivot, &w));
+            }
         }
-        let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
-        ends.correct(0, tension.last(&w));
+        for (block, tension) in tension.iter().enumerate() {
+            let w = self.inverse_masses(0, thread, block);
+            ends.correct(0, block, tension.last(&w));
+        }
+    }
+
+    #[inline(always)]
+    fn inverse_masses(&self, place: usize, thread: usize, block: usize) -> Block {
+        Block::load(self.inverse_mass, self.layout.slot(place, thread + block * LANES))
     }
 }
 
