@@ -1,0 +1,127 @@
+//! Colliders that are too fast to be seen twice in the same place, or that are suddenly where the cloth
+//! is.
+
+use bevy::math::{Vec2, Vec3, primitives::Sphere};
+use bevy_drape::solver::{Collider, Pose, StepInput};
+
+use crate::common::*;
+
+/// How near to the middle of a ball a particle comes on a straight way, as seen from it \[m\].
+fn nearest(from: Vec3, to: Vec3) -> f32 {
+    let way = to - from;
+    let part = (-from.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (from + way * part).length()
+}
+
+/// Takes a frame stage by stage while a ball goes evenly from place to place, and returns how near to its
+/// middle any free particle came.
+fn frame_past(trial: &mut Trial, ball: &Sphere, from: Vec3, to: Vec3) -> f32 {
+    let poses = [from, to].map(Pose::from_translation);
+    let colliders = [Collider::new(ball, poses[0]).moving_to(poses[1])];
+    // The same frame on a copy, between whose substeps one can look.
+    let mut solver = trial.solver.clone();
+    let input = StepInput {
+        dt: FRAME,
+        gravity: trial.gravity,
+        pins: &trial.pins,
+        colliders: &colliders,
+        ..StepInput::default()
+    };
+    let count = solver.topology().particle_count();
+    let held = solver.pins().to_vec();
+    let free: Vec<_> = (0..count).filter(|&i| !held.contains(&(i as u32))).collect();
+    let mut least = f32::INFINITY;
+    let substeps = solver.begin_tick(&input).unwrap();
+    for substep in 0..substeps {
+        let at = |part: u32| from.lerp(to, part as f32 / substeps as f32);
+        let before: Vec<_> = free.iter().map(|&i| solver.position(i) - at(substep)).collect();
+        solver.accumulate_forces(&input);
+        solver.integrate(&input);
+        solver.correct();
+        solver.collide(&input);
+        for (&i, &before) in free.iter().zip(&before) {
+            least = least.min(nearest(before, solver.position(i) - at(substep + 1)));
+        }
+    }
+    trial.frame(&colliders);
+    least
+}
+
+#[test]
+fn h12_a_fast_ball_goes_through_no_particle() {
+    const RADIUS: f32 = 0.2;
+    let ball = Sphere::new(RADIUS);
+    let n = 32;
+    let mut trials = Vec::new();
+    for variant in Variant::all() {
+        for pinned in [false, true] {
+            // 300 m/s is 5 m a frame.
+            for speed in [50.0_f32, 250.0, 300.0] {
+                let sheet = variant.sheet(Vec2::ONE, n, n);
+                let last = (n * n) as u32 - 1;
+                let all = [0, n as u32 - 1, last + 1 - n as u32, last];
+                let pins = if pinned { &all[..] } else { &[] };
+                let name = format!("ball at {speed} m/s, {} pins", pins.len());
+                let mut trial = Trial::new(&name, variant, sheet, pins, |_, p| p);
+                if !pinned {
+                    trial.gravity = Vec3::ZERO;
+                    trial.keep_in(Vec3::new(-5.0, -1100.0, -5.0), Vec3::splat(5.0));
+                } else {
+                    trial.keep_in(Vec3::splat(-5.0), Vec3::splat(5.0));
+                }
+                let step = Vec3::NEG_Y * speed * FRAME;
+                let mut at = Vec3::Y * 1.03;
+                let mut least = f32::INFINITY;
+                while at.y > -12.0 {
+                    least = least.min(frame_past(&mut trial, &ball, at, at + step));
+                    at += step;
+                }
+                let deepest = RADIUS - least;
+                println!("{}: deepest {deepest}", trial.name);
+                let chord = (speed * FRAME / 20.0).powi(2) / (8.0 * RADIUS);
+                trial.require(deepest <= chord + 1e-3, |_| format!("went {deepest} m into it"));
+                trial.run_on();
+                trial.recovers_within(600);
+                trials.push(trial);
+            }
+        }
+    }
+    verdict(trials);
+}
+
+#[test]
+fn h11_a_ball_that_is_suddenly_elsewhere() {
+    let n = 32;
+    let ball = Sphere::new(0.3);
+    let mut trials = Vec::new();
+    for variant in Variant::all() {
+        let sheet = variant.sheet(Vec2::ONE, n, n);
+        let last = (n * n) as u32 - 1;
+        let pins = [0, n as u32 - 1, last + 1 - n as u32, last];
+        let mut trial = Trial::new("ball put into it", variant, sheet, &pins, |_, p| p);
+        trial.run(120, &[]);
+        trial.measure_anew();
+        trial.fastest = 0.0;
+        // Into the cloth, out of it above and below, a frame at each; then there to stay.
+        let places = [-0.1, 2.0, -0.2, -2.0, 0.0, 2.0, -0.15, -2.0];
+        for y in places.iter().cycle().take(80) {
+            let pose = Pose::from_translation(Vec3::new(0.02, *y, 0.01));
+            trial.frame(&[Collider::new(&ball, pose)]);
+        }
+        println!("{}: while it teleports {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
+        let pose = Pose::from_translation(Vec3::new(0.02, -0.1, 0.01));
+        trial.run(120, &[Collider::new(&ball, pose)]);
+        println!("{}: while it stays {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
+        // Shrinks to nothing, nearly.
+        for i in 0..60 {
+            let scale = |i: usize| 1e-4_f32.max(1.0 - i as f32 / 60.0);
+            let pose = |i: usize| Pose { scale: scale(i), ..pose };
+            trial.frame(&[Collider::new(&ball, pose(i)).moving_to(pose(i + 1))]);
+        }
+        println!("{}: while it shrinks {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
+        trial.run_on();
+        trial.recovers_within(600);
+        trials.push(trial);
+    }
+    verdict(trials);
+}
