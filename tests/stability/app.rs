@@ -25,10 +25,12 @@ pub struct Track {
 
 /// FNV-1a.
 fn hash(places: impl Iterator<Item = Vec3>) -> u64 {
-    places.flat_map(|p| p.to_array()).flat_map(|c| c.to_bits().to_le_bytes()).fold(
-        0xcbf2_9ce4_8422_2325,
-        |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3),
-    )
+    places
+        .flat_map(|p| p.to_array())
+        .flat_map(|c| c.to_bits().to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        })
 }
 
 fn track(simulations: Query<&ClothSimulation>, mut track: ResMut<Track>) {
@@ -111,7 +113,11 @@ pub fn stiffest() -> ClothMaterial {
 }
 
 /// Spawns a metre of cloth in four ways: a sheet and a mesh, of the default material and of the stiffest.
-pub fn spawn_variants(app: &mut App, n: u32, bundle: impl Fn(usize) -> (ClothPins, Transform)) -> [Entity; 4] {
+pub fn spawn_variants(
+    app: &mut App,
+    n: u32,
+    bundle: impl Fn(usize) -> (ClothPins, Transform),
+) -> [Entity; 4] {
     [0, 1, 2, 3].map(|i| {
         let material = if i < 2 { ClothMaterial::default() } else { stiffest() };
         let others = (material, bundle(i));

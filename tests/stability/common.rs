@@ -1,6 +1,6 @@
 //! Cloths that hard things happen to, and what must hold of them in every frame.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
@@ -27,6 +27,9 @@ pub enum Stuff {
     Stiffest,
 }
 
+/// Frames in which strain is to be back under twice its limit, for each of [`Stuff`] in its order.
+pub type Within = [usize; 3];
+
 /// A cloth in one of the ways in which each case is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
@@ -35,12 +38,23 @@ pub struct Variant {
     pub stuff: Stuff,
 }
 
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:?}", if self.mesh { "mesh" } else { "lattice" }, self.stuff)
+    }
+}
+
 impl Variant {
     /// Lattice and mesh, each of all stuffs.
     pub fn all() -> impl Iterator<Item = Self> {
         [Stuff::Automatic, Stuff::Springs, Stuff::Stiffest]
             .into_iter()
             .flat_map(|stuff| [false, true].map(|mesh| Self { mesh, stuff }))
+    }
+
+    /// The entry that is of its stuff.
+    pub fn of<T: Copy>(self, each: [T; 3]) -> T {
+        each[self.stuff as usize]
     }
 
     pub fn material(self) -> Material {
@@ -96,8 +110,7 @@ impl Variant {
         let stiffness: Vec<_> = (0..count).map(stiffness).collect();
         let even = mass.iter().chain(&stiffness).all(|&factor| factor == 1.0);
         if !self.mesh {
-            let weighted =
-                || lattice.clone().with_weights(&mass, &stiffness).unwrap();
+            let weighted = || lattice.clone().with_weights(&mass, &stiffness).unwrap();
             return Arc::new(if even { lattice } else { weighted() }).into();
         }
         let mut dice = Dice(7);
@@ -128,6 +141,7 @@ impl Variant {
 /// A cloth that is being watched.
 pub struct Trial {
     pub name: String,
+    variant: Variant,
     pub solver: ClothSolver,
     pub gravity: Vec3,
     pub pins: Vec<PinMotion>,
@@ -181,7 +195,8 @@ impl Trial {
         let pins: Vec<_> =
             solver.pins().iter().map(|&p| PinMotion::still(rest[p as usize])).collect();
         let mut trial = Self {
-            name: format!("{name}, {} {:?}", if variant.mesh { "mesh" } else { "lattice" }, variant.stuff),
+            name: format!("{name}, {variant}"),
+            variant,
             solver,
             gravity: GRAVITY,
             pins,
@@ -322,21 +337,36 @@ impl Trial {
         self.strained - self.since
     }
 
-    /// Ends the measurement: strain is to have been back within so many frames.
+    /// Ends the measurement: strain is to have been back within so many frames, and to have stayed.
+    pub fn recovers_within(&mut self, within: Within) {
+        let most = self.variant.of(within);
+        self.print(&format!("after {} frames of {most}", self.recovery()));
+        self.require(self.recovery() <= most, |t| {
+            format!("recovered after {} frames, more than {most}", t.recovery())
+        });
+    }
+
+    /// Ends the measurement of what does not recover: strain is never to have been beyond a bound, nor at
+    /// the end beyond another.
+    pub fn strains_at_most(&mut self, ever: [f32; 3], at_last: [f32; 3]) {
+        let (ever, at_last) = (self.variant.of(ever), self.variant.of(at_last));
+        let percent = |part: f32| part * 100.0;
+        self.print(&format!("at most {} %, in the end {} %", percent(ever), percent(at_last)));
+        self.require(self.worst <= ever, |t| format!("strain of {}, more than {ever}", t.worst));
+        self.require(self.strain <= at_last, |t| {
+            format!("strain of {} in the end, more than {at_last}", t.strain)
+        });
+    }
+
     #[allow(clippy::print_stdout)]
-    pub fn recovers_within(&mut self, frames: usize) {
+    fn print(&self, asked: &str) {
+        let [worst, now, twice] = [self.worst, self.strain, 2.0 * LIMIT].map(|part| part * 100.0);
         println!(
-            "{}: worst strain {:.1} %, under {:.0} % after {} frames (at most {frames}), at the end {:.2} %, fastest {:.1} m/s",
+            "{}: strain {worst:.1} %, in the end {now:.2} %; under {twice} % after {} frames; {:.1} m/s; asked: {asked}",
             self.name,
-            self.worst * 100.0,
-            LIMIT * 200.0,
             self.recovery(),
-            self.strain * 100.0,
             self.fastest
         );
-        self.require(self.recovery() <= frames, |t| {
-            format!("recovered after {} frames, more than {frames}", t.recovery())
-        });
     }
 }
 

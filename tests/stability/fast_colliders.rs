@@ -47,41 +47,48 @@ fn frame_past(trial: &mut Trial, ball: &Sphere, from: Vec3, to: Vec3) -> f32 {
     least
 }
 
+/// Of every peer measured, particles pass through the ball at 50 m/s: 56 to 100 %.
 #[test]
 fn h12_a_fast_ball_goes_through_no_particle() {
+    const N: usize = 32;
     const RADIUS: f32 = 0.2;
     let ball = Sphere::new(RADIUS);
-    let n = 32;
     let mut trials = Vec::new();
     for variant in Variant::all() {
         for pinned in [false, true] {
-            // 300 m/s is 5 m a frame.
+            // At 300 m/s it goes 5 m a frame.
             for speed in [50.0_f32, 250.0, 300.0] {
-                let sheet = variant.sheet(Vec2::ONE, n, n);
-                let last = (n * n) as u32 - 1;
-                let all = [0, n as u32 - 1, last + 1 - n as u32, last];
+                let sheet = variant.sheet(Vec2::ONE, N, N);
+                let last = (N * N) as u32 - 1;
+                let all = [0, N as u32 - 1, last + 1 - N as u32, last];
                 let pins = if pinned { &all[..] } else { &[] };
                 let name = format!("ball at {speed} m/s, {} pins", pins.len());
                 let mut trial = Trial::new(&name, variant, sheet, pins, |_, p| p);
-                if !pinned {
-                    trial.gravity = Vec3::ZERO;
-                    trial.keep_in(Vec3::new(-5.0, -1100.0, -5.0), Vec3::splat(5.0));
-                } else {
-                    trial.keep_in(Vec3::splat(-5.0), Vec3::splat(5.0));
-                }
+                trial.gravity = if pinned { GRAVITY } else { Vec3::ZERO };
                 let step = Vec3::NEG_Y * speed * FRAME;
-                let mut at = Vec3::Y * 1.03;
-                let mut least = f32::INFINITY;
-                while at.y > -12.0 {
+                let (mut at, mut least) = (Vec3::Y * 1.03, f32::INFINITY);
+                while at.y > -4.0 {
+                    // It takes the cloth along as far as it goes.
+                    let low = (at.y + step.y).min(-2.0) - 2.0 * RADIUS;
+                    trial.keep_in(Vec3::new(-2.0, low, -2.0), Vec3::splat(2.0));
                     least = least.min(frame_past(&mut trial, &ball, at, at + step));
                     at += step;
                 }
-                let deepest = RADIUS - least;
-                println!("{}: deepest {deepest}", trial.name);
+                // A straight way along the ball is a chord: s^2 / 8 r deep.
                 let chord = (speed * FRAME / 20.0).powi(2) / (8.0 * RADIUS);
+                let deepest = RADIUS - least;
                 trial.require(deepest <= chord + 1e-3, |_| format!("went {deepest} m into it"));
+                let touched = deepest > -0.01;
+                trial.require(touched, |_| format!("the ball passed by at {deepest}"));
+                trial.measure_anew();
+                if pinned {
+                    trial.bound_by_pins();
+                } else {
+                    // It flies on, at the limit of speed at most.
+                    trial.keep_in(Vec3::new(-20.0, -1100.0, -20.0), Vec3::splat(20.0));
+                }
                 trial.run_on();
-                trial.recovers_within(600);
+                trial.recovers_within(if pinned { [60, 120, 25] } else { [10, 20, 15] });
                 trials.push(trial);
             }
         }
@@ -90,37 +97,40 @@ fn h12_a_fast_ball_goes_through_no_particle() {
 }
 
 #[test]
-fn h11_a_ball_that_is_suddenly_elsewhere() {
-    let n = 32;
+fn h11_a_ball_that_is_suddenly_in_the_cloth_or_gone() {
+    const N: usize = 32;
     let ball = Sphere::new(0.3);
     let mut trials = Vec::new();
     for variant in Variant::all() {
-        let sheet = variant.sheet(Vec2::ONE, n, n);
-        let last = (n * n) as u32 - 1;
-        let pins = [0, n as u32 - 1, last + 1 - n as u32, last];
+        let sheet = variant.sheet(Vec2::ONE, N, N);
+        let last = (N * N) as u32 - 1;
+        let pins = [0, N as u32 - 1, last + 1 - N as u32, last];
         let mut trial = Trial::new("ball put into it", variant, sheet, &pins, |_, p| p);
-        trial.run(120, &[]);
+        trial.run(60, &[]);
         trial.measure_anew();
-        trial.fastest = 0.0;
-        // Into the cloth, out of it above and below, a frame at each; then there to stay.
-        let places = [-0.1, 2.0, -0.2, -2.0, 0.0, 2.0, -0.15, -2.0];
-        for y in places.iter().cycle().take(80) {
-            let pose = Pose::from_translation(Vec3::new(0.02, *y, 0.01));
-            trial.frame(&[Collider::new(&ball, pose)]);
+        // Into the cloth, off above it, into it, off below it, a frame at each.
+        let at = |y: f32| Pose::from_translation(Vec3::new(0.02, y, 0.01));
+        for &y in [-0.25, 2.0, 0.2, -2.0].iter().cycle().take(80) {
+            trial.frame(&[Collider::new(&ball, at(y))]);
         }
-        println!("{}: while it teleports {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
-        let pose = Pose::from_translation(Vec3::new(0.02, -0.1, 0.01));
-        trial.run(120, &[Collider::new(&ball, pose)]);
-        println!("{}: while it stays {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
-        // Shrinks to nothing, nearly.
+        println!("{}: while it comes and goes {:.1} m/s", trial.name, trial.fastest);
+        // There to stay.
+        trial.run(120, &[Collider::new(&ball, at(-0.25))]);
+        let nearest = trial
+            .places()
+            .iter()
+            .map(|p| (*p - at(-0.25).translation).length())
+            .fold(9.0, f32::min);
+        trial.require(nearest > 0.3049, |_| format!("{nearest} m from its middle"));
+        println!("{}: while it stays {:.1} m/s", trial.name, trial.fastest);
+        // It shrinks to nearly nothing: nothing itself is refused.
         for i in 0..60 {
-            let scale = |i: usize| 1e-4_f32.max(1.0 - i as f32 / 60.0);
-            let pose = |i: usize| Pose { scale: scale(i), ..pose };
+            let pose = |i: usize| Pose { scale: 1e-4_f32.max(1.0 - i as f32 / 60.0), ..at(-0.25) };
             trial.frame(&[Collider::new(&ball, pose(i)).moving_to(pose(i + 1))]);
         }
-        println!("{}: while it shrinks {:.1} %, {:.2} m/s", trial.name, trial.worst * 100.0, trial.fastest);
+        println!("{}: while it shrinks {:.1} m/s", trial.name, trial.fastest);
         trial.run_on();
-        trial.recovers_within(600);
+        trial.recovers_within([600, 600, 600]);
         trials.push(trial);
     }
     verdict(trials);

@@ -33,7 +33,10 @@ fn scene() -> App {
     let mut app = app();
     app.add_systems(FixedUpdate, go);
     let moving = |way| (Path { tick: 0, way }, Transform::from_translation(way(0.0)));
-    let hand = spawn(&mut app, moving(|t| Vec3::new(0.3 * (3.0 * t).sin(), 0.0, 0.2 * (5.0 * t).cos() - 0.2)));
+    let hand = spawn(
+        &mut app,
+        moving(|t| Vec3::new(0.3 * (3.0 * t).sin(), 0.0, 0.2 * (5.0 * t).cos() - 0.2)),
+    );
     let ball = moving(|t| Vec3::new(0.0, -0.6, (2.0 * t).sin()));
     spawn(&mut app, (SdfCollider::from(Sphere::new(0.2)), ball));
     spawn_variants(&mut app, 16, |_| {
@@ -53,7 +56,7 @@ fn ticks_of(count: usize, mut lengths: impl FnMut() -> Duration) -> (Vec<Vec<u64
         let mut track = app.world_mut().resource_mut::<Track>();
         let taken = track.ticks.len() - before;
         let most = (length.as_secs_f64() * 64.0).ceil() as usize;
-        assert!(taken <= most.min(MOST_TICKS) , "{taken} ticks in a frame of {length:?}");
+        assert!(taken <= most.min(MOST_TICKS), "{taken} ticks in a frame of {length:?}");
         if track.ticks.len() >= count {
             track.ticks.truncate(count);
             return (track.ticks.clone(), track.worst.clone());

@@ -5,7 +5,7 @@ use bevy_drape::solver::PinMotion;
 
 use crate::common::*;
 
-/// Pins whose particles go evenly to other places in so many frames.
+/// Leads pins evenly to other places in so many frames.
 fn lead(trial: &mut Trial, frames: usize, way: impl Fn(u32) -> Vec3) {
     let pins = trial.solver.pins().to_vec();
     let from: Vec<_> = trial.pins.iter().map(|pin| pin.end).collect();
@@ -28,21 +28,24 @@ fn h05_ten_particles_pulled_slowly_and_let_go() {
         let pulled: Vec<_> = (0..10).map(|i| ((N - 1) * N + 7 + i) as u32).collect();
         let pins: Vec<_> = row.iter().chain(&pulled).copied().collect();
         let mut trial = Trial::new("pulled", variant, sheet, &pins, |_, p| p);
-        trial.keep_in(Vec3::splat(-4.0), Vec3::splat(4.0));
-        // Two metres in four seconds: to three times its length.
+        // Two metres in four seconds, to three times its length; and nothing goes further.
+        trial.keep_in(Vec3::new(-1.0, -1.2, -1.0), Vec3::new(1.0, 1.2, 2.51));
         lead(&mut trial, 240, |p| if p >= N as u32 { Vec3::Z * 2.0 } else { Vec3::ZERO });
-        println!("{} pulled: {:.1} %, fastest {}", trial.name, trial.strain * 100.0, trial.fastest);
         trial.solver.set_pins(&row).unwrap();
         trial.pins.truncate(N);
         trial.bound_by_pins();
         trial.measure_anew();
         trial.run_on();
-        trial.recovers_within(600);
+        trial.recovers_within([3, 3, 3]);
+        // Where they let go, they are as fast as the limit of speed allows, and corrections a little more.
+        let fastest = trial.fastest;
+        trial.require(fastest < 150.0, |_| format!("{fastest} m/s"));
         trials.push(trial);
     }
     verdict(trials);
 }
 
+/// The best peer comes to a strain of 201 %, and recovers in 55 frames.
 #[test]
 fn both_pins_jump_ten_metres() {
     const N: usize = 32;
@@ -51,9 +54,9 @@ fn both_pins_jump_ten_metres() {
         for at_once in [false, true] {
             for way in [Vec3::X * 10.0, Vec3::Y * 10.0] {
                 let sheet = variant.sheet(Vec2::ONE, N, N);
-                let name = if at_once { "pins jump at once" } else { "pins jump in a frame" };
-                let mut trial =
-                    Trial::new(&format!("{name} {way}"), variant, sheet, &corners(N), |_, p| p);
+                let how = if at_once { "at once" } else { "in a frame" };
+                let name = format!("pins jump by {way} {how}");
+                let mut trial = Trial::new(&name, variant, sheet, &corners(N), |_, p| p);
                 trial.run(60, &[]);
                 for pin in &mut trial.pins {
                     let to = pin.end + way;
@@ -61,13 +64,12 @@ fn both_pins_jump_ten_metres() {
                 }
                 trial.bound_by_pins();
                 trial.measure_anew();
-                for frame in 0..5 {
-                    trial.frame(&[]);
-                    println!("{} frame {frame}: {:.1} %, {:.1} m/s", trial.name, trial.strain * 100.0, trial.fastest);
-                }
+                trial.frame(&[]);
                 trial.bound_by_pins();
                 trial.run_on();
-                trial.recovers_within(600);
+                let worst = trial.worst;
+                trial.require(worst < 1.5, |_| format!("strain of {worst}"));
+                trial.recovers_within([25, 120, 15]);
                 trials.push(trial);
             }
         }

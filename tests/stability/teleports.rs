@@ -14,7 +14,9 @@ type Deed = fn(&mut World, Entity, usize);
 fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
     let mut app = app();
     let corners = || ClothPins::from(PinSelection::Corners);
-    let near = spawn_variants(&mut app, 24, |i| (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 0.0)));
+    let near = spawn_variants(&mut app, 24, |i| {
+        (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 0.0))
+    });
     app.world_mut().resource_mut::<Track>().cloths.clear();
     spawn_variants(&mut app, 24, |i| (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 50.0)));
     let ball = (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.0, -9.0, 0.0));
@@ -75,7 +77,10 @@ fn h11_what_happens_to_a_ball_is_no_matter_to_cloths_elsewhere() {
     for (what, deed) in deeds {
         let (app, near, _, ticks) = scene(deed);
         let same = alone.iter().zip(&ticks).position(|(a, b)| a != b);
-        assert_eq!(same, None, "the first tick in which a ball that {what} changes a cloth far off");
+        assert_eq!(
+            same, None,
+            "the first tick in which a ball that {what} changes a cloth far off"
+        );
         for cloth in near {
             let strain = simulation(&app, cloth).strain().max;
             println!("{what}: strain at the end {strain}");
@@ -86,8 +91,10 @@ fn h11_what_happens_to_a_ball_is_no_matter_to_cloths_elsewhere() {
 #[test]
 fn h11_a_ball_scaled_to_nothing_is_named() {
     let mut app = app();
-    let cloth = spawn_cloth(&mut app, (Cloth::sheet(Vec2::ONE, UVec2::splat(8)), Transform::default()));
-    let ball = spawn(&mut app, (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.0, -0.3, 0.0)));
+    let cloth =
+        spawn_cloth(&mut app, (Cloth::sheet(Vec2::ONE, UVec2::splat(8)), Transform::default()));
+    let ball =
+        spawn(&mut app, (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.0, -0.3, 0.0)));
     frame(&mut app, TICK);
     app.world_mut().get_mut::<Transform>(ball).unwrap().scale = Vec3::ZERO;
     frame(&mut app, TICK);
