@@ -68,8 +68,8 @@ fn h12_a_fast_ball_goes_through_no_particle() {
                 let step = Vec3::NEG_Y * speed * FRAME;
                 let (mut at, mut least) = (Vec3::Y * 1.03, f32::INFINITY);
                 while at.y > -4.0 {
-                    // It takes the cloth along as far as it goes.
-                    let low = (at.y + step.y).min(-2.0) - 2.0 * RADIUS;
+                    // It takes the cloth along as far as it goes, or throws it ahead.
+                    let low = 1.5 * (at.y + step.y).min(-2.0);
                     trial.keep_in(Vec3::new(-2.0, low, -2.0), Vec3::splat(2.0));
                     least = least.min(frame_past(&mut trial, &ball, at, at + step));
                     at += step;
@@ -88,7 +88,7 @@ fn h12_a_fast_ball_goes_through_no_particle() {
                     trial.keep_in(Vec3::new(-20.0, -1100.0, -20.0), Vec3::splat(20.0));
                 }
                 trial.run_on();
-                trial.recovers_within(if pinned { [60, 120, 25] } else { [10, 20, 15] });
+                trial.recovers_within(if pinned { [60, 100, 3] } else { [5, 20, 5] });
                 trials.push(trial);
             }
         }
@@ -113,7 +113,6 @@ fn h11_a_ball_that_is_suddenly_in_the_cloth_or_gone() {
         for &y in [-0.25, 2.0, 0.2, -2.0].iter().cycle().take(80) {
             trial.frame(&[Collider::new(&ball, at(y))]);
         }
-        println!("{}: while it comes and goes {:.1} m/s", trial.name, trial.fastest);
         // There to stay.
         trial.run(120, &[Collider::new(&ball, at(-0.25))]);
         let nearest = trial
@@ -122,15 +121,16 @@ fn h11_a_ball_that_is_suddenly_in_the_cloth_or_gone() {
             .map(|p| (*p - at(-0.25).translation).length())
             .fold(9.0, f32::min);
         trial.require(nearest > 0.3049, |_| format!("{nearest} m from its middle"));
-        println!("{}: while it stays {:.1} m/s", trial.name, trial.fastest);
         // It shrinks to nearly nothing: nothing itself is refused.
         for i in 0..60 {
             let pose = |i: usize| Pose { scale: 1e-4_f32.max(1.0 - i as f32 / 60.0), ..at(-0.25) };
             trial.frame(&[Collider::new(&ball, pose(i)).moving_to(pose(i + 1))]);
         }
-        println!("{}: while it shrinks {:.1} m/s", trial.name, trial.fastest);
         trial.run_on();
-        trial.recovers_within([600, 600, 600]);
+        // Each coming pushes particles at 2 m/s, and threads pull at those that are let go.
+        let fastest = trial.fastest;
+        trial.require(fastest < 10.0, |_| format!("{fastest} m/s"));
+        trial.recovers_within([3, 120, 3]);
         trials.push(trial);
     }
     verdict(trials);

@@ -64,16 +64,25 @@ fn ticks_of(count: usize, mut lengths: impl FnMut() -> Duration) -> (Vec<Vec<u64
     }
 }
 
+fn assert_same(expected: &[Vec<u64>], found: &[Vec<u64>], what: &str) {
+    let differs = expected.iter().zip(found).position(|(a, b)| a != b);
+    assert_eq!(differs, None, "the first tick that differs {what}");
+}
+
 #[test]
-fn h10_any_frame_rate_and_hitches_give_the_same_bits() {
+fn h10_any_frame_rate_gives_the_same_bits() {
     let (expected, worst) = ticks_of(TICKS, || TICK);
-    println!("worst strain {}", worst.iter().copied().fold(0.0, f32::max));
     assert!(expected.iter().all(|cloths| cloths.len() == 4), "all four run from the first tick");
+    assert!(worst.iter().all(|&strain| strain < 0.2), "{worst:?}");
     for rate in [15.0, 30.0, 60.0, 144.0, 240.0, 1000.0] {
         let (found, _) = ticks_of(TICKS, || Duration::from_secs_f64(1.0 / rate));
-        let same = expected.iter().zip(&found).position(|(a, b)| a != b);
-        assert_eq!(same, None, "first tick that differs at {rate} frames a second");
+        assert_same(&expected, &found, &format!("at {rate} frames a second"));
     }
+}
+
+#[test]
+fn h10_hitches_at_random_give_the_same_bits() {
+    let (expected, _) = ticks_of(TICKS, || TICK);
     for seed in 1..4 {
         let mut dice = Dice(seed);
         let mut frames = 0;
@@ -84,33 +93,69 @@ fn h10_any_frame_rate_and_hitches_give_the_same_bits() {
             Duration::from_secs_f64(if frames % 20 == 0 { long } else { usual })
         };
         let (found, _) = ticks_of(TICKS, hitches);
-        let same = expected.iter().zip(&found).position(|(a, b)| a != b);
-        assert_eq!(same, None, "first tick that differs with hitches, seed {seed}");
+        assert_same(&expected, &found, &format!("with hitches, seed {seed}"));
     }
 }
 
+/// Inputs that move once a frame, by the clock: no equality is promised, but no harm either.
+#[test]
+fn h10_hitches_of_what_moves_once_a_frame_do_no_harm() {
+    let mut app = app();
+    app.add_systems(
+        Update,
+        |mut hands: Query<&mut Transform, With<Path>>, time: Res<Time<Real>>| {
+            for mut place in &mut hands {
+                let t = time.elapsed_secs();
+                place.translation = Vec3::new(0.5 * (2.0 * t).sin(), 0.2 * (3.0 * t).cos(), 0.0);
+            }
+        },
+    );
+    let hand = spawn(&mut app, (Path { tick: 0, way: |_| Vec3::ZERO }, Transform::default()));
+    let cloths = spawn_variants(&mut app, 16, |_| {
+        let pins = ClothPins::vertices([0, 15]).anchored_to(hand);
+        (pins, Transform::from_xyz(0.0, 0.0, 0.5))
+    });
+    let mut dice = Dice(9);
+    let mut since = 0;
+    for count in 1..600 {
+        let hitch = count % 60 == 0;
+        let long = [0.25, 1.0, 10.0][count / 60 % 3];
+        let usual = 0.01 + 0.01 * f64::from(dice.roll().abs());
+        frame(&mut app, Duration::from_secs_f64(if hitch { long } else { usual }));
+        since = if hitch { 0 } else { since + 1 };
+        for cloth in cloths {
+            assert!(failure(&app, cloth).is_none());
+            let cloth = simulation(&app, cloth);
+            let far = cloth.positions().map(|p| p.length()).fold(0.0, f32::max);
+            assert!(far < 2.5, "{far} m off in frame {count}");
+            let strain = cloth.strain().max;
+            assert!(since < 10 || strain < 0.2, "strain of {strain} in frame {count}");
+        }
+    }
+}
+
+/// The scene HANG: a square of a metre, held by two corners, falls from rest. Of the peers one has 20 % of
+/// strain after such a frame, and all others more than 6000 %.
 #[test]
 fn a_frame_of_half_a_second_in_a_hanging_cloth() {
-    // The scene HANG: a square of a metre, held by two corners, falls from rest.
+    const COUNT: usize = 128;
     let hang = |hitch: bool| {
         let mut app = app();
-        spawn_variants(&mut app, 64, |_| (ClothPins::vertices([0, 63]), Transform::default()));
+        spawn_variants(&mut app, 40, |_| (ClothPins::vertices([0, 39]), Transform::default()));
         let mut most = 0;
-        while app.world().resource::<Track>().ticks.len() < 192 {
+        while app.world().resource::<Track>().ticks.len() < COUNT {
             let before = app.world().resource::<Track>().ticks.len();
             // In the middle of its first fall.
-            let late = hitch && before == 20;
-            frame(&mut app, if late { Duration::from_millis(500) } else { TICK });
+            let long = hitch && before == 20;
+            frame(&mut app, if long { Duration::from_millis(500) } else { TICK });
             most = most.max(app.world().resource::<Track>().ticks.len() - before);
         }
-        let track = app.world().resource::<Track>();
-        (track.ticks[..192].to_vec(), track.worst[..192].to_vec(), most)
+        let track = app.world_mut().remove_resource::<Track>().unwrap();
+        (track.ticks[..COUNT].to_vec(), most)
     };
-    let (smooth, strain, one) = hang(false);
-    let (late, late_strain, most) = hang(true);
-    assert_eq!(one, 1);
-    assert_eq!(most, MOST_TICKS, "0.5 s are capped to 0.25 s");
-    let worse = strain.iter().zip(&late_strain).map(|(a, b)| b - a).fold(0.0, f32::max);
-    println!("strain {:?}, worse by {worse}", strain.iter().copied().fold(0.0, f32::max));
-    assert!(smooth == late, "not the same bits");
+    let (smooth, one) = hang(false);
+    let (hitched, most) = hang(true);
+    assert_eq!((one, most), (1, MOST_TICKS), "0.5 s are capped to 0.25 s");
+    // Not within 2 points of strain: the very same.
+    assert_same(&smooth, &hitched, "after a frame of 0.5 s");
 }

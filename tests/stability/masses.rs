@@ -95,7 +95,7 @@ fn h08_stiffness_one_to_ten_thousand() {
             let sheet = variant.weighted(Vec2::ONE, N, N, |_| 1.0, factor);
             let mut trial = Trial::new(what, variant, sheet, &corners(N), |_, p| p);
             trial.run_on();
-            trial.recovers_within([0, 0, 0]);
+            trial.recovers_within([3, 3, 0]);
             trials.push(trial);
         }
         // Cells a hundred times as long as wide, so that weft springs are 10000 times as hard as warp

@@ -66,7 +66,7 @@ fn h01_scrambled_where_particles_reach_the_limit_of_speed() {
         trial.run_on();
         let (_, speed) = trial.centre();
         trial.require(speed.length() < 2.0, |_| format!("goes at {speed}"));
-        trial.recovers_within([600, 600, 600]);
+        trial.recovers_within([5, 20, 5]);
         trials.push(trial);
     }
     verdict(trials);
@@ -80,8 +80,25 @@ fn h02_flattened_onto_a_line() {
 
 #[test]
 fn h02_flattened_onto_a_line_exactly() {
-    // Across the line no spring has a direction: free, it stays the line that it is.
-    verdict(recovers("flattened exactly", [[25, 30, 5], [0, 0, 0]], |_, rest| rest * Vec3::Z));
+    let mut trials = Vec::new();
+    for variant in Variant::all() {
+        let flat = |_: usize, rest: Vec3| rest * Vec3::Z;
+        let sheet = variant.sheet(Vec2::ONE, N, N);
+        let (name, pins) = ("flattened exactly, hung", corners(N));
+        let mut trial = Trial::new(name, variant, sheet.clone(), &pins, flat);
+        trial.run_on();
+        trial.recovers_within([15, 80, 5]);
+        trials.push(trial);
+        // Across the line nothing has a direction: free, it stays on it, where its springs are at odds with
+        // each other.
+        let mut trial = Trial::new("flattened exactly, free", variant, sheet, &[], flat);
+        trial.gravity = Vec3::ZERO;
+        trial.keep_in(Vec3::NEG_Z * 20.0, Vec3::Z * 20.0);
+        trial.run_on();
+        trial.strains_at_most([3.0; 3], [2.0; 3]);
+        trials.push(trial);
+    }
+    verdict(trials);
 }
 
 #[test]
@@ -131,7 +148,7 @@ fn h04_one_substep_a_frame_and_stretched_five_times() {
         trial.measure_anew();
         trial.run_on();
         // Stable, though wrong: one substep of a frame does not hold the limit.
-        trial.strains_at_most([9.9, 9.9, 9.9], [9.9, 9.9, 9.9]);
+        trial.strains_at_most([0.8, 0.9, 0.25], [0.7, 0.8, 0.12]);
         trials.push(trial);
     }
     verdict(trials);
@@ -161,7 +178,7 @@ fn crumpled_into_a_cube_of_ten_centimetres() {
         trial.measure_anew();
         trial.run_on();
         // A whole cloth hangs from two particles of thousands.
-        trial.strains_at_most([0.3, 0.3, 0.12], [0.25, 0.25, 0.12]);
+        trial.strains_at_most([0.3, 0.3, 0.15], [0.25, 0.25, 0.1]);
         trials.push(trial);
     }
     verdict(trials);
