@@ -10,13 +10,13 @@ use crate::app::*;
 type Deed = fn(&mut World, Entity, usize);
 
 /// Faster than any particle that a ball meets which is put into the cloth [m/s].
-const MOST_SPEED: f32 = 12.0;
+const MOST_SPEED: f32 = 10.0;
 
 /// Cloths over which a ball is, and one of each kind that it never comes to: the bits of the latter after
 /// every tick.
 fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
     let mut app = app();
-    let corners = || ClothPins::from(PinSelection::Corners);
+    let corners = || ClothPins::vertices([0, 23, 23 * 24, 24 * 24 - 1]);
     let near = spawn_variants(&mut app, 24, |i| {
         (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 0.0))
     });
@@ -29,6 +29,7 @@ fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
         deed(app.world_mut(), ball, tick);
         frame(&mut app, TICK);
         for cloth in near {
+            assert_eq!(failure(&app, cloth), None);
             let cloth = simulation(&app, cloth);
             assert!(cloth.positions().all(|p| p.is_finite()));
             assert!(!cloth.is_quarantined());
@@ -39,7 +40,6 @@ fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
                 .fold(fastest, f32::max);
         }
     }
-    println!("fastest {fastest}");
     assert!(fastest < MOST_SPEED, "{fastest} m/s");
     let ticks = app.world().resource::<Track>().ticks.clone();
     (app, near, ball, ticks)
@@ -61,16 +61,16 @@ fn h11_what_happens_to_a_ball_is_no_matter_to_cloths_elsewhere() {
     let deeds: [(&str, Deed); 4] = [
         ("teleports", |world, ball, tick| {
             // Through and into one cloth after the other, a few ticks at each place.
-            let (i, y) = (tick / 32 % 4, [12.0, -0.1, -12.0, -0.2][tick / 8 % 4]);
+            let (i, y) = (tick / 32 % 4, [12.0, -0.25, -12.0, 0.25][tick / 8 % 4]);
             put(world, ball, Vec3::new(i as f32 * 2.0, y, 0.0));
         }),
         ("is scaled to nothing", |world, ball, tick| {
-            put(world, ball, Vec3::new((tick / 160) as f32 * 2.0, -0.2, 0.0));
+            put(world, ball, Vec3::new((tick / 160) as f32 * 2.0, -0.25, 0.0));
             let scale = 1.0 - (tick % 160) as f32 / 80.0;
             world.get_mut::<Transform>(ball).unwrap().scale = Vec3::splat(scale.max(0.0));
         }),
         ("is taken away and comes again", |world, ball, tick| {
-            put(world, ball, Vec3::new((tick / 160) as f32 * 2.0, -0.15, 0.0));
+            put(world, ball, Vec3::new((tick / 160) as f32 * 2.0, -0.25, 0.0));
             if tick % 40 == 20 {
                 world.entity_mut(ball).remove::<SdfCollider>();
             } else if tick % 40 == 0 {
@@ -79,7 +79,7 @@ fn h11_what_happens_to_a_ball_is_no_matter_to_cloths_elsewhere() {
         }),
         ("is despawned", |world, ball, tick| {
             if tick < 100 {
-                put(world, ball, Vec3::new(0.0, -0.15, 0.0));
+                put(world, ball, Vec3::new(0.0, -0.25, 0.0));
             } else if tick == 100 {
                 world.despawn(ball);
             }
