@@ -16,12 +16,12 @@ const MOST_SPEED: f32 = 10.0;
 /// every tick.
 fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
     let mut app = app();
-    let corners = || ClothPins::vertices([0, 23, 23 * 24, 24 * 24 - 1]);
-    let near = spawn_variants(&mut app, 24, |i| {
+    let corners = || ClothPins::vertices([0, 15, 15 * 16, 16 * 16 - 1]);
+    let near = spawn_variants(&mut app, 16, |i| {
         (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 0.0))
     });
     app.world_mut().resource_mut::<Track>().cloths.clear();
-    spawn_variants(&mut app, 24, |i| (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 50.0)));
+    spawn_variants(&mut app, 16, |i| (corners(), Transform::from_xyz(i as f32 * 2.0, 0.0, 50.0)));
     let ball = (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.0, -9.0, 0.0));
     let ball = spawn(&mut app, ball);
     let mut fastest = 0.0;
