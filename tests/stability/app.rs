@@ -37,7 +37,7 @@ fn track(simulations: Query<&ClothSimulation>, mut track: ResMut<Track>) {
     let cloths: Vec<_> =
         track.cloths.iter().filter_map(|&cloth| simulations.get(cloth).ok()).collect();
     for cloth in &cloths {
-        assert!(cloth.positions().all(|p| p.is_finite()));
+        assert!(cloth.positions().all(Vec3::is_finite));
     }
     let bits = cloths.iter().map(|cloth| hash(cloth.positions())).collect();
     let worst = cloths.iter().map(|cloth| cloth.strain().max).fold(-1.0, f32::max);

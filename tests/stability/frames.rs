@@ -126,7 +126,7 @@ fn h10_hitches_of_what_moves_once_a_frame_do_no_harm() {
         for cloth in cloths {
             assert!(failure(&app, cloth).is_none());
             let cloth = simulation(&app, cloth);
-            let far = cloth.positions().map(|p| p.length()).fold(0.0, f32::max);
+            let far = cloth.positions().map(Vec3::length).fold(0.0, f32::max);
             assert!(far < 2.5, "{far} m off in frame {count}");
             let strain = cloth.strain().max;
             assert!(since < 30 || strain < 0.2, "strain of {strain} in frame {count}");

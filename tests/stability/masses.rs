@@ -85,8 +85,8 @@ fn h08_stiffness_one_to_ten_thousand() {
     const N: usize = 24;
     let mut trials = Vec::new();
     let patterns: [(&str, fn(usize) -> bool); 3] = [
-        ("every second warp thread", |i| i % N % 2 == 0),
-        ("every second weft thread", |i| i / N % 2 == 0),
+        ("every second warp thread", |i| (i % N).is_multiple_of(2)),
+        ("every second weft thread", |i| (i / N).is_multiple_of(2)),
         ("one half", |i| i % N < N / 2),
     ];
     for variant in Variant::all() {

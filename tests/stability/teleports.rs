@@ -31,7 +31,7 @@ fn scene(deed: Deed) -> (App, [Entity; 4], Entity, Vec<Vec<u64>>) {
         for cloth in near {
             assert_eq!(failure(&app, cloth), None);
             let cloth = simulation(&app, cloth);
-            assert!(cloth.positions().all(|p| p.is_finite()));
+            assert!(cloth.positions().all(Vec3::is_finite));
             assert!(!cloth.is_quarantined());
             fastest = cloth
                 .positions()
