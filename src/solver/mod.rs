@@ -328,8 +328,8 @@ impl ClothSolver {
         self.weigh_soft_pins();
         self.weigh_loads();
         self.fill_places();
-        // Springs that carry what was asked of them need no tethers.
-        let mut tethered = self.plan.clamped.thread;
+        // Springs that carry the cloth, and what was asked of them, need no tethers.
+        let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();

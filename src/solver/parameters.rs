@@ -66,7 +66,8 @@ pub enum Integrator {
 /// How threads are held together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
 pub enum FormChoice {
-    /// Springs where the substeps allow the stiffness asked for, else threads.
+    /// Springs where the substeps allow the stiffness asked for, and where that carries the cloth's own
+    /// weight within its limit of strain; else threads.
     #[default]
     Automatic,
     /// Explicit springs, then Provot's correction.

@@ -46,7 +46,7 @@ impl ClothSolver {
         let bound = Bound::new(&topology, &held);
         let state = State::new(&topology, positions);
         let mut solver = Self {
-            plan: Plan::new(&bound, &material, &settings, USUAL_TICK),
+            plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
             scratch: Scratch::new(&topology),
             isa: Isa::detect(),
             tethered_under: None,
@@ -185,7 +185,8 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(super) fn plan_ticks(&mut self, tick: f32) {
-        self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);
+        let hung = self.held.hung;
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
         if let (Topology::Graph(graph), Some(strengths)) =
             (&self.topology, &mut self.held.strengths)
         {
