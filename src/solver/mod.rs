@@ -22,6 +22,7 @@
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `ways` | ways along the cloth at rest, for tethers |
+//! | `taut` | threads under more tension than a substep allows for |
 //! | `state` | positions, displacements, working room |
 //! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
 //! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
@@ -57,6 +58,7 @@ mod soft;
 mod state;
 mod stillness;
 mod study;
+mod taut;
 mod tethers;
 mod threads;
 mod topology;
@@ -118,6 +120,10 @@ pub struct ClothSolver {
     air: Option<Surface>,
     /// Load that the tethers' bounds were made for \[m/s2\].
     tethered_under: Option<Vec3>,
+    /// What a spring may move a particle by without its thread trembling \[m\].
+    steady: f32,
+    /// What the tethers' bounds are multiplied by in this tick, as its pins are too far apart.
+    tether_ease: f32,
     state: State,
     scratch: Scratch,
     /// Substeps of this tick that are done.
@@ -172,6 +178,8 @@ impl ClothSolver {
             }
             self.tethered_under = Some(load);
         }
+        let eases = self.held.tethers.iter().map(|set| set.ease(input.pins));
+        self.tether_ease = eases.fold(1.0, f32::max);
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
@@ -393,7 +401,7 @@ impl ClothSolver {
         }
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
-        let reach = Reach { compliance, limit: self.limit() };
+        let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
             return room.solve_chains(isa, graph, reach);
         }
@@ -428,6 +436,7 @@ impl ClothSolver {
             self.isa.run(PullTethers {
                 layout: self.topology.layout(),
                 set,
+                ease: self.tether_ease,
                 inverse_mass: &self.held.inverse_mass,
                 x: &self.state.x,
                 d: &mut self.state.d,
@@ -468,7 +477,8 @@ impl ClothSolver {
     }
 
     /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
-    /// the input; zero where it was not asked to be [`measured`](Collider::measured).
+    /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
+    /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
         self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
     }
@@ -484,6 +494,7 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.state.d.clear();
             self.state.last_step = 0.0;
+            self.scratch.contact.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);
         }

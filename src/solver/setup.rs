@@ -13,6 +13,7 @@ use super::parameters::{Material, ParameterError, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
 use super::stillness::Mark;
+use super::taut::steady;
 use super::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
@@ -50,6 +51,8 @@ impl ClothSolver {
             scratch: Scratch::new(&topology),
             isa: Isa::detect(),
             tethered_under: None,
+            tether_ease: 1.0,
+            steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,
             contact_count: 0,

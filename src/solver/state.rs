@@ -90,7 +90,7 @@ pub(crate) struct Scratch {
     pub moments: Moments,
     /// Displacements predicted for the damping.
     pub b: Soa,
-    /// Twice [`LANES`] rows with rows and columns exchanged: positions, then corrections.
+    /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
     /// The unknowns of a block of threads.
     pub line: Line,
@@ -108,6 +108,8 @@ pub(crate) struct Line {
     pub direction: Soa,
     pub inverse_pivot: Array,
     pub residual: Array,
+    /// Corrections of their particles, where threads are taut.
+    pub correction: Soa,
 }
 
 impl Line {
@@ -117,6 +119,7 @@ impl Line {
             direction: Soa::zeros(longest),
             inverse_pivot: Array::zeros(longest),
             residual: Array::zeros(longest),
+            correction: Soa::zeros(longest),
         }
     }
 }
@@ -127,13 +130,13 @@ impl Scratch {
         let len = layout.len();
         // What only a lattice's threads and hinges work in.
         let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
-        let longest = 2 * woven.rows.max(woven.columns) * LANES;
+        let longest = woven.rows.max(woven.columns) * LANES;
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
             rows: SpringRows::new(woven),
             moments: Moments::new(woven),
-            strip: Soa::zeros(2 * woven.columns.next_multiple_of(LANES) * LANES),
+            strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
             line: Line::new(longest),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,

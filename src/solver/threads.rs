@@ -2,8 +2,7 @@
 //!
 //! The distance constraints along a line couple only neighbours, so that their matrix is
 //! tridiagonal: `w_j + w_(j+1) + compliance` on the diagonal and `-w_(j+1) n_j . n_(j+1)` beside it.
-//! One forward and one backward pass solve it, [`LANES`] lines side by side, and two such blocks in
-//! turns: each step of a pass waits for the one before, and meanwhile the other block's is worked on. The compliance is the
+//! One forward and one backward pass solve it, [`LANES`] lines side by side. The compliance is the
 //! spring's own, `1 / (k h^2)` (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18; with drag, what a
 //! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
@@ -12,6 +11,7 @@ use super::isa::{Kernel, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
+use super::taut::{Threads, ease};
 use super::transpose::Transpose;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
@@ -48,7 +48,7 @@ pub(super) struct Lines<'a> {
     pub springs: &'a Family,
     pub reach: Reach,
     pub inverse_mass: &'a [f32],
-    /// Room for the unknowns of two blocks of [`LANES`] threads.
+    /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
 }
 
@@ -59,25 +59,14 @@ impl Kernel for SolveWarp<'_> {
     #[inline(always)]
     fn run(mut self) -> bool {
         let mut excess = Block::ZERO;
-        let mut column = 0;
-        while column + LANES < self.layout.columns {
-            self.solve::<2>(column, &mut excess);
-            column += 2 * LANES;
-        }
-        if column < self.layout.columns {
-            self.solve::<1>(column, &mut excess);
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let first = self.layout.slot(0, column);
+            let stride = self.layout.stride;
+            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
+            self.lines.eliminate(column, &ends, &mut excess);
+            self.lines.substitute(column, &mut ends);
         }
         excess.largest() > 0.0
-    }
-}
-
-impl SolveWarp<'_> {
-    #[inline(always)]
-    fn solve<const BLOCKS: usize>(&mut self, column: usize, excess: &mut Block) {
-        let first = self.layout.slot(0, column);
-        let mut ends = InPlace { x: self.x, d: self.d, first, stride: self.layout.stride };
-        self.lines.eliminate::<BLOCKS>(column, &ends, excess);
-        self.lines.substitute::<BLOCKS>(column, &mut ends);
     }
 }
 
@@ -88,13 +77,12 @@ impl TransposingKernel for SolveWeft<'_> {
     #[inline(always)]
     fn run(mut self, transpose: impl Transpose) -> bool {
         let mut excess = Block::ZERO;
-        let mut row = 0;
-        while row + LANES < self.layout.rows {
-            self.solve::<2>(transpose, row, &mut excess);
-            row += 2 * LANES;
-        }
-        if row < self.layout.rows {
-            self.solve::<1>(transpose, row, &mut excess);
+        for row in (0..self.layout.rows).step_by(LANES) {
+            self.fill_strip(transpose, row);
+            let mut ends = Strip(self.strip);
+            self.lines.eliminate(row, &ends, &mut excess);
+            self.lines.substitute(row, &mut ends);
+            self.add_strip(transpose, row);
         }
         excess.largest() > 0.0
     }
@@ -102,38 +90,24 @@ impl TransposingKernel for SolveWeft<'_> {
 
 impl SolveWeft<'_> {
     #[inline(always)]
-    fn solve<const BLOCKS: usize>(&mut self, t: impl Transpose, row: usize, excess: &mut Block) {
-        let width = self.layout.columns.next_multiple_of(LANES) * LANES;
-        for block in 0..BLOCKS {
-            self.fill_strip(t, row + block * LANES, block * width);
-        }
-        let mut ends = Strip { places: self.strip, width };
-        self.lines.eliminate::<BLOCKS>(row, &ends, excess);
-        self.lines.substitute::<BLOCKS>(row, &mut ends);
-        for block in 0..BLOCKS {
-            self.add_strip(t, row + block * LANES, block * width);
-        }
-    }
-
-    #[inline(always)]
-    fn fill_strip(&mut self, t: impl Transpose, row: usize, first: usize) {
+    fn fill_strip(&mut self, t: impl Transpose, row: usize) {
         for column in (0..self.layout.columns).step_by(LANES) {
-            let (slot, to) = (self.layout.slot(row, column), first + column * LANES);
+            let slot = self.layout.slot(row, column);
             let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
-            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, to);
-            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, to);
-            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, to);
+            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
+            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
+            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
         }
     }
 
     #[inline(always)]
-    fn add_strip(&mut self, t: impl Transpose, row: usize, first: usize) {
+    fn add_strip(&mut self, t: impl Transpose, row: usize) {
         for column in (0..self.layout.columns).step_by(LANES) {
-            let (slot, from) = (self.layout.slot(row, column), first + column * LANES);
+            let slot = self.layout.slot(row, column);
             let (d, strip) = (&mut *self.d, &*self.strip);
-            add_tile(t, &strip.x, from, &mut d.x, slot, self.layout.stride);
-            add_tile(t, &strip.y, from, &mut d.y, slot, self.layout.stride);
-            add_tile(t, &strip.z, from, &mut d.z, slot, self.layout.stride);
+            add_tile(t, &strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
+            add_tile(t, &strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
+            add_tile(t, &strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
         }
     }
 }
@@ -184,12 +158,14 @@ fn add_tile(
     }
 }
 
-/// Where the particles of blocks of [`LANES`] threads are, and where their corrections go.
+/// Where the particles of [`LANES`] threads are, and where their corrections go.
 trait Ends {
-    /// Positions of a block's particles at a place along the threads.
-    fn positions(&self, place: usize, block: usize) -> Block3;
+    /// Positions of the particles at a place along the threads.
+    fn positions(&self, place: usize) -> Block3;
     /// Takes their corrections.
-    fn correct(&mut self, place: usize, block: usize, correction: Block3);
+    fn correct(&mut self, place: usize, correction: Block3);
+    /// Takes more of them.
+    fn correct_more(&mut self, place: usize, correction: Block3);
 }
 
 /// Rows of the sheet.
@@ -202,92 +178,120 @@ struct InPlace<'a> {
 
 impl Ends for InPlace<'_> {
     #[inline(always)]
-    fn positions(&self, place: usize, block: usize) -> Block3 {
-        Block3::load_sum(self.x, self.d, self.first + place * self.stride + block * LANES)
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
     }
 
     #[inline(always)]
-    fn correct(&mut self, place: usize, block: usize, correction: Block3) {
-        let slot = self.first + place * self.stride + block * LANES;
+    fn correct(&mut self, place: usize, correction: Block3) {
+        let slot = self.first + place * self.stride;
         let mut d = Block3::load(self.d, slot);
         for i in 0..LANES {
             d.set(i, d.at(i) + correction.at(i));
         }
         d.store(self.d, slot);
     }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        self.correct(place, correction);
+    }
 }
 
-/// Strips of columns, whose positions give way to their corrections.
-struct Strip<'a> {
-    places: &'a mut Soa,
-    /// From a strip to the next.
-    width: usize,
-}
+/// A strip of columns, whose positions give way to their corrections.
+struct Strip<'a>(&'a mut Soa);
 
 impl Ends for Strip<'_> {
     #[inline(always)]
-    fn positions(&self, place: usize, block: usize) -> Block3 {
-        Block3::load(self.places, block * self.width + place * LANES)
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load(self.0, place * LANES)
     }
 
     #[inline(always)]
-    fn correct(&mut self, place: usize, block: usize, correction: Block3) {
-        correction.store(self.places, block * self.width + place * LANES);
+    fn correct(&mut self, place: usize, correction: Block3) {
+        correction.store(self.0, place * LANES);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        let mut sum = Block3::load(self.0, place * LANES);
+        for i in 0..LANES {
+            sum.set(i, sum.at(i) + correction.at(i));
+        }
+        sum.store(self.0, place * LANES);
     }
 }
 
 impl Lines<'_> {
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
-    fn eliminate<const BLOCKS: usize>(
-        &mut self,
-        thread: usize,
-        ends: &impl Ends,
-        excess: &mut Block,
-    ) {
-        let mut x0 = [Block3::ZERO; BLOCKS];
-        let mut w0 = [Block::ZERO; BLOCKS];
-        let mut last = [Pivot::default(); BLOCKS];
-        for block in 0..BLOCKS {
-            x0[block] = ends.positions(0, block);
-            w0[block] = self.inverse_masses(0, thread, block);
-        }
+    fn eliminate(&mut self, thread: usize, ends: &impl Ends, excess: &mut Block) {
+        let mut x0 = ends.positions(0);
+        let mut w0 = Block::load(self.inverse_mass, self.layout.slot(0, thread));
+        let mut last = Pivot::default();
         for place in 1..self.layout.rows {
-            for block in 0..BLOCKS {
-                let spring = self.layout.slot(place - 1, thread + block * LANES);
-                let x1 = ends.positions(place, block);
-                let w1 = self.inverse_masses(place, thread, block);
-                let rest = Block::load(&self.springs.rest, spring);
-                let factor = Block::load(&self.springs.compliance, spring);
-                let (x, w) = ([&x0[block], &x1], [&w0[block], &w1]);
-                let next = last[block].next(&self.reach, x, w, &rest, &factor, excess);
-                next.store(self.line, ((place - 1) * BLOCKS + block) * LANES);
-                (x0[block], w0[block], last[block]) = (x1, w1, next);
-            }
+            let spring = self.layout.slot(place - 1, thread);
+            let x1 = ends.positions(place);
+            let w1 = Block::load(self.inverse_mass, self.layout.slot(place, thread));
+            let rest = Block::load(&self.springs.rest, spring);
+            let factor = Block::load(&self.springs.compliance, spring);
+            let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
+            next.store(self.line, (place - 1) * LANES);
+            (x0, w0, last) = (x1, w1, next);
         }
     }
 
     /// Back substitution: tensions from the last spring to the first, and the corrections of the
     /// particles between them.
     #[inline(always)]
-    fn substitute<const BLOCKS: usize>(&mut self, thread: usize, ends: &mut impl Ends) {
-        let mut tension = [Tension::default(); BLOCKS];
+    fn substitute(&mut self, thread: usize, ends: &mut impl Ends) {
+        let mut tension = Tension::default();
         for place in (1..self.layout.rows).rev() {
-            for (block, tension) in tension.iter_mut().enumerate() {
-                let pivot = Pivot::load(self.line, ((place - 1) * BLOCKS + block) * LANES);
-                let w = self.inverse_masses(place, thread, block);
-                ends.correct(place, block, tension.next(&pivot, &w));
-            }
+            let pivot = Pivot::load(self.line, (place - 1) * LANES);
+            let w = Block::load(self.inverse_mass, self.layout.slot(place, thread));
+            ends.correct(place, tension.next(&pivot, &w));
         }
-        for (block, tension) in tension.iter().enumerate() {
-            let w = self.inverse_masses(0, thread, block);
-            ends.correct(0, block, tension.last(&w));
+        let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
+        ends.correct(0, tension.last(&w));
+        if tension.most.largest() > self.reach.steady {
+            self.ease(thread, ends);
         }
     }
 
+    /// Keeps taut threads from trembling.
     #[inline(always)]
-    fn inverse_masses(&self, place: usize, thread: usize, block: usize) -> Block {
-        Block::load(self.inverse_mass, self.layout.slot(place, thread + block * LANES))
+    fn ease(&mut self, thread: usize, ends: &mut impl Ends) {
+        let Self { layout, springs, inverse_mass, .. } = *self;
+        let threads = Woven { layout, springs, inverse_mass, thread };
+        ease(self.line, &threads);
+        for place in 0..layout.rows {
+            ends.correct_more(place, Block3::load(&self.line.correction, place * LANES));
+        }
+    }
+}
+
+/// [`LANES`] threads of a lattice.
+struct Woven<'a> {
+    layout: Layout,
+    springs: &'a Family,
+    inverse_mass: &'a [f32],
+    thread: usize,
+}
+
+impl Threads for Woven<'_> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.layout.rows
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        Block::load(self.inverse_mass, self.layout.slot(place, self.thread))
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        Block::load(&self.springs.rest, self.layout.slot(place, self.thread))
     }
 }
 
@@ -298,6 +302,8 @@ pub(super) struct Reach {
     pub compliance: f32,
     /// Longest that a spring may be, in rest lengths.
     pub limit: f32,
+    /// What a spring may move a particle by without its thread trembling \[m\].
+    pub steady: f32,
 }
 
 /// One step of the elimination.
@@ -370,11 +376,13 @@ impl Pivot {
 #[derive(Clone, Copy)]
 pub(super) struct Tension {
     pull: Block3,
+    /// What a spring has moved a particle by so far, at most \[m\].
+    pub most: Block,
 }
 
 impl Default for Tension {
     fn default() -> Self {
-        Self { pull: Block3::ZERO }
+        Self { pull: Block3::ZERO, most: Block::ZERO }
     }
 }
 
@@ -388,6 +396,7 @@ impl Tension {
             let n = pivot.direction.at(i);
             let beside = w.0[i] * n.dot(self.pull.at(i));
             let tension = (pivot.residual.0[i] + beside) * pivot.inverse.0[i];
+            self.most.0[i] = larger(tension * w.0[i], self.most.0[i]);
             pull.set(i, n * tension);
             correction.set(i, (self.pull.at(i) - pull.at(i)) * w.0[i]);
         }

@@ -1,0 +1,44 @@
+//! Settings by what they are for, read off the report of speed against error.
+
+use super::ClothSettings;
+use crate::solver::{FormChoice, Substeps};
+use bevy::prelude::*;
+
+/// How much time an error is worth: three settings beside the default, read off the report of speed against
+/// error (`assets/report/report.md`).
+///
+/// The default, `ClothSettings::default()`, takes up to 20 substeps in 1/60 s, which hold the limit of strain too
+/// where all of a cloth hangs from a point.
+///
+/// ```
+/// # use bevy_drape::prelude::*;
+/// let settings = ClothSettings { tethers: false, ..ClothQuality::Accurate.into() };
+/// ```
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Debug, PartialEq, Hash, Clone)]
+pub enum ClothQuality {
+    /// Eight substeps in 1/60 s and never more: the least time, and threads within 1 % all the same. What hangs
+    /// from single points, or is struck, may stretch beyond its limit for some frames.
+    Game,
+    /// 32 substeps in a tick: some four times the time, and a quarter of the error or less.
+    Accurate,
+    /// Explicit springs by Verlet's method, with as many substeps as the material needs: keeps energy, and is
+    /// of second order in contact too. Not for games: fabric of 1000 N/m takes 250 substeps at 64 x 64 particles.
+    Reference,
+}
+
+impl From<ClothQuality> for ClothSettings {
+    fn from(quality: ClothQuality) -> Self {
+        match quality {
+            ClothQuality::Game => {
+                Self { substeps: Substeps::Automatic { budget: 8 }, ..Self::default() }
+            }
+            ClothQuality::Accurate => Self { substeps: Substeps::Fixed(32), ..Self::default() },
+            ClothQuality::Reference => Self {
+                form: FormChoice::Springs,
+                substeps: Substeps::Automatic { budget: crate::solver::Settings::MAX_SUBSTEPS },
+                ..Self::default()
+            },
+        }
+    }
+}
