@@ -17,8 +17,8 @@ use bevy::prelude::*;
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Debug, PartialEq, Hash, Clone)]
 pub enum ClothQuality {
-    /// Eight substeps in 1/60 s and never more: the least time, and threads within 1 % all the same. What hangs
-    /// from single points, or is struck, may stretch beyond its limit for some frames.
+    /// Eight substeps in 1/60 s and never more: the least time. Threads of up to 64 x 64 particles stay within
+    /// 1 % where they fall, hang or drape; what hangs from single points, or is struck, may stretch beyond its limit for some frames.
     Game,
     /// 32 substeps in a tick: some four times the time, and a quarter of the error or less.
     Accurate,

@@ -91,7 +91,7 @@ fn h12_a_fast_ball_goes_through_no_particle() {
                     trial.keep_in(Vec3::new(-20.0, -1100.0, -20.0), Vec3::splat(20.0));
                 }
                 trial.run_on();
-                trial.recovers_within(if pinned { [60, 100, 3] } else { [5, 20, 5] });
+                trial.recovers_within(if pinned { [60, 100, 3] } else { [16, 20, 5] });
                 trials.push(trial);
             }
         }
