@@ -70,7 +70,8 @@
 //!   cloth of the default material at rest between them, up to a fifth too far; stiffer ones, and further, stay
 //!   bounded (`h20`). Between colliders that leave no room it stays where it is let (`h23`).
 //! - **At rest it rests**: over nine minutes nothing moves by more than 0.01 mm in a tick, or drifts by more
-//!   than 0.5 mm (`h17`).
+//!   than 0.5 mm (`h17`). What hangs from one particle alone turns about it, by a centimetre a second at most
+//!   where drag is 2 /s.
 //! - **One cloth's trouble is its own**: others go on in the same bits (`h15`, `tests/ecs/bad_input`).
 //! - **The same input gives the same bits**: in every run, with any number of threads, fused or staged, on
 //!   every instruction set of x86-64 (`tests/ecs/execution`, `h24`, `tests/solver/determinism` and
