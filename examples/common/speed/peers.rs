@@ -1,4 +1,4 @@
-//! What other solvers reached in HANG and DRAPE, as recorded (tests/data/peer_levels.csv).
+//! What other solvers reached in HANG and DRAPE, as recorded (`tests/data/peer_levels.csv`).
 
 use super::Outcome;
 
