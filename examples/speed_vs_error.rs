@@ -21,9 +21,12 @@ mod exact;
 #[allow(dead_code)]
 #[path = "../tests/accuracy/reference.rs"]
 mod reference;
+#[path = "common/repository.rs"]
+mod repository;
 #[path = "common/speed/mod.rs"]
 mod speed;
 
+use repository::repository;
 use speed::{
     Extent, Outcome, Results, Scene, machine::Machine, peers, plot, readme, scenes, tables,
 };
@@ -79,9 +82,8 @@ fn report(options: &Options) -> Outcome<()> {
             "the README shows HANG and DRAPE: leave out --quick, and name both scenes".into()
         );
     }
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let usual = if whole { "assets/report" } else { "target/speed_vs_error" };
-    let folder = options.out.clone().unwrap_or_else(|| here.join(usual));
+    let folder = options.out.clone().unwrap_or_else(|| repository(usual));
     // Before minutes of work.
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let levels = peers::read()?;
@@ -101,11 +103,11 @@ fn report(options: &Options) -> Outcome<()> {
     tables::write_markdown(&folder.join("report.md"), &machine, &all, &extra, &plots)?;
     tables::write_csv(&folder.join("report.csv"), &all)?;
     if options.readme {
-        readme::insert(&here.join("README.md"), &format!("{machine}\n\n{extra}"))?;
+        readme::insert(&repository("README.md"), &format!("{machine}\n\n{extra}"))?;
     }
     println!("\n{extra}");
     println!("{} s; tables and plots are in {}", begun.elapsed().as_secs(), folder.display());
-    Ok(())
+    readme::check(&all)
 }
 
 /// Runs all jobs of the scenes asked for behind a progress bar.

@@ -30,6 +30,8 @@
 //! | `parameters` | material and settings |
 //! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
+//! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
+//! | `taut` | threads under too much tension for a substep |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 

@@ -16,6 +16,7 @@ mod hung;
 mod intake;
 mod mesh;
 mod pins;
+mod quality;
 mod refusals;
 mod seams;
 mod setup;

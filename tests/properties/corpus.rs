@@ -4,13 +4,14 @@
 use super::{
     decode::soup_of,
     field::check_field,
+    repository::repository,
     soup::{app, check_soup},
 };
 use std::path::PathBuf;
 
 /// The files of a target, by name.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(target);
+    let folder = repository("tests/corpus").join(target);
     let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{folder:?}: {error}"));
     let mut paths: Vec<_> = files.map(|file| file.unwrap().path()).collect();
     paths.sort();

@@ -10,6 +10,8 @@ mod corpus;
 mod decode;
 mod field;
 mod meshes;
+#[path = "../../examples/common/repository.rs"]
+mod repository;
 mod solvers;
 mod soup;
 
@@ -20,9 +22,8 @@ use proptest::{
     },
 };
 
-/// What failed once.
-const REGRESSIONS: &str =
-    concat!(env!("CARGO_MANIFEST_DIR"), "/tests/properties/proptest-regressions");
+/// What failed once. Cargo runs tests in the repository's folder.
+const REGRESSIONS: &str = "tests/properties/proptest-regressions";
 
 fn number(variable: &str, default: u64) -> u64 {
     std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(default)

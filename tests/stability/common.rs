@@ -8,6 +8,8 @@ use bevy_drape::solver::{
     PinMotion, Settings, StepInput, Topology, Weights,
 };
 
+pub use crate::other::common::Dice;
+
 /// A frame, and a tick \[s\].
 pub const FRAME: f32 = 1.0 / 60.0;
 /// Frames of a scene: ten seconds.
@@ -385,18 +387,4 @@ pub fn extent(places: &[Vec3]) -> (Vec3, Vec3) {
 /// Both corners of the first row.
 pub fn corners(columns: usize) -> [u32; 2] {
     [0, columns as u32 - 1]
-}
-
-/// Numbers from -1 to 1 that are the same everywhere (an LCG of Knuth's).
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn roll(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    }
-
-    pub fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.roll(), self.roll(), self.roll())
-    }
 }

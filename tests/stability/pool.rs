@@ -3,18 +3,10 @@
 
 use super::outside::ecs::*;
 use bevy::{
-    app::{TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
-    asset::AssetPlugin,
-    mesh::MeshPlugin,
-    prelude::*,
-    tasks::ComputeTaskPool,
-    time::TimeUpdateStrategy,
+    asset::AssetPlugin, mesh::MeshPlugin, prelude::*, time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
 use bevy_drape::prelude::*;
-use std::process::Command;
-
-const POOL: &str = "BEVY_DRAPE_STABILITY_POOL";
 
 /// Thirty sheets and meshes in gusts, over colliders that move, held hard, softly and not at all: the bits of
 /// all their positions, folded.
@@ -55,51 +47,15 @@ fn scene(app: &mut App) -> u64 {
     })
 }
 
-/// A process has one compute pool for good, so each size has a process of its own: this test again, with a
-/// variable set.
 #[test]
 fn h24_one_and_eight_threads_give_the_same_bits() {
-    if let Ok(size) = std::env::var(POOL) {
-        return print_bits_of_pool(size.parse().unwrap());
-    }
-    let bits = [1, 8].map(|size: u32| {
-        let name = "pool::h24_one_and_eight_threads_give_the_same_bits";
-        let output = Command::new(std::env::current_exe().unwrap())
-            .args([name, "--exact", "--nocapture"])
-            .env(POOL, size.to_string())
-            .output()
-            .unwrap();
-        let text = String::from_utf8(output.stdout).unwrap();
-        let line =
-            text.lines().find_map(|line| line.split_once("bits ")).map(|(_, bits)| bits.to_owned());
-        line.unwrap_or_else(|| panic!("{text}"))
-    });
-    assert_eq!(bits[0], bits[1]);
-}
-
-#[allow(clippy::print_stdout)]
-fn print_bits_of_pool(size: usize) {
-    let exactly = TaskPoolThreadAssignmentPolicy {
-        min_threads: size,
-        max_threads: size,
-        percent: 1.0,
-        on_thread_spawn: None,
-        on_thread_destroy: None,
+    let name = "pool::h24_one_and_eight_threads_give_the_same_bits";
+    let plugins = |app: &mut App| {
+        let cloth = ClothPlugin::default();
+        app.add_plugins((AssetPlugin::default(), MeshPlugin, TransformPlugin, cloth));
     };
-    let task_pool_options =
-        TaskPoolOptions { max_total_threads: 16, compute: exactly, ..default() };
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins.set(TaskPoolPlugin { task_pool_options }),
-        AssetPlugin::default(),
-        MeshPlugin,
-        TransformPlugin,
-        ClothPlugin::default(),
-    ));
-    app.insert_resource(ClothExecution::Fused);
-    app.finish();
-    app.cleanup();
-    app.update();
-    assert_eq!(ComputeTaskPool::get().thread_num(), size);
-    println!("bits {}", scene(&mut app));
+    let Some(bits) = in_pools(name, &[1, 8], plugins, |app| scene(app).to_string()) else {
+        return;
+    };
+    assert_eq!(bits[0], bits[1]);
 }
