@@ -15,7 +15,7 @@ const GUIDES: [f64; 3] = [0.1, 0.3, 1.0];
 const LONGEST: f64 = 60.0;
 
 /// For eyes that see colours less well too (Okabe and Ito 2008).
-const COLOURS: [RGBColor; 8] = [
+const COLOURS: [RGBColor; 10] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
     RGBColor(0, 158, 115),
@@ -24,6 +24,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
     RGBColor(140, 86, 75),
     RGBColor(180, 160, 0),
+    RGBColor(70, 60, 160),
+    RGBColor(130, 130, 130),
 ];
 /// Paler than those.
 const PEERS: [RGBColor; 8] = [
@@ -52,7 +54,8 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
     let drawn = |point: &&Point| plot.n.is_none_or(|n| n == point.n);
     let mut curves: Vec<Curve> = Vec::new();
     for point in results.points.iter().filter(drawn) {
-        let name = if plot.n.is_some() {
+        let by_size = is_by_size(results, point);
+        let name = if plot.n.is_some() || by_size {
             point.method.clone()
         } else {
             format!("{}, n = {}", point.method, point.n)
@@ -75,10 +78,17 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
         } else {
             curves[at].points.push((point.time.median, error));
             let label = point.knob.strip_suffix(" substeps").unwrap_or_default();
-            curves[at].labels.push(label.to_owned());
+            curves[at].labels.push(if by_size { point.n.to_string() } else { label.to_owned() });
         }
     }
     curves
+}
+
+/// Whether a point's method has one setting at each of several sizes, which then make the curve.
+fn is_by_size(results: &Results<'_>, point: &Point) -> bool {
+    let same = || results.points.iter().filter(|other| other.method == point.method);
+    let here = same().filter(|other| other.n == point.n).count();
+    here == 1 && same().count() > 1
 }
 
 fn peers_curves(results: &Results<'_>, plot: &Plot, levels: &[Level], factor: f64) -> Vec<Curve> {
@@ -117,7 +127,7 @@ pub fn draw(
     let (chart, legend) = root.split_horizontally(WIDTH - LEGEND);
     let range = Range::around(&curves, plot);
     draw_chart(&chart, results, plot, &curves, &range).map_err(told)?;
-    draw_legend(&legend, plot, &curves).map_err(told)?;
+    draw_legend(&legend, results, plot, &curves).map_err(told)?;
     root.present().map_err(told)
 }
 
@@ -187,6 +197,7 @@ fn draw_chart(
         .label_style(("sans-serif", 14))
         .x_label_formatter(&number)
         .y_label_formatter(&number)
+        .max_light_lines(8)
         .light_line_style(RGBColor(242, 242, 242))
         .bold_line_style(RGBColor(215, 215, 215))
         .draw()?;
@@ -241,12 +252,21 @@ fn draw_chart(
     Ok(())
 }
 
-/// As few digits as tell a power of ten.
+/// As few digits as tell one, two or five times a power of ten; nothing elsewhere, where there is no room.
 fn number(value: &f64) -> String {
-    if (1e-3..1e4).contains(value) { format!("{value}") } else { format!("{value:.0e}") }
+    let power = value.log10().floor();
+    let leading = value / 10.0_f64.powf(power);
+    if ![1.0, 2.0, 5.0, 10.0].iter().any(|round| (leading / round - 1.0).abs() < 1e-6) {
+        String::new()
+    } else if (1e-3..1e4).contains(value) {
+        let digits = (-power).max(0.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.0e}")
+    }
 }
 
-fn draw_legend(area: &Area<'_>, plot: &Plot, curves: &[Curve]) -> Drawn {
+fn draw_legend(area: &Area<'_>, results: &Results<'_>, plot: &Plot, curves: &[Curve]) -> Drawn {
     let mut line = 60;
     let mut write = |text: &str, draw: &dyn Fn(i32) -> Drawn| -> Drawn {
         draw(line)?;
@@ -275,7 +295,9 @@ fn draw_legend(area: &Area<'_>, plot: &Plot, curves: &[Curve]) -> Drawn {
         write("", &nothing)?;
     }
     if curves.iter().any(|curve| curve.own && !curve.labels.is_empty()) {
-        write("numbers: substeps a frame", &nothing)?;
+        let by_size = results.points.iter().all(|point| is_by_size(results, point));
+        let numbers = if by_size { "numbers: n" } else { "numbers: substeps a frame" };
+        write(numbers, &nothing)?;
     }
     write("a failure", &|y| area.draw(&Cross::new((20, y), 5, BLACK.stroke_width(2))))?;
     if plot.floor.is_some() {
