@@ -68,6 +68,7 @@
 
 mod cloth;
 mod collider;
+mod diagnostics;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -89,6 +90,7 @@ pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
     SdfCells, SdfCollider, SdfShape,
 };
+pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
@@ -100,13 +102,13 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
-        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
-        ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape, ClothSimulation,
-        ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights,
-        ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold,
-        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor,
-        WindZone,
+        BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothError, ClothExecution, ClothFailure,
+        ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
+        ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape,
+        ClothSimulation, ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems,
+        ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel,
+        HangingPlaces, Pin, PinHold, PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape,
+        TeleportCloth, VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,

@@ -55,6 +55,11 @@ impl ClothPlugin {
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
+
+    /// The schedule in which cloths are stepped.
+    pub(crate) fn schedule(&self) -> Interned<dyn ScheduleLabel> {
+        self.schedule
+    }
 }
 
 impl Default for ClothPlugin {

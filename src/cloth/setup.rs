@@ -250,6 +250,7 @@ fn build(
         outcome: None,
         last_tick: None,
         tick_count: 0,
+        times: None,
         quarantined: false,
         stale: true,
     })

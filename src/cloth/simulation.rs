@@ -5,6 +5,7 @@ use super::{
     following::Following, hung::Hanging, pins::Choices, rest::Rest,
 };
 use crate::{
+    diagnostics::StageTimes,
     hang::RelaxReport,
     mesh::{ClothIntake, RestShape},
     solver::{
@@ -46,6 +47,8 @@ pub struct ClothSimulation {
     pub(crate) outcome: Option<Result<TickReport, SolverError>>,
     pub(crate) last_tick: Option<TickReport>,
     pub(crate) tick_count: u64,
+    /// Where the stages' times go, if they are asked for.
+    pub(crate) times: Option<Box<StageTimes>>,
     /// It diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
     /// Something has moved since the mesh was last written.

@@ -9,6 +9,7 @@ mod bad_colliders;
 mod bad_input;
 mod colliders;
 mod common;
+mod diagnostics;
 mod execution;
 mod fabrics;
 mod fields;
