@@ -81,10 +81,11 @@ mod step;
 mod wind;
 
 pub use cloth::{
-    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
-    ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation,
-    ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem, HangProblem, HangingPlaces,
-    Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
+    Cloth, ClothAir, ClothDiverged, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung,
+    ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothReady, ClothSettings,
+    ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothTeleport, ClothWeights, ClothWoke,
+    ColorChannel, GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection,
+    ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -102,13 +103,14 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothError, ClothExecution, ClothFailure,
-        ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
-        ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothSettings, ClothShape,
-        ClothSimulation, ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems,
-        ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel,
-        HangingPlaces, Pin, PinHold, PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape,
-        TeleportCloth, VertexFactor, WindZone,
+        BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothDiverged, ClothError,
+        ClothExecution, ClothFailure, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung,
+        ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothReady,
+        ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothSubstep,
+        ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
+        ClothWindOverride, ClothWoke, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold,
+        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor,
+        WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,

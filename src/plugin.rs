@@ -6,6 +6,7 @@ use crate::{
         ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
         ClothTeleport, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
+        events::tell_ready,
         following::{ask_for_reset, ask_for_teleport},
         hung::{cancel_hanging, hang_cloths},
         rest::choose_steps,
@@ -168,7 +169,9 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
+                    (set_up_cloths, apply_changes, apply_pins, hang_cloths, tell_ready)
+                        .chain()
+                        .in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
@@ -225,7 +228,9 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
+                (set_up_cloths, apply_changes, apply_pins, hang_cloths, tell_ready)
+                    .chain()
+                    .in_set(Setup),
                 draw_cloths.in_set(Draw),
             ),
         );

@@ -2,7 +2,7 @@
 
 use crate::{
     cloth::{
-        ClothGravity, ClothGravityOverride, ClothSimulation,
+        ClothDiverged, ClothGravity, ClothGravityOverride, ClothSimulation,
         attachment::{Attachments, note_pins},
         setup::solver_error,
     },
@@ -318,6 +318,8 @@ pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings:
 pub(crate) fn finish_tick(
     mut cloths: Query<(Entity, &mut ClothSimulation)>,
     mut failures: Failures,
+    // After the failures, so that these are there when it is told.
+    mut commands: Commands,
 ) {
     for (entity, mut cloth) in &mut cloths {
         match cloth.outcome.take() {
@@ -336,6 +338,9 @@ pub(crate) fn finish_tick(
                 // Its pins may be led away meanwhile.
                 cloth.attachments.take_hold_anew();
                 failures.report(entity, solver_error(entity, problem));
+                if cloth.quarantined {
+                    commands.trigger(ClothDiverged { entity, problem });
+                }
             }
             None => {}
         }

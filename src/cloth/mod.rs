@@ -2,6 +2,7 @@
 
 mod air;
 pub(crate) mod attachment;
+pub(crate) mod events;
 mod fabrics;
 pub(crate) mod following;
 mod gravity;
@@ -18,6 +19,7 @@ mod simulation;
 pub(crate) mod weights;
 
 pub use air::ClothAir;
+pub use events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
 pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;

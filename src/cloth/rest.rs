@@ -1,6 +1,6 @@
 //! Which cloths take a tick: not those that are frozen, that sleep, or that have diverged.
 
-use super::{ClothSimulation, attachment::gather_motions};
+use super::{ClothSimulation, ClothSlept, ClothWoke, attachment::gather_motions};
 use crate::{
     collider::Disturbances,
     error::{Blame, ClothError, Failures},
@@ -138,6 +138,7 @@ pub(crate) fn choose_steps(
         Option<&mut ClothFrozen>,
     )>,
     disturbances: Res<Disturbances>,
+    mut commands: Commands,
     mut failures: Failures,
 ) {
     for (entity, mut cloth, sleep, frozen) in &mut cloths {
@@ -152,7 +153,13 @@ pub(crate) fn choose_steps(
         if disturbances.reach(cloth.solver.bounds(), cloth.material.thickness) {
             cloth.rest.disturb();
         }
+        let slept = cloth.rest.asleep;
         cloth.rest.choose(cloth.step.gravity);
+        match (slept, cloth.rest.asleep) {
+            (false, true) => commands.trigger(ClothSlept { entity }),
+            (true, false) => commands.trigger(ClothWoke { entity }),
+            _ => {}
+        }
         if let Some(hanging) = &mut cloth.hanging {
             hanging.begin();
         }

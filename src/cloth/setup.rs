@@ -41,8 +41,10 @@ pub(crate) fn set_up_cloths(
     meshes.note_changes(!failures.are_none());
     for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
         let source = mesh::source_of(mesh3d.as_deref(), own);
-        if let Some(running) = simulation
-            && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+        let same =
+            |running: &&ClothSimulation| !needs_setup(running, &cloth, mesh3d.as_deref(), own);
+        let same = simulation.filter(same);
+        if let Some(running) = same
             && !moved_before_its_first_tick(running, &transforms, entity)
         {
             // Another shape may have been refused since.
@@ -73,7 +75,9 @@ pub(crate) fn set_up_cloths(
         match made {
             // Still loading.
             Ok(None) => {}
-            Ok(Some(made)) => {
+            Ok(Some(mut made)) => {
+                // Only elsewhere.
+                made.told_ready = same.is_some_and(|running| running.told_ready);
                 let mut target = commands.entity(entity);
                 target.try_remove::<ClothFailure>();
                 if made.intake() != told {
@@ -250,6 +254,7 @@ fn build(
         outcome: None,
         last_tick: None,
         tick_count: 0,
+        told_ready: false,
         times: None,
         quarantined: false,
         stale: true,

@@ -47,6 +47,8 @@ pub struct ClothSimulation {
     pub(crate) outcome: Option<Result<TickReport, SolverError>>,
     pub(crate) last_tick: Option<TickReport>,
     pub(crate) tick_count: u64,
+    /// `ClothReady` has been told.
+    pub(crate) told_ready: bool,
     /// Where the stages' times go, if they are asked for.
     pub(crate) times: Option<Box<StageTimes>>,
     /// It diverged, and waits for other numbers.

@@ -10,6 +10,7 @@ mod bad_input;
 mod colliders;
 mod common;
 mod diagnostics;
+mod events;
 mod execution;
 mod fabrics;
 mod fields;
