@@ -1,7 +1,7 @@
 //! What can go wrong, told to the entity that it concerns.
 
 use crate::{
-    cloth::{HangProblem, PinProblem, WeightProblem},
+    cloth::{GrabProblem, HangProblem, PinProblem, WeightProblem},
     collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
@@ -80,6 +80,32 @@ pub enum ClothError {
         entity: Entity,
         /// What is wrong with its pins' places, or how it went.
         problem: HangProblem,
+    },
+    /// The cloth is not pushed as it was asked for, by a `PushCloth` or by `ClothSimulation::push`.
+    #[error("cloth {entity} is not pushed: {problem}")]
+    Push {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with the push.
+        problem: SolverError,
+    },
+    /// A force of `ClothForces` cannot be used. The others act.
+    #[error("cloth {entity}, force {force} of `ClothForces` is left out: {problem}")]
+    Forces {
+        /// The cloth.
+        entity: Entity,
+        /// Index in `ClothForces::forces`.
+        force: usize,
+        /// What is wrong with it.
+        problem: SolverError,
+    },
+    /// `ClothGrab` holds nothing.
+    #[error("cloth {entity} is not grabbed: {problem}; change `ClothGrab`")]
+    Grab {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with it.
+        problem: GrabProblem,
     },
     /// The entity's transform is not finite, scales its axes differently, or scales them to nothing usable.
     #[error(
@@ -182,11 +208,14 @@ pub(crate) enum Blame {
     Air,
     Zone,
     Hanging,
+    Push,
+    Forces,
+    Grab,
 }
 
 impl Blame {
     /// What may be wrong with a cloth.
-    pub const OF_CLOTHS: [Self; 15] = [
+    pub const OF_CLOTHS: [Self; 18] = [
         Self::Shape,
         Self::Weights,
         Self::Material,
@@ -202,6 +231,9 @@ impl Blame {
         Self::Sleep,
         Self::Air,
         Self::Hanging,
+        Self::Push,
+        Self::Forces,
+        Self::Grab,
     ];
 }
 
@@ -217,6 +249,9 @@ impl ClothError {
             | Self::NoTransform { .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
+            Self::Push { .. } => Blame::Push,
+            Self::Forces { .. } => Blame::Forces,
+            Self::Grab { .. } => Blame::Grab,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {

@@ -81,11 +81,12 @@ mod step;
 mod wind;
 
 pub use cloth::{
-    Cloth, ClothAir, ClothDiverged, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung,
-    ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothReady, ClothSettings,
-    ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothTeleport, ClothWeights, ClothWoke,
-    ColorChannel, GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection,
-    ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
+    Cloth, ClothAir, ClothDiverged, ClothForce, ClothForces, ClothFrozen, ClothGrab, ClothGravity,
+    ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
+    ClothReady, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothTeleport,
+    ClothWeights, ClothWoke, ColorChannel, GrabHold, GrabProblem, GridProblem, HangProblem,
+    HangingPlaces, Pin, PinHold, PinProblem, PinSelection, PushCloth, ResetCloth, TeleportCloth,
+    VertexFactor, WeightProblem,
 };
 pub use collider::{
     BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
@@ -104,17 +105,17 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothDiverged, ClothError,
-        ClothExecution, ClothFailure, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung,
-        ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothPlugin, ClothReady,
-        ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothSubstep,
-        ClothSubstepSystems, ClothSystems, ClothTeleport, ClothWeights, ClothWind,
-        ClothWindOverride, ClothWoke, ColliderImpulse, ColorChannel, HangingPlaces, Pin, PinHold,
-        PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor,
-        WindZone,
+        ClothExecution, ClothFailure, ClothForce, ClothForces, ClothFrozen, ClothGrab,
+        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
+        ClothMaterial, ClothPins, ClothPlugin, ClothReady, ClothSettings, ClothShape,
+        ClothSimulation, ClothSleep, ClothSlept, ClothSubstep, ClothSubstepSystems, ClothSystems,
+        ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ClothWoke, ColliderImpulse,
+        ColorChannel, GrabHold, HangingPlaces, Pin, PinHold, PinSelection, PushCloth, ResetCloth,
+        SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
-            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,
-            WindShape,
+            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, PushOn, PushWith,
+            Substeps, WindFlow, WindShape,
         },
     };
 }

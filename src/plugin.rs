@@ -2,13 +2,15 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
-        ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
-        ClothTeleport, ClothWeights, RestCache,
+        Cloth, ClothAir, ClothForces, ClothFrozen, ClothGrab, ClothGravity, ClothGravityOverride,
+        ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothSettings,
+        ClothSimulation, ClothSleep, ClothTeleport, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
         events::tell_ready,
         following::{ask_for_reset, ask_for_teleport},
+        grab::apply_grabs,
         hung::{cancel_hanging, hang_cloths},
+        push::ask_for_push,
         rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
     },
@@ -133,6 +135,8 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothHung>()
             .register_type::<ClothSleep>()
             .register_type::<ClothFrozen>()
+            .register_type::<ClothForces>()
+            .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
             .register_type::<ColliderImpulse>()
             .register_type::<BakeSdf>()
@@ -147,6 +151,7 @@ impl Plugin for ClothPlugin {
             .add_observer(tear_down)
             .add_observer(ask_for_teleport)
             .add_observer(ask_for_reset)
+            .add_observer(ask_for_push)
             .add_observer(forget_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
@@ -169,7 +174,14 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (set_up_cloths, apply_changes, apply_pins, hang_cloths, tell_ready)
+                    (
+                        set_up_cloths,
+                        apply_changes,
+                        apply_pins,
+                        hang_cloths,
+                        apply_grabs,
+                        tell_ready,
+                    )
                         .chain()
                         .in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
@@ -228,7 +240,7 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (set_up_cloths, apply_changes, apply_pins, hang_cloths, tell_ready)
+                (set_up_cloths, apply_changes, apply_pins, hang_cloths, apply_grabs, tell_ready)
                     .chain()
                     .in_set(Setup),
                 draw_cloths.in_set(Draw),

@@ -202,16 +202,38 @@ pub(crate) fn apply_pins(
 }
 
 /// Makes the solver hold exactly what is attached.
-fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
+fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
     let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
-    let springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    if let Some(grab) = &mut cloth.grab {
+        grab.take_hold(|particle| {
+            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
+            let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
+            held.is_ok() || pulled.is_ok()
+        });
+        springs.extend(grab.springs());
+    }
+    // Room for every motion now, so that no tick needs any.
+    attachments.motions.clear();
+    attachments.motions.reserve_exact(particles.len() + springs.len());
     // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
     // has no reason to refuse them.
     if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
+        if let Some(grab) = &cloth.grab {
+            for spring in grab.springs() {
+                cloth.solver.limit_soft_pin(spring.particle, grab.most_force());
+            }
+        }
         cloth.rest.disturb();
         cloth.attachments = attachments;
         cloth.stale = true;
     }
+}
+
+/// Holds what is attached, and what is grabbed now.
+pub(super) fn hold_anew(cloth: &mut ClothSimulation) {
+    let attachments = core::mem::take(&mut cloth.attachments);
+    hold(cloth, attachments);
 }
 
 /// What the pins hold now, and the first pin that holds nothing.
@@ -253,8 +275,6 @@ fn attach(
             out.add(at, pins[pin].hold, shares[pin]);
         }
     }
-    // Room for every motion now, so that no tick needs any.
-    out.motions.reserve_exact(out.attached.len() + out.pulled.len());
     (out, problem)
 }
 
@@ -495,12 +515,21 @@ pub(crate) fn gather_motions(cloth: &mut ClothSimulation) {
         pin.fresh = false;
         motions.push(PinMotion { start, end: seen(to_world(&end, pin.local)) });
     }
+    let mut grabbed = cloth.grab.iter().flat_map(|grab| grab.ways()).peekable();
+    let grabbed_motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
     for Pulled { at, .. } in pulled {
+        while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
+            motions.push(grabbed_motion(way));
+        }
         let (start, end) = anchors[at.anchor as usize].tick;
         let end = seen(to_world(&end, at.local));
         // What pulls for the first time has not come from anywhere.
         let start = if at.fresh { end } else { to_world(&start, at.local) };
         at.fresh = false;
         motions.push(PinMotion { start, end });
+    }
+    motions.extend(grabbed.map(grabbed_motion));
+    if let Some(grab) = &mut cloth.grab {
+        grab.advance();
     }
 }

@@ -1,6 +1,8 @@
 //! Which cloths take a tick: not those that are frozen, that sleep, or that have diverged.
 
-use super::{ClothSimulation, ClothSlept, ClothWoke, attachment::gather_motions};
+use super::{
+    ClothForces, ClothSimulation, ClothSlept, ClothWoke, attachment::gather_motions, push,
+};
 use crate::{
     collider::Disturbances,
     error::{Blame, ClothError, Failures},
@@ -12,7 +14,7 @@ use bevy::prelude::*;
 /// without this component has the default.
 ///
 /// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
-/// that move, appear, change or vanish near it, teleports, resets, and
+/// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`]. In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
 /// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
@@ -136,12 +138,13 @@ pub(crate) fn choose_steps(
         &mut ClothSimulation,
         Option<&ClothSleep>,
         Option<&mut ClothFrozen>,
+        Option<&ClothForces>,
     )>,
     disturbances: Res<Disturbances>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, mut cloth, sleep, frozen) in &mut cloths {
+    for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;
         match cloth.rest.set_sleep(sleep) {
             Ok(()) => failures.clear(entity, Blame::Sleep),
@@ -153,6 +156,7 @@ pub(crate) fn choose_steps(
         if disturbances.reach(cloth.solver.bounds(), cloth.material.thickness) {
             cloth.rest.disturb();
         }
+        push::disturb(cloth, forces);
         let slept = cloth.rest.asleep;
         cloth.rest.choose(cloth.step.gravity);
         match (slept, cloth.rest.asleep) {
@@ -176,9 +180,11 @@ pub(crate) fn choose_steps(
             cloth.step.gravity = cloth.following.seen(cloth.step.gravity);
             cloth.step.wind.velocity = cloth.following.seen(cloth.step.wind.velocity);
             gather_motions(cloth);
+            push::push(entity, cloth, &mut failures);
         } else if cloth.rest.stepped {
             cloth.solver.stand_still();
         }
+        push::forget(cloth);
         cloth.step.runs = steps;
         cloth.rest.stepped = steps;
     }

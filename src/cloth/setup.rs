@@ -6,6 +6,7 @@ use super::{
     attachment::Attachments,
     following::Following,
     pose::{PoseError, pose_now, to_world},
+    push::Pushing,
     rest::Rest,
 };
 use crate::{
@@ -242,6 +243,8 @@ fn build(
         attachments: Attachments::default(),
         following: Following::default(),
         rest: Rest::default(),
+        grab: None,
+        pushing: Pushing::default(),
         hanging: None,
         shape: cloth.shape,
         material,

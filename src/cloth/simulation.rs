@@ -2,7 +2,7 @@
 
 use super::{
     ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
-    following::Following, hung::Hanging, pins::Choices, rest::Rest,
+    following::Following, grab::Grabbed, hung::Hanging, pins::Choices, push::Pushing, rest::Rest,
 };
 use crate::{
     diagnostics::StageTimes,
@@ -27,6 +27,9 @@ pub struct ClothSimulation {
     pub(crate) attachments: Attachments,
     pub(crate) following: Following,
     pub(crate) rest: Rest,
+    /// What is grabbed of it.
+    pub(crate) grab: Option<Box<Grabbed>>,
+    pub(crate) pushing: Pushing,
     /// Where it is to start hung from its pins.
     pub(crate) hanging: Option<Box<Hanging>>,
     /// What it was made from.

@@ -7,7 +7,7 @@ use super::error::SolverError;
 use super::wind::Wind;
 
 /// Coordinates and speeds beyond this are refused.
-const FARTHEST: f32 = 1e7;
+pub(super) const FARTHEST: f32 = 1e7;
 
 /// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
 /// is refused.

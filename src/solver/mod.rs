@@ -28,6 +28,7 @@
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
+//! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
@@ -51,6 +52,7 @@ mod measure;
 mod motion;
 mod parameters;
 mod plan;
+mod push;
 mod rows;
 mod setup;
 mod soft;
@@ -81,6 +83,7 @@ pub use parameters::{
     Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use push::{PushOn, PushWith};
 pub use soft::SoftPin;
 pub use topology::Topology;
 pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
@@ -112,6 +115,8 @@ pub struct ClothSolver {
     isa: Isa,
     held: Held,
     soft: Vec<soft::Spring>,
+    /// Forces from outside, once there were any.
+    pushes: Option<Box<push::Pushes>>,
     bound: Bound,
     plan: Plan,
     /// The air around it, where it feels any.
@@ -165,13 +170,15 @@ impl ClothSolver {
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.topology.layout(), centre);
-        let load = input.gravity + self.take_wind(input, (low, high));
+        let wind = self.take_wind(input, (low, high));
+        let load = input.gravity + wind + self.load_of_pushes(input.gravity);
         if !self.tethered_under.is_some_and(|known| is_as_strong(known, load)) {
             for set in &mut self.held.tethers {
                 set.set_limits(&self.topology, &self.material, load);
             }
             self.tethered_under = Some(load);
         }
+        self.begin_pushes();
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
@@ -213,6 +220,9 @@ impl ClothSolver {
             rows,
             a,
         });
+        if let Some(pushes) = &self.pushes {
+            pushes.add(self.isa, layout, &self.held.inverse_mass, &mut self.scratch.a);
+        }
         if plan.damping > 0.0 {
             self.add_damping();
         }
@@ -478,6 +488,7 @@ impl ClothSolver {
     /// # Errors
     /// [`SolverError::Diverged`] where anything is not finite.
     pub fn end_tick(&mut self) -> Result<TickReport, SolverError> {
+        self.end_pushes();
         let survey = self.take_survey();
         let origin = self.state.origin;
         if !survey.finite || !is_near(origin + survey.max) || !is_near(origin + survey.min) {
@@ -525,6 +536,7 @@ impl ClothSolver {
             || plan.hinge_rigidity > 0.0
             || plan.damping > 0.0
             || self.air.is_some()
+            || self.is_pushed()
             || self.settings.integrator != Integrator::Verlet
     }
 
@@ -544,6 +556,9 @@ impl ClothSolver {
         let Scratch { a, graph: Some(room), .. } = &mut self.scratch else { return };
         let (isa, plan) = (self.isa, &self.plan);
         room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
+        if let Some(pushes) = &self.pushes {
+            pushes.add(isa, graph.layout, &self.held.inverse_mass, a);
+        }
         if plan.damping > 0.0 {
             let form = self.material.damping_form;
             room.add_damping(isa, graph, strengths, form, half, &self.state, a);

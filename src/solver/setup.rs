@@ -57,6 +57,7 @@ impl ClothSolver {
             surveyed_before: false,
             mark: Mark::new(topology.layout()),
             soft: Vec::new(),
+            pushes: None,
             topology,
             material,
             settings,
@@ -89,6 +90,7 @@ impl ClothSolver {
         solver.set_pins(self.pins())?;
         let soft: Vec<_> = self.soft_pins().copied().collect();
         solver.set_soft_pins(&soft)?;
+        solver.limit_soft_pins_as(self);
         solver.set_air(self.air().copied())?;
         solver.plan_ticks(self.plan.tick);
         solver.survey_anew();

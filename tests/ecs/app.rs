@@ -102,6 +102,8 @@ fn components_are_registered() {
         "ClothInertia",
         "ClothSleep",
         "ClothFrozen",
+        "ClothForces",
+        "ClothGrab",
         "SdfCollider",
         "BakeSdf",
     ] {

@@ -178,7 +178,7 @@ fn who_hears_of_it_may_despawn_the_cloth() {
         let other = spawn(&mut app, (sheet(), ClothSettings { layers: 0, ..default() }));
         let still =
             (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleep { time: 0.1, ..default() });
-        let cloth = |app: &mut App| spawn(app, still.clone());
+        let cloth = |app: &mut App| spawn(app, still);
         let ready = cloth(&mut app);
         app.world_mut().entity_mut(ready).observe(despawn::<ClothReady>);
         let slept = cloth(&mut app);
