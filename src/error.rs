@@ -5,7 +5,7 @@ use crate::{
     collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
-    solver::{GraphError, LatticeError, ParameterError, SolverError},
+    solver::{GraphError, LatticeError, ParameterError, SolverError, StateError},
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -106,6 +106,14 @@ pub enum ClothError {
         entity: Entity,
         /// What is wrong with it.
         problem: GrabProblem,
+    },
+    /// `ClothState` cannot be put back. The cloth stays as it was.
+    #[error("cloth {entity}: {problem}")]
+    State {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with the state.
+        problem: StateError,
     },
     /// The entity's transform is not finite, scales its axes differently, or scales them to nothing usable.
     #[error(
@@ -211,11 +219,12 @@ pub(crate) enum Blame {
     Push,
     Forces,
     Grab,
+    State,
 }
 
 impl Blame {
     /// What may be wrong with a cloth.
-    pub const OF_CLOTHS: [Self; 18] = [
+    pub const OF_CLOTHS: [Self; 19] = [
         Self::Shape,
         Self::Weights,
         Self::Material,
@@ -234,6 +243,7 @@ impl Blame {
         Self::Push,
         Self::Forces,
         Self::Grab,
+        Self::State,
     ];
 }
 
@@ -252,6 +262,7 @@ impl ClothError {
             Self::Push { .. } => Blame::Push,
             Self::Forces { .. } => Blame::Forces,
             Self::Grab { .. } => Blame::Grab,
+            Self::State { .. } => Blame::State,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {

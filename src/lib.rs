@@ -76,6 +76,8 @@ pub mod hang;
 mod mesh;
 mod plugin;
 pub mod sdf;
+#[cfg(feature = "serialize")]
+mod serialize;
 pub mod solver;
 mod step;
 mod wind;
@@ -83,14 +85,14 @@ mod wind;
 pub use cloth::{
     Cloth, ClothAir, ClothDiverged, ClothForce, ClothForces, ClothFrozen, ClothGrab, ClothGravity,
     ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothReady, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothTeleport,
-    ClothWeights, ClothWoke, ColorChannel, GrabHold, GrabProblem, GridProblem, HangProblem,
-    HangingPlaces, Pin, PinHold, PinProblem, PinSelection, PushCloth, ResetCloth, TeleportCloth,
-    VertexFactor, WeightProblem,
+    ClothReady, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept, ClothState,
+    ClothTeleport, ClothWeights, ClothWoke, ColorChannel, GrabHold, GrabProblem, GridProblem,
+    HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection, PushCloth, ResetCloth,
+    TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
-    BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
-    SdfCells, SdfCollider, SdfShape,
+    BakeSdf, ColliderImpulse, ColliderState, CustomSdf, DistanceFieldLoader, FieldProblem,
+    LoadFieldError, SdfCells, SdfCollider, SdfShape,
 };
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::{ClothError, ClothFailure};
@@ -108,10 +110,11 @@ pub mod prelude {
         ClothExecution, ClothFailure, ClothForce, ClothForces, ClothFrozen, ClothGrab,
         ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
         ClothMaterial, ClothPins, ClothPlugin, ClothReady, ClothSettings, ClothShape,
-        ClothSimulation, ClothSleep, ClothSlept, ClothSubstep, ClothSubstepSystems, ClothSystems,
-        ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ClothWoke, ColliderImpulse,
-        ColorChannel, GrabHold, HangingPlaces, Pin, PinHold, PinSelection, PushCloth, ResetCloth,
-        SdfCells, SdfCollider, SdfShape, TeleportCloth, VertexFactor, WindZone,
+        ClothSimulation, ClothSleep, ClothSlept, ClothState, ClothSubstep, ClothSubstepSystems,
+        ClothSystems, ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ClothWoke,
+        ColliderImpulse, ColliderState, ColorChannel, GrabHold, HangingPlaces, Pin, PinHold,
+        PinSelection, PushCloth, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth,
+        VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
             Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, PushOn, PushWith,

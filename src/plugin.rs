@@ -13,11 +13,12 @@ use crate::{
         push::ask_for_push,
         rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
+        state::{ClothState, restore_cloths},
     },
     collider::{
-        BakeSdf, ColliderImpulse, ColliderSnapshot, DistanceFieldLoader, Disturbances, SdfCollider,
-        cancel_bake, finish_bakes, forget_collider, gather_colliders, note_disturbances,
-        start_bakes, sum_impulses,
+        BakeSdf, ColliderImpulse, ColliderSnapshot, ColliderState, DistanceFieldLoader,
+        Disturbances, SdfCollider, cancel_bake, finish_bakes, forget_collider, forget_states,
+        gather_colliders, note_disturbances, restore_collider, start_bakes, sum_impulses,
     },
     error::{Blame, Failures},
     mesh::{ClothMesh, draw_cloths},
@@ -139,6 +140,8 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
             .register_type::<ColliderImpulse>()
+            .register_type::<ClothState>()
+            .register_type::<ColliderState>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothWind>()
@@ -153,6 +156,7 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_reset)
             .add_observer(ask_for_push)
             .add_observer(forget_collider)
+            .add_observer(restore_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
             .add_observer(cancel_hanging);
@@ -177,6 +181,7 @@ impl Plugin for ClothPlugin {
                     (
                         set_up_cloths,
                         apply_changes,
+                        restore_cloths,
                         apply_pins,
                         hang_cloths,
                         apply_grabs,
@@ -205,7 +210,7 @@ impl Plugin for ClothPlugin {
                     )
                         .chain()
                         .in_set(Solve),
-                    (sum_impulses, finish_tick).chain().in_set(Finish),
+                    (sum_impulses, finish_tick, forget_states).chain().in_set(Finish),
                 ),
             );
 
@@ -240,7 +245,15 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (set_up_cloths, apply_changes, apply_pins, hang_cloths, apply_grabs, tell_ready)
+                (
+                    set_up_cloths,
+                    apply_changes,
+                    restore_cloths,
+                    apply_pins,
+                    hang_cloths,
+                    apply_grabs,
+                    tell_ready,
+                )
                     .chain()
                     .in_set(Setup),
                 draw_cloths.in_set(Draw),

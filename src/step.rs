@@ -22,6 +22,7 @@ use bevy::{
 
 /// Which form of the substeps runs. Both give the same bits.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub enum ClothExecution {
     /// Staged if the game has added systems to [`ClothSubstep`], else fused.

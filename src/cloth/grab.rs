@@ -30,6 +30,7 @@ use bevy::prelude::*;
 /// # bevy::ecs::system::assert_is_system(pull);
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct ClothGrab {
     /// What is grabbed.
@@ -47,6 +48,7 @@ pub struct ClothGrab {
 
 /// What a [`ClothGrab`] grabs.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub enum GrabHold {
     /// One particle.
@@ -128,7 +130,8 @@ pub enum GrabProblem {
 }
 
 /// What is grabbed of a running cloth.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Grabbed {
     asked: ClothGrab,
     /// The particles, ascending, and where they are around their middle \[m\].
@@ -165,6 +168,22 @@ impl Grabbed {
         let middle = sum / particles.len() as f32;
         let chosen = particles.into_iter().map(|particle| (particle, place(particle) - middle));
         Ok(Self { asked, chosen: chosen.collect(), held: Vec::new(), from: asked.target })
+    }
+
+    /// Whether it could be that of a cloth of so many particles.
+    pub fn is_sound(&self, particles: usize) -> bool {
+        let Self { asked, chosen, held, from } = self;
+        let is_sound = |list: &[(u32, Vec3)]| {
+            list.is_sorted_by(|(a, _), (b, _)| a < b)
+                && list.iter().all(|&(i, at)| (i as usize) < particles && at.is_finite())
+        };
+        let chosen_too = |it: &(u32, Vec3)| chosen.binary_search_by_key(&it.0, |it| it.0).is_ok();
+        asked.validate().is_ok()
+            && !chosen.is_empty()
+            && is_sound(chosen)
+            && is_sound(held)
+            && held.iter().all(chosen_too)
+            && from.is_finite()
     }
 
     /// Takes all that no pin holds.

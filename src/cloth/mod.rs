@@ -18,6 +18,7 @@ mod rest_cache;
 mod settings;
 pub(crate) mod setup;
 mod simulation;
+pub(crate) mod state;
 pub(crate) mod weights;
 
 pub use air::ClothAir;
@@ -33,6 +34,7 @@ pub use push::{ClothForce, ClothForces, PushCloth};
 pub use rest::{ClothFrozen, ClothSleep};
 pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
+pub use state::ClothState;
 pub use weights::{ClothWeights, ColorChannel, VertexFactor, WeightProblem};
 
 pub(crate) use rest_cache::RestCache;
@@ -66,6 +68,7 @@ use bevy::prelude::*;
 ///
 /// Changing the component starts the cloth anew.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(ClothMaterial, ClothSettings, ClothPins, ClothInterpolation, Transform, Visibility)]
 pub struct Cloth {
@@ -75,6 +78,7 @@ pub struct Cloth {
 
 /// Where the rest shape of a [`Cloth`] comes from.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub enum ClothShape {
     /// A flat rectangle in the entity's xz plane, centred on its origin.

@@ -29,6 +29,7 @@ use bevy::prelude::*;
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothForces {
     /// The forces. They add up.
@@ -37,6 +38,7 @@ pub struct ClothForces {
 
 /// A force on some particles of a cloth.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct ClothForce {
     /// What it acts on. A ball is looked at anew in each tick.
@@ -91,7 +93,8 @@ pub(crate) fn ask_for_push(
 }
 
 /// What pushes a cloth.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Pushing {
     /// What was asked for since the last tick, in that order.
     pub asked: Vec<(PushOn, PushWith)>,

@@ -20,6 +20,7 @@ use bevy::prelude::*;
 /// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
 /// the end of a swing is not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothSleep {
     /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
@@ -67,6 +68,7 @@ impl ClothSleep {
 /// # bevy::ecs::system::assert_is_system(step_once);
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothFrozen {
     /// Ticks that the cloth is to take all the same; each takes one off.
@@ -74,7 +76,8 @@ pub struct ClothFrozen {
 }
 
 /// Whether a cloth has anything to do.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rest {
     sleep: ClothSleep,
     /// How long all particles have been near where they were marked \[s\].
@@ -108,6 +111,12 @@ impl Rest {
         } else {
             self.still += dt;
         }
+    }
+
+    /// Whether it could be that of any cloth.
+    pub fn is_sound(&self) -> bool {
+        let time = (0.0..f32::INFINITY).contains(&self.still);
+        time && self.sleep.validate().is_ok() && self.gravity.is_none_or(Vec3::is_finite)
     }
 
     fn set_sleep(&mut self, sleep: Option<&ClothSleep>) -> Result<(), ParameterError> {

@@ -157,7 +157,7 @@ fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
 }
 
 /// The rest shape as the solver has it.
-fn topology(
+pub(super) fn topology(
     entity: Entity,
     rest: &RestShape,
     scale: f32,

@@ -44,6 +44,7 @@ impl PinMotion {
 
 /// What a tick came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct TickReport {
     /// Substeps taken.
     pub substeps: u32,

@@ -28,6 +28,7 @@
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
+//! | `save` | the state between ticks, taken out and put back |
 //! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
@@ -54,6 +55,7 @@ mod parameters;
 mod plan;
 mod push;
 mod rows;
+mod save;
 mod setup;
 mod soft;
 mod state;
@@ -84,6 +86,7 @@ pub use parameters::{
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
 pub use push::{PushOn, PushWith};
+pub use save::{SolverState, StateError};
 pub use soft::SoftPin;
 pub use topology::Topology;
 pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
@@ -173,10 +176,7 @@ impl ClothSolver {
         let wind = self.take_wind(input, (low, high));
         let load = input.gravity + wind + self.load_of_pushes(input.gravity);
         if !self.tethered_under.is_some_and(|known| is_as_strong(known, load)) {
-            for set in &mut self.held.tethers {
-                set.set_limits(&self.topology, &self.material, load);
-            }
-            self.tethered_under = Some(load);
+            self.tether_under(Some(load));
         }
         self.begin_pushes();
         self.state.start.copy_from(&self.state.x);

@@ -18,6 +18,7 @@ const MOST_ACCELERATION: f32 = 1e9;
 
 /// The particles that are pushed.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PushOn {
     /// One particle.
     Particle(u32),
@@ -38,6 +39,7 @@ pub enum PushOn {
 
 /// What particles are pushed with.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PushWith {
     /// A force through the whole of the next tick \[N\], shared by all that is pushed.
     Force(Vec3),

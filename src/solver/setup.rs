@@ -185,6 +185,16 @@ impl ClothSolver {
         self.tethered_under = None;
     }
 
+    /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.
+    pub(super) fn tether_under(&mut self, load: Option<Vec3>) {
+        if let Some(load) = load {
+            for set in &mut self.held.tethers {
+                set.set_limits(&self.topology, &self.material, load);
+            }
+        }
+        self.tethered_under = load;
+    }
+
     /// Makes the plan for ticks of another length \[s\].
     pub(super) fn plan_ticks(&mut self, tick: f32) {
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);

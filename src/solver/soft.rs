@@ -14,6 +14,7 @@ use super::parameters::ParameterError;
 
 /// A particle on a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct SoftPin {
     /// The particle.
     pub particle: u32,
@@ -156,6 +157,11 @@ impl ClothSolver {
 }
 
 impl Spring {
+    /// Force that it does not exceed \[N\].
+    pub fn most_force(&self) -> f32 {
+        self.most_force
+    }
+
     /// Displacement that the spring makes by each metre of its length, and the damper by each metre of
     /// relative displacement, for a displacement `response` made by a newton \[m/N\].
     fn gains(&self, response: f32, h: f32) -> (f32, f32) {
