@@ -214,7 +214,7 @@ impl Content {
         let attached = self.attachments.attached.iter().map(|at| at.particle);
         good(attached.eq(hard.iter().copied()), "pins")?;
         let mut pulled: Vec<u32> = self.attachments.pulled().collect();
-        pulled.extend(self.grab.iter().flat_map(|grab| grab.ways()).map(|(particle, ..)| particle));
+        pulled.extend(self.grab.iter().flat_map(Grabbed::ways).map(|(particle, ..)| particle));
         pulled.sort_unstable();
         good(soft.eq(pulled), "soft pins")?;
         good(self.following.ride.is_none_or(|ride| ride.is_valid()), "ride")?;
