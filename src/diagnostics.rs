@@ -30,7 +30,7 @@ use core::time::Duration;
 /// fn show(store: Res<DiagnosticsStore>) {
 ///     let solve = store.get(&ClothDiagnosticsPlugin::SOLVE).and_then(|it| it.smoothed());
 ///     if let Some(milliseconds) = solve {
-///         info!("cloths take {milliseconds:.2} ms a tick");
+///         println!("cloths take {milliseconds:.2} ms a tick");
 ///     }
 /// }
 /// # app.add_systems(Update, show);

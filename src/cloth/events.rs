@@ -17,7 +17,7 @@ use bevy::prelude::*;
 /// commands.spawn(Cloth::sheet(Vec2::ONE, UVec2::splat(32))).observe(
 ///     |ready: On<ClothReady>, cloths: Query<&ClothSimulation>| {
 ///         if let Ok(cloth) = cloths.get(ready.entity) {
-///             info!("{} particles", cloth.particle_count());
+///             println!("{} particles", cloth.particle_count());
 ///         }
 ///     },
 /// );
