@@ -21,9 +21,12 @@ mod exact;
 #[allow(dead_code)]
 #[path = "../tests/accuracy/reference.rs"]
 mod reference;
+#[path = "common/repository.rs"]
+mod repository;
 #[path = "common/speed/mod.rs"]
 mod speed;
 
+use repository::repository;
 use speed::{
     Extent, Outcome, Results, Scene, machine::Machine, peers, plot, readme, scenes, tables,
 };
@@ -46,7 +49,7 @@ struct Options {
     /// Only time a crowd of cloths on so many threads.
     #[arg(long, hide = true, value_parser = clap::value_parser!(u16).range(1..1024))]
     crowd: Option<u16>,
-    /// Put the report's short form into the README as well, between its marks.
+    /// Put the report's short form (HANG and DRAPE) into the README as well, between its marks.
     #[arg(long)]
     readme: bool,
 }
@@ -73,12 +76,14 @@ fn main() -> ExitCode {
 fn report(options: &Options) -> Outcome<()> {
     let begun = Instant::now();
     let whole = !options.quick && options.scenes.is_empty();
-    if options.readme && !whole {
-        return Err("the README shows the whole report: leave out --quick and --scenes".into());
+    let shown = ["hang", "drape"].map(|name| options.scenes.iter().any(|scene| scene == name));
+    if options.readme && !(whole || shown == [true; 2] && !options.quick) {
+        return Err(
+            "the README shows HANG and DRAPE: leave out --quick, and name both scenes".into()
+        );
     }
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let usual = if whole { "assets/report" } else { "target/speed_vs_error" };
-    let folder = options.out.clone().unwrap_or_else(|| here.join(usual));
+    let folder = options.out.clone().unwrap_or_else(|| repository(usual));
     // Before minutes of work.
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let levels = peers::read()?;
@@ -98,11 +103,11 @@ fn report(options: &Options) -> Outcome<()> {
     tables::write_markdown(&folder.join("report.md"), &machine, &all, &extra, &plots)?;
     tables::write_csv(&folder.join("report.csv"), &all)?;
     if options.readme {
-        readme::insert(&here.join("README.md"), &format!("{machine}\n\n{extra}"))?;
+        readme::insert(&repository("README.md"), &format!("{machine}\n\n{extra}"))?;
     }
     println!("\n{extra}");
     println!("{} s; tables and plots are in {}", begun.elapsed().as_secs(), folder.display());
-    Ok(())
+    readme::check(&all)
 }
 
 /// Runs all jobs of the scenes asked for behind a progress bar.

@@ -11,7 +11,7 @@ mod common;
 use bevy::prelude::*;
 use bevy_drape::{prelude::*, sdf::BakeSettings};
 use clap::Parser;
-use common::{check::check, headless, report::Report, scene::Scene};
+use common::{check::check, headless, report::Report, repository::repository, scene::Scene};
 use std::{fs, path::Path};
 
 fn run(scene: Scene, seconds: f32) -> (App, Report) {
@@ -156,7 +156,8 @@ fn run_bake(arguments: &[&str]) -> Result<(), String> {
 
 #[test]
 fn bake_writes_the_field_of_a_mesh() {
-    let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
+    let bunny = repository("assets/bunny.obj");
+    let bunny = bunny.to_str().unwrap();
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bunny.sdf");
     let name = output.to_str().unwrap();
     run_bake(&[bunny, name, "--cells", "12"]).unwrap();
@@ -181,7 +182,8 @@ fn bake_says_why_it_cannot() {
     fs::write(&open, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let empty = folder.join("empty.obj");
     fs::write(&empty, "").unwrap();
-    let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
+    let bunny = repository("assets/bunny.obj");
+    let bunny = bunny.to_str().unwrap();
     let out = folder.join("refused.sdf");
     let _ = fs::remove_file(&out);
     let out = out.to_str().unwrap();

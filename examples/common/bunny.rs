@@ -1,6 +1,9 @@
 //! The Stanford bunny: its baked field hops through a curtain.
 
-use super::scene::{BRASS, CORAL, IVORY, clay, linen, metal, spawn_thing};
+use super::{
+    repository::repository,
+    scene::{BRASS, CORAL, IVORY, clay, linen, metal, spawn_thing},
+};
 use bevy::{
     asset::RenderAssetUsages,
     mesh::{Indices, PrimitiveTopology},
@@ -74,9 +77,9 @@ pub fn spawn_bunny(world: &mut World, place: Transform) -> Entity {
 
 /// The Stanford bunny of `assets/`, 1 m long, sitting on y = 0.
 fn load_bunny() -> Mesh {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
-    let (models, _) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS)
-        .unwrap_or_else(|error| panic!("cannot read {path}: {error}"));
+    let path = repository("assets/bunny.obj");
+    let (models, _) = tobj::load_obj(&path, &tobj::GPU_LOAD_OPTIONS)
+        .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()));
     let bunny = &models[0].mesh;
     let positions: Vec<[f32; 3]> = bunny.positions.as_chunks().0.to_vec();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())

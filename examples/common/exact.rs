@@ -2,6 +2,7 @@
 
 use std::{error::Error, fs};
 
+use crate::repository::repository;
 use bevy_drape::solver::ClothSolver;
 
 /// One particle row at one time.
@@ -21,10 +22,12 @@ pub struct Motion(Vec<Row>);
 impl Motion {
     /// Reads the table.
     pub fn read() -> Result<Self, Box<dyn Error>> {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hang_exact.csv");
         let is_data = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit());
-        let rows: Result<_, _> =
-            fs::read_to_string(path)?.lines().filter(is_data).map(Row::read).collect();
+        let rows: Result<_, _> = fs::read_to_string(repository("tests/data/hang_exact.csv"))?
+            .lines()
+            .filter(is_data)
+            .map(Row::read)
+            .collect();
         rows.map(Self)
     }
 

@@ -26,6 +26,7 @@ mod picture;
 #[cfg(feature = "demo")]
 mod probe;
 pub mod report;
+pub mod repository;
 mod sail;
 pub mod scene;
 mod slide;

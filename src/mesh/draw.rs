@@ -162,7 +162,7 @@ fn note_anchors(
 }
 
 /// Puts all particles in the entity's frame, and tells their bounds; nothing where that frame is
-/// flat.
+/// flat, or nowhere: the mesh then stays as it was.
 fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aabb> {
     let inverse = now.transform.matrix3.inverse();
     if !inverse.is_finite() {
@@ -183,13 +183,17 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
         None => (Mat3A::IDENTITY, offset),
     };
     let (turn, shift) = (inverse * turn, inverse * shift);
+    if !(turn.is_finite() && shift.is_finite()) {
+        return None;
+    }
     let [x, y, z] = turn.to_cols_array_2d().map(Vec3::from_array);
     let points = &mut own.points;
     solver.for_each_blended(now.blend, |particle, p| {
         points[particle] = x * p.x + y * p.y + z * p.z + shift;
     });
     place_pinned(&cloth.attachments, own, now, &inverse);
-    Aabb::enclosing(&own.points)
+    let bounds = Aabb::enclosing(&own.points)?;
+    (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
 
 /// What has moved the anchor that leads the cloth since the instant that is drawn: the whole cloth is
@@ -216,7 +220,10 @@ fn place_pinned(attachments: &Attachments, own: &mut ClothMesh, now: Drawn, inve
         match anchor.drawn {
             Some(pose) => {
                 let far = to_world(&pose, pin.local) - Vec3::from(now.transform.translation);
-                *point = *inverse * far;
+                let place = *inverse * far;
+                if place.is_finite() {
+                    *point = place;
+                }
             }
             None if attachments.own_entity == Some(anchor.entity) => *point = pin.local,
             // The anchor is gone, and the next tick will let go.

@@ -49,7 +49,9 @@ impl Kernel for AccumulateForces<'_> {
     fn run(mut self) {
         let layout = self.lattice.layout;
         let pulls = !self.constants.is_zero();
-        self.rows.begin();
+        if pulls {
+            self.rows.begin();
+        }
         for row in 0..layout.rows {
             if let Some(bend) = &mut self.bend {
                 bend.begin_row(row);

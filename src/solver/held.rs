@@ -18,6 +18,8 @@ pub(super) struct Held {
     pub inverse_mass: Array,
     /// The same in the transposed layout of a lattice.
     pub inverse_mass_transposed: Array,
+    /// Mass of the cloth, for each metre of its width \[kg/m\].
+    pub hung: f32,
     /// Tethers to the pins.
     pub tethers: Vec<TetherSet>,
     /// Hinges of a lattice's weft and warp.
@@ -38,6 +40,7 @@ impl Held {
             tethers: TetherSet::build(topology, &slots),
             hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
             strengths: topology.as_graph().map(|graph| Strengths::new(graph, &held)),
+            hung: 0.0,
             particles,
             slots,
             inverse_mass: Array::zeros(layout.len()),
@@ -56,6 +59,8 @@ impl Held {
     /// Sets the masses for an area density \[kg/m2\].
     pub fn set_density(&mut self, topology: &Topology, density: f32) {
         let layout = topology.layout();
+        let mass = layout.slots().map(|slot| topology.area(slot) * density).sum::<f32>();
+        self.hung = mass / topology.total_area().sqrt();
         let held = mask(layout, &self.slots);
         for slot in layout.slots() {
             let w = 1.0 / (topology.area(slot) * density);

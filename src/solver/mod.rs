@@ -22,6 +22,7 @@
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `ways` | ways along the cloth at rest, for tethers |
+//! | `taut` | threads under more tension than a substep allows for |
 //! | `state` | positions, displacements, working room |
 //! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
 //! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
@@ -31,6 +32,8 @@
 //! | `save` | the state between ticks, taken out and put back |
 //! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
+//! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
+//! | `taut` | threads under too much tension for a substep |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 
@@ -61,6 +64,7 @@ mod soft;
 mod state;
 mod stillness;
 mod study;
+mod taut;
 mod tethers;
 mod threads;
 mod topology;
@@ -126,6 +130,10 @@ pub struct ClothSolver {
     air: Option<Surface>,
     /// Load that the tethers' bounds were made for \[m/s2\].
     tethered_under: Option<Vec3>,
+    /// What a spring may move a particle by without its thread trembling \[m\].
+    steady: f32,
+    /// What the tethers' bounds are multiplied by in this tick, as its pins are too far apart.
+    tether_ease: f32,
     state: State,
     scratch: Scratch,
     /// Substeps of this tick that are done.
@@ -179,6 +187,8 @@ impl ClothSolver {
             self.tether_under(Some(load));
         }
         self.begin_pushes();
+        let eases = self.held.tethers.iter().map(|set| set.ease(input.pins));
+        self.tether_ease = eases.fold(1.0, f32::max);
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
@@ -338,8 +348,8 @@ impl ClothSolver {
         self.weigh_soft_pins();
         self.weigh_loads();
         self.fill_places();
-        // Springs that carry what was asked of them need no tethers.
-        let mut tethered = self.plan.clamped.thread;
+        // Springs that carry the cloth, and what was asked of them, need no tethers.
+        let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.form {
             Form::Threads => {
                 self.correct_shear();
@@ -403,7 +413,7 @@ impl ClothSolver {
         }
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.state.response);
-        let reach = Reach { compliance, limit: self.limit() };
+        let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
             return room.solve_chains(isa, graph, reach);
         }
@@ -438,6 +448,7 @@ impl ClothSolver {
             self.isa.run(PullTethers {
                 layout: self.topology.layout(),
                 set,
+                ease: self.tether_ease,
                 inverse_mass: &self.held.inverse_mass,
                 x: &self.state.x,
                 d: &mut self.state.d,
@@ -478,7 +489,8 @@ impl ClothSolver {
     }
 
     /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
-    /// the input; zero where it was not asked to be [`measured`](Collider::measured).
+    /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
+    /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
         self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
     }
@@ -495,6 +507,7 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.state.d.clear();
             self.state.last_step = 0.0;
+            self.scratch.contact.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);
         }

@@ -70,7 +70,8 @@ pub enum Integrator {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum FormChoice {
-    /// Springs where the substeps allow the stiffness asked for, else threads.
+    /// Springs where the substeps allow the stiffness asked for, and where that carries the cloth's own
+    /// weight within its limit of strain; else threads.
     #[default]
     Automatic,
     /// Explicit springs, then Provot's correction.

@@ -20,6 +20,8 @@ const SAFETY: f32 = 0.9;
 const SHARE: f32 = 0.25;
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
 const FEWEST: f32 = 4.0;
+/// Gravity that a cloth is expected to hang under, before any is given \[m/s2\].
+const USUAL_GRAVITY: f32 = 9.81;
 /// Curvature at which flexion springs resist as much as the flexural rigidity says \[1/m\].
 const FLEXION_CURVATURE: f32 = 20.0;
 
@@ -41,6 +43,9 @@ pub enum PlanReason {
     SpringsSuffice,
     /// Explicit springs would need this many substeps.
     SpringsNeed(u32),
+    /// Hung from a side, explicit springs would stretch beyond the limit of strain: it is not they that
+    /// carry the cloth.
+    SpringsGive,
 }
 
 /// Which constants are lower than asked for, as the substeps carry no more.
@@ -79,6 +84,8 @@ pub struct Plan {
     pub flexural_rigidity: f32,
     /// Spring damping in use \[N s/m\].
     pub damping: f32,
+    /// Whether the limit of strain carries the cloth, as its springs stretch beyond it.
+    pub(super) gives: bool,
     /// The tick it was made for \[s\].
     pub(super) tick: f32,
     /// Constants of the explicit springs.
@@ -100,6 +107,9 @@ impl fmt::Display for Plan {
             PlanReason::Asked => write!(f, " (as set)")?,
             PlanReason::SpringsSuffice => write!(f, " (explicit springs carry the stiffness)")?,
             PlanReason::SpringsNeed(n) => write!(f, " (explicit springs would need {n})")?,
+            PlanReason::SpringsGive => {
+                write!(f, " (explicit springs would stretch beyond the limit)")?;
+            }
         }
         write!(f, ", stability {:.2} of 1", self.margin)?;
         let Clamped { thread, shear, bending, damping } = self.clamped;
@@ -115,8 +125,15 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
-    /// Plans ticks of `tick` seconds.
-    pub(super) fn new(bound: &Bound, material: &Material, settings: &Settings, tick: f32) -> Self {
+    /// Plans ticks of `tick` seconds, for a cloth that weighs as much as `hung` kilograms for each metre
+    /// of its width.
+    pub(super) fn new(
+        bound: &Bound,
+        material: &Material,
+        settings: &Settings,
+        hung: f32,
+        tick: f32,
+    ) -> Self {
         let (bend, flexion) = match settings.bending {
             Bending::SecondDifference => (material.flexural_rigidity, 0.0),
             Bending::Flexion => (0.0, flexion_constant(material.flexural_rigidity)),
@@ -132,21 +149,24 @@ impl Plan {
             Substeps::Fixed(count) => count,
         };
         let needed = substeps_for(bound.rate(&asked), tick);
+        let gives = material.thread_stiffness * material.max_strain < hung * USUAL_GRAVITY;
         let (form, reason) = match settings.form {
             FormChoice::Springs => (Form::Springs, PlanReason::Asked),
             FormChoice::Threads => (Form::Threads, PlanReason::Asked),
+            FormChoice::Automatic if gives => (Form::Threads, PlanReason::SpringsGive),
             FormChoice::Automatic if needed <= budget => {
                 (Form::Springs, PlanReason::SpringsSuffice)
             }
             FormChoice::Automatic => (Form::Threads, PlanReason::SpringsNeed(needed)),
         };
         let substeps = match (settings.substeps, form) {
-            (Substeps::Automatic { .. }, Form::Springs) => {
+            // What Provot's correction leaves of the excess goes by the square of the substep.
+            (Substeps::Automatic { .. }, Form::Springs) if !gives => {
                 needed.max(in_proportion(FEWEST, tick)).min(budget)
             }
             _ => budget,
         };
-        Self::with(bound, material, asked, form, reason, substeps, tick)
+        Self { gives, ..Self::with(bound, material, asked, form, reason, substeps, tick) }
     }
 
     fn with(
@@ -205,6 +225,7 @@ impl Plan {
                 0.0
             },
             damping,
+            gives: false,
             tick,
             explicit: SpringConstants {
                 thread: used.thread,
@@ -311,7 +332,7 @@ impl Circle {
         // A quotient by zero is infinite: the whole.
         let lowered = |rate: f32, to: f32| (to / rate).min(1.0);
         let shares = (lowered(bending, part * stable), lowered(shear, part * stable));
-        let left = stable - bending * shares.0 - shear * shares.1;
+        let left = (stable - bending * shares.0 - shear * shares.1).max(0.0);
         Shares { thread: lowered(thread, left), shear: shares.1, bending: shares.0, damping: 1.0 }
     }
 }
@@ -419,7 +440,8 @@ impl Bound {
             bend: asked.bend * bending,
             flexion: asked.flexion * bending,
         };
-        let left = stable - self.rate(&used);
+        // What is left of it may be less than nothing by rounding.
+        let left = (stable - self.rate(&used)).max(0.0);
         let thread = (left / self.rate(&Constants { thread: asked.thread, ..none })).min(1.0);
         used.thread = asked.thread * thread;
         used

@@ -129,6 +129,7 @@ impl ClothSolver {
             held,
             soft,
             bound: _,
+            steady: _,
             plan,
             air,
             survey: _,
@@ -136,6 +137,7 @@ impl ClothSolver {
             // These do not outlive a tick.
             scratch: _,
             done: _,
+            tether_ease: _,
             contact_count: _,
             pushes,
             tethered_under,

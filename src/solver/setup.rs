@@ -13,6 +13,7 @@ use super::parameters::{Material, ParameterError, Settings};
 use super::plan::{Bound, Plan};
 use super::state::{Scratch, State};
 use super::stillness::Mark;
+use super::taut::steady;
 use super::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
@@ -46,10 +47,12 @@ impl ClothSolver {
         let bound = Bound::new(&topology, &held);
         let state = State::new(&topology, positions);
         let mut solver = Self {
-            plan: Plan::new(&bound, &material, &settings, USUAL_TICK),
+            plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
             scratch: Scratch::new(&topology),
             isa: Isa::detect(),
             tethered_under: None,
+            tether_ease: 1.0,
+            steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,
             contact_count: 0,
@@ -197,7 +200,8 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(super) fn plan_ticks(&mut self, tick: f32) {
-        self.plan = Plan::new(&self.bound, &self.material, &self.settings, tick);
+        let hung = self.held.hung;
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
         if let (Topology::Graph(graph), Some(strengths)) =
             (&self.topology, &mut self.held.strengths)
         {

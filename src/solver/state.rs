@@ -102,12 +102,14 @@ pub(crate) struct Scratch {
     pub contact: ContactRoom,
 }
 
-/// Directions, inverse pivots and right-hand sides of [`LANES`] threads solved side by side.
+/// Directions, inverse pivots and right-hand sides of threads solved side by side.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     pub direction: Soa,
     pub inverse_pivot: Array,
     pub residual: Array,
+    /// Corrections of their particles, where threads are taut.
+    pub correction: Soa,
 }
 
 impl Line {
@@ -117,6 +119,7 @@ impl Line {
             direction: Soa::zeros(longest),
             inverse_pivot: Array::zeros(longest),
             residual: Array::zeros(longest),
+            correction: Soa::zeros(longest),
         }
     }
 }

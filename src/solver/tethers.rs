@@ -3,10 +3,17 @@
 //! Long-range attachments (Kim, Chentanez and Mueller 2012): what a chain of corrections takes many
 //! passes to carry from a pin to the hem is carried at once. The bound is a consequence of the
 //! cloth's own constraints, so that a cloth which obeys those is not touched.
+//!
+//! Pins that are further apart than the cloth between them reaches contradict each other: no place is
+//! near enough to both, and a particle tied to both would be thrown from one to the other. All bounds are
+//! then eased by one factor, that by which the pins are too far apart and a little more. A flat sheet whose pins are at
+//! most so many times further apart than at rest can be where all its particles are at most so many times
+//! further apart (Kirszbraun 1934), so that eased bounds contradict each other nowhere.
 
 use bevy::math::{Vec3, ops};
 
 use super::graph::Graph;
+use super::input::PinMotion;
 use super::isa::Kernel;
 use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use super::lattice::{Lattice, Layout};
@@ -20,6 +27,13 @@ const MOST: usize = 4;
 const LOAD_FACTOR: f32 = 4.0;
 /// Least distance from a pin that has a direction \[m\].
 const LEAST_DISTANCE: f32 = 1e-12;
+/// Pins of other groups that a pin is measured against at most, the nearest along the cloth.
+const MOST_OTHERS: usize = 8;
+/// Bounds are eased by so much more than pins are too far apart: just enough would leave one place alone to each
+/// particle, where gravity may not want it.
+const SLACK: f32 = 1.25;
+/// Bounds are eased by this factor at most: then there are none.
+const MOST_EASE: f32 = 1e6;
 
 /// The tethers of one group of neighbouring pins, or to the n-th nearest group where there are many.
 #[derive(Clone, Debug)]
@@ -32,6 +46,18 @@ pub(super) struct TetherSet {
     along_threads: Vec<f32>,
     /// The bound in force \[m\].
     limit: Array,
+    /// Pins of other groups, and what ties them to this one's.
+    between: Vec<Between>,
+}
+
+/// Two pins of different groups, and how far apart the cloth lets them be.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    /// Their places among the pins.
+    pins: [usize; 2],
+    straight: f32,
+    along_threads: f32,
+    limit: f32,
 }
 
 impl TetherSet {
@@ -45,10 +71,14 @@ impl TetherSet {
         if groups.len() == topology.particle_count() {
             return Vec::new();
         }
+        let mut place_of = vec![0; topology.layout().len()];
+        for (place, &pin) in pins.iter().enumerate() {
+            place_of[pin] = place;
+        }
         let mut sets: Vec<Self> = Vec::new();
         for group in &groups {
             let reach = Reach::from_pins(topology, &ways, group);
-            sets.push(reach.into_set(topology.layout(), group, pins));
+            sets.push(reach.into_set(topology.layout(), group, pins, &place_of));
         }
         keep_nearest(topology.layout(), sets)
     }
@@ -63,12 +93,10 @@ impl TetherSet {
         let load = LOAD_FACTOR * weight;
         let cell = (topology.total_area() / topology.particle_count() as f32).sqrt();
         let shear_stiffness = topology.shear_stiffness(material);
-        for slot in topology.layout().slots() {
-            let (straight, threads) = (self.straight[slot], self.along_threads[slot]);
+        let limit = |straight: f32, threads: f32| {
             if straight == f32::INFINITY {
                 // A part of the cloth that no way leads to.
-                self.limit[slot] = f32::INFINITY;
-                continue;
+                return f32::INFINITY;
             }
             let spread = 1.0 + ops::ln((straight / cell).max(1.0));
             // Without gravity nothing tells the load: the limit and the threads alone bound it.
@@ -77,8 +105,27 @@ impl TetherSet {
             };
             let stretch = give(material.thread_stiffness).min(material.max_strain * straight);
             let shear = give(shear_stiffness).min(threads - straight);
-            self.limit[slot] = straight + stretch + shear;
+            straight + stretch + shear
+        };
+        for slot in topology.layout().slots() {
+            self.limit[slot] = limit(self.straight[slot], self.along_threads[slot]);
         }
+        for between in &mut self.between {
+            between.limit = limit(between.straight, between.along_threads);
+        }
+    }
+
+    /// What the bounds are to be multiplied by, as the pins are too far apart for them on their way through a
+    /// tick; at least 1.
+    ///
+    /// Between the ends of straight ways nothing is further apart than at one of the ends.
+    pub fn ease(&self, pins: &[PinMotion]) -> f32 {
+        self.between.iter().fold(1.0, |ease, Between { pins: [a, b], limit, .. }| {
+            let (a, b) = (&pins[*a], &pins[*b]);
+            let apart = a.start.distance(b.start).max(a.end.distance(b.end));
+            let too_far = apart / larger(*limit, LEAST_DISTANCE) - 1.0;
+            larger(1.0 + SLACK * too_far, ease).min(MOST_EASE)
+        })
     }
 }
 
@@ -152,7 +199,27 @@ impl Reach {
         Self { nearest: vec![0; len], straight: vec![0.0; len], along_threads: vec![0.0; len] }
     }
 
-    fn into_set(mut self, layout: Layout, group: &[usize], pins: &[usize]) -> TetherSet {
+    /// The ways to the pins of other groups, where there are any.
+    fn to_others(&self, group: &[usize], pins: &[usize], place_of: &[usize]) -> Vec<Between> {
+        let others = pins.iter().enumerate().filter(|(_, pin)| group.binary_search(pin).is_err());
+        let between = others.map(|(place, &pin)| Between {
+            pins: [place_of[self.nearest[pin] as usize], place],
+            straight: self.straight[pin],
+            along_threads: self.along_threads[pin],
+            limit: f32::INFINITY,
+        });
+        between.filter(|between| between.straight < f32::INFINITY).collect()
+    }
+
+    /// `place_of` gives each slot of a pin its place among the pins.
+    fn into_set(
+        mut self,
+        layout: Layout,
+        group: &[usize],
+        pins: &[usize],
+        place_of: &[usize],
+    ) -> TetherSet {
+        let between = self.to_others(group, pins, place_of);
         for &pin in pins {
             self.straight[pin] = 0.0;
             self.along_threads[pin] = 0.0;
@@ -163,6 +230,7 @@ impl Reach {
             straight: self.straight,
             along_threads: self.along_threads,
             limit: Array::zeros(layout.len()),
+            between,
         }
     }
 }
@@ -208,6 +276,7 @@ fn keep_nearest(layout: Layout, sets: Vec<TetherSet>) -> Vec<TetherSet> {
         straight: vec![0.0; layout.len()],
         along_threads: vec![0.0; layout.len()],
         limit: Array::zeros(layout.len()),
+        between: Vec::new(),
     };
     let mut kept: Vec<TetherSet> = (0..MOST).map(|_| empty()).collect();
     for slot in layout.slots() {
@@ -220,13 +289,24 @@ fn keep_nearest(layout: Layout, sets: Vec<TetherSet>) -> Vec<TetherSet> {
             to.along_threads[slot] = sets[from].along_threads[slot];
         }
     }
+    kept[0].between = nearest_others(sets);
     kept
+}
+
+/// For each pin its nearest pins of other groups.
+fn nearest_others(sets: Vec<TetherSet>) -> Vec<Between> {
+    let mut all: Vec<_> = sets.into_iter().flat_map(|set| set.between).collect();
+    all.sort_by(|a, b| a.pins[1].cmp(&b.pins[1]).then(a.straight.total_cmp(&b.straight)));
+    let of_a_pin = all.chunk_by(|a, b| a.pins[1] == b.pins[1]);
+    of_a_pin.flat_map(|others| others.iter().take(MOST_OTHERS).copied()).collect()
 }
 
 /// Brings back what is further from its pin than its tether allows.
 pub(super) struct PullTethers<'a> {
     pub layout: Layout,
     pub set: &'a TetherSet,
+    /// What the bounds are multiplied by, at least 1.
+    pub ease: f32,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
     pub d: &'a mut Soa,
@@ -266,7 +346,8 @@ impl PullTethers<'_> {
         for i in 0..LANES {
             let way = (x.at(i) + d.at(i)) - pin(i);
             let distance = way.dot(way).sqrt();
-            let excess = if w.0[i] > 0.0 { larger(distance - limit.0[i], 0.0) } else { 0.0 };
+            let excess =
+                if w.0[i] > 0.0 { larger(distance - limit.0[i] * self.ease, 0.0) } else { 0.0 };
             d.set(i, d.at(i) - way * (excess / larger(distance, LEAST_DISTANCE)));
         }
         d.store(self.d, slot);

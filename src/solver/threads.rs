@@ -11,6 +11,7 @@ use super::isa::{Kernel, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
+use super::taut::{Threads, ease};
 use super::transpose::Transpose;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
@@ -163,6 +164,8 @@ trait Ends {
     fn positions(&self, place: usize) -> Block3;
     /// Takes their corrections.
     fn correct(&mut self, place: usize, correction: Block3);
+    /// Takes more of them.
+    fn correct_more(&mut self, place: usize, correction: Block3);
 }
 
 /// Rows of the sheet.
@@ -188,6 +191,11 @@ impl Ends for InPlace<'_> {
         }
         d.store(self.d, slot);
     }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        self.correct(place, correction);
+    }
 }
 
 /// A strip of columns, whose positions give way to their corrections.
@@ -202,6 +210,15 @@ impl Ends for Strip<'_> {
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
         correction.store(self.0, place * LANES);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        let mut sum = Block3::load(self.0, place * LANES);
+        for i in 0..LANES {
+            sum.set(i, sum.at(i) + correction.at(i));
+        }
+        sum.store(self.0, place * LANES);
     }
 }
 
@@ -236,6 +253,45 @@ impl Lines<'_> {
         }
         let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
         ends.correct(0, tension.last(&w));
+        if tension.most.largest() > self.reach.steady {
+            self.ease(thread, ends);
+        }
+    }
+
+    /// Keeps taut threads from trembling.
+    #[inline(always)]
+    fn ease(&mut self, thread: usize, ends: &mut impl Ends) {
+        let Self { layout, springs, inverse_mass, .. } = *self;
+        let threads = Woven { layout, springs, inverse_mass, thread };
+        ease(self.line, &threads);
+        for place in 0..layout.rows {
+            ends.correct_more(place, Block3::load(&self.line.correction, place * LANES));
+        }
+    }
+}
+
+/// [`LANES`] threads of a lattice.
+struct Woven<'a> {
+    layout: Layout,
+    springs: &'a Family,
+    inverse_mass: &'a [f32],
+    thread: usize,
+}
+
+impl Threads for Woven<'_> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.layout.rows
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        Block::load(self.inverse_mass, self.layout.slot(place, self.thread))
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        Block::load(&self.springs.rest, self.layout.slot(place, self.thread))
     }
 }
 
@@ -246,6 +302,8 @@ pub(super) struct Reach {
     pub compliance: f32,
     /// Longest that a spring may be, in rest lengths.
     pub limit: f32,
+    /// What a spring may move a particle by without its thread trembling \[m\].
+    pub steady: f32,
 }
 
 /// One step of the elimination.
@@ -318,11 +376,13 @@ impl Pivot {
 #[derive(Clone, Copy)]
 pub(super) struct Tension {
     pull: Block3,
+    /// What a spring has moved a particle by so far, at most \[m\].
+    pub most: Block,
 }
 
 impl Default for Tension {
     fn default() -> Self {
-        Self { pull: Block3::ZERO }
+        Self { pull: Block3::ZERO, most: Block::ZERO }
     }
 }
 
@@ -336,6 +396,7 @@ impl Tension {
             let n = pivot.direction.at(i);
             let beside = w.0[i] * n.dot(self.pull.at(i));
             let tension = (pivot.residual.0[i] + beside) * pivot.inverse.0[i];
+            self.most.0[i] = larger(tension * w.0[i], self.most.0[i]);
             pull.set(i, n * tension);
             correction.set(i, (self.pull.at(i) - pull.at(i)) * w.0[i]);
         }

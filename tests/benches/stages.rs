@@ -86,7 +86,6 @@ fn cases() -> Vec<Case> {
             form,
             material,
             ball: Some(1.0),
-            ..springs
         },
         Case {
             name: "collide: lying on a ball",
@@ -94,7 +93,6 @@ fn cases() -> Vec<Case> {
             form,
             material,
             ball: Some(0.505),
-            ..springs
         },
         springs,
     ]

@@ -1,16 +1,18 @@
 //! The app that the tests run, and how they look at it.
 
 use bevy::{
-    app::Plugins,
+    app::{Plugins, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::{AssetPlugin, RenderAssetUsages},
     mesh::{Indices, MeshPlugin, PrimitiveTopology, VertexAttributeValues},
     prelude::*,
+    tasks::ComputeTaskPool,
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
 use bevy_drape::prelude::*;
 use std::{
     path::Path,
+    process::Command,
     time::{Duration, Instant},
 };
 
@@ -61,13 +63,13 @@ pub fn updates(app: &mut App, count: usize) {
     }
 }
 
-/// Runs frames until something holds, at most for ten seconds.
+/// Runs frames until something holds, at most for a minute.
 pub fn wait(app: &mut App, done: impl Fn(&App) -> bool) {
     let start = Instant::now();
     while !done(app) {
         app.update();
         std::thread::sleep(Duration::from_millis(1));
-        assert!(start.elapsed() < Duration::from_secs(10), "waited in vain");
+        assert!(start.elapsed() < Duration::from_secs(60), "waited in vain");
     }
 }
 
@@ -177,4 +179,57 @@ pub fn box_mesh(half: f32) -> Mesh {
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let indices = quads.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
     triangle_mesh((0..8).map(corner).collect(), indices)
+}
+
+/// Set in the processes that [`in_pools`] starts.
+pub const POOL: &str = "BEVY_DRAPE_TEST_POOL";
+
+/// What a scene comes to in compute pools of each size. A process has one pool for good, so each size has a
+/// process of its own: the test of this name again, with a variable set. There it is `None`.
+#[allow(clippy::print_stdout)]
+pub fn in_pools(
+    name: &str,
+    sizes: &[usize],
+    plugins: impl Fn(&mut App),
+    scene: impl Fn(&mut App) -> String,
+) -> Option<Vec<String>> {
+    if let Ok(size) = std::env::var(POOL) {
+        let size = size.parse().unwrap();
+        let mut app = app_of_pool(size);
+        plugins(&mut app);
+        app.insert_resource(ClothExecution::Fused);
+        app.finish();
+        app.cleanup();
+        app.update();
+        assert_eq!(ComputeTaskPool::get().thread_num(), size);
+        println!("bits {}", scene(&mut app));
+        return None;
+    }
+    let bits = sizes.iter().map(|size| {
+        let output = Command::new(std::env::current_exe().unwrap())
+            .args([name, "--exact", "--nocapture"])
+            .env(POOL, size.to_string())
+            .output()
+            .unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let line =
+            text.lines().find_map(|line| line.split_once("bits ")).map(|(_, bits)| bits.to_owned());
+        line.unwrap_or_else(|| panic!("{text}"))
+    });
+    Some(bits.collect())
+}
+
+fn app_of_pool(size: usize) -> App {
+    let exactly = TaskPoolThreadAssignmentPolicy {
+        min_threads: size,
+        max_threads: size,
+        percent: 1.0,
+        on_thread_spawn: None,
+        on_thread_destroy: None,
+    };
+    let task_pool_options =
+        TaskPoolOptions { max_total_threads: 16, compute: exactly, ..default() };
+    let mut app = App::new();
+    app.add_plugins(MinimalPlugins.set(TaskPoolPlugin { task_pool_options }));
+    app
 }

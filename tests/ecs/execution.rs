@@ -1,12 +1,7 @@
 //! One result, however it is run: bit equality.
 
 use crate::common::*;
-use bevy::{
-    app::{TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
-    prelude::*,
-    tasks::ComputeTaskPool,
-    time::TimeUpdateStrategy,
-};
+use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::prelude::*;
 use std::process::Command;
 
@@ -116,54 +111,17 @@ fn a_games_own_system_goes_between_the_stages() {
     assert_eq!(app.world().resource::<Substep>().0, 28);
 }
 
-const POOL: &str = "BEVY_DRAPE_TEST_POOL";
-
-/// A process has one compute pool for good, so each size has a process of its own: this test again,
-/// with a
-/// variable set.
 #[test]
 fn one_two_and_four_threads_give_the_same_bits() {
-    if let Ok(size) = std::env::var(POOL) {
-        return print_bits_of_pool(size.parse().unwrap());
-    }
-    let bits = [1, 2, 4].map(|size: u32| {
-        let name = "execution::one_two_and_four_threads_give_the_same_bits";
-        let output = Command::new(std::env::current_exe().unwrap())
-            .args([name, "--exact", "--nocapture"])
-            .env(POOL, size.to_string())
-            .output()
-            .unwrap();
-        let text = String::from_utf8(output.stdout).unwrap();
-        let line =
-            text.lines().find_map(|line| line.split_once("bits ")).map(|(_, bits)| bits.to_owned());
-        line.unwrap_or_else(|| panic!("{text}"))
-    });
+    let name = "execution::one_two_and_four_threads_give_the_same_bits";
+    let plugins = |app: &mut App| {
+        app.add_plugins(ClothPlugin::default());
+    };
+    let Some(bits) = in_pools(name, &[1, 2, 4], plugins, |app| format!("{:?}", scene(app))) else {
+        return;
+    };
     assert!(bits[0].len() > 1000);
     assert!(bits[0] == bits[1] && bits[0] == bits[2]);
-}
-
-#[allow(clippy::print_stdout)]
-fn print_bits_of_pool(size: usize) {
-    let mut app = App::new();
-    let exactly = TaskPoolThreadAssignmentPolicy {
-        min_threads: size,
-        max_threads: size,
-        percent: 1.0,
-        on_thread_spawn: None,
-        on_thread_destroy: None,
-    };
-    let task_pool_options =
-        TaskPoolOptions { max_total_threads: 16, compute: exactly, ..default() };
-    app.add_plugins((
-        MinimalPlugins.set(TaskPoolPlugin { task_pool_options }),
-        ClothPlugin::default(),
-    ));
-    app.insert_resource(ClothExecution::Fused);
-    app.finish();
-    app.cleanup();
-    app.update();
-    assert_eq!(ComputeTaskPool::get().thread_num(), size);
-    println!("bits {:?}", scene(&mut app));
 }
 
 /// Every test of this file's neighbours again, in the other form.

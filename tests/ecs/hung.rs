@@ -74,7 +74,8 @@ fn however_long_it_takes_it_starts_alike() {
         updates(&mut app, frames);
         thread::sleep(patience);
         wait_for(&mut app, entity);
-        while simulation(&app, entity).tick_count() < 20 {
+        // More than there can have been of while it was waited for.
+        while simulation(&app, entity).tick_count() < 64 {
             app.update();
         }
         (bits(&app, entity), *simulation(&app, entity).hung().unwrap())

@@ -20,6 +20,7 @@ mod intake;
 mod mesh;
 mod pins;
 mod push;
+mod quality;
 mod refusals;
 mod saved_scene;
 mod seams;

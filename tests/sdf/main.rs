@@ -11,5 +11,7 @@ mod baking;
 mod fields;
 mod meshes;
 mod random;
+#[path = "../../examples/common/repository.rs"]
+mod repository;
 mod saved;
 mod shapes;

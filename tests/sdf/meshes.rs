@@ -1,6 +1,6 @@
 //! Meshes to bake, and the truth about them.
 
-use crate::random::*;
+use crate::{random::*, repository::repository};
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::sdf::{BakeSettings, DistanceField, SignedDistance};
 use core::f64::consts::{PI, TAU};
@@ -90,8 +90,8 @@ pub fn torus_mesh(major: f64, minor: f64, n: u32, m: u32) -> Mesh {
 }
 
 pub fn bunny() -> Mesh {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/bunny.obj");
-    let (models, _) = tobj::load_obj(path, &tobj::GPU_LOAD_OPTIONS).expect("the bunny");
+    let (models, _) =
+        tobj::load_obj(repository("assets/bunny.obj"), &tobj::GPU_LOAD_OPTIONS).expect("the bunny");
     let mesh = &models[0].mesh;
     let positions = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
     Mesh { positions, indices: mesh.indices.clone() }

@@ -1,5 +1,6 @@
 //! Colliders that are fast, many, or stand where the cloth is. Held to what cannot be: no particle
-//! goes through, none is faster than allowed, momentum is kept, and what is far changes no bit.
+//! goes through, none is faster than allowed, momentum is kept, and what is far changes no bit. Fast
+//! balls are among the hard cases (tests/stability).
 
 use bevy::math::{
     Quat, Vec2, Vec3,
@@ -65,30 +66,6 @@ fn free_sheet(n: usize) -> ClothSolver {
     let material = Material { shear_stiffness: 100.0, max_strain: 0.1, friction: 0.5, ..plain() };
     let lattice = sheet(Vec2::splat(1.0), n, n, MassLumping::Lumped);
     at_rest(&lattice, Vec3::ZERO, material, Settings::default())
-}
-
-#[test]
-fn a_fast_sphere_goes_through_no_particle() {
-    let ball = Sphere::new(0.2);
-    for speed in [50.0_f32, 250.0] {
-        for pinned in [false, true] {
-            let mut solver = free_sheet(64);
-            if pinned {
-                solver.set_pins(&[0, 63, 63 * 64, 64 * 64 - 1]).unwrap();
-            }
-            let path = |t: f32| Pose::from_translation(Vec3::Y * (1.0 - speed * t));
-            let ticks = (4.0 / (speed * TICK)).ceil() as usize;
-            let deepest = deepest_way(&mut solver, &ball, &path, ticks);
-            // A straight way along the sphere is a chord: s^2 / 8 r deep, at 0.2 m a substep 25 mm.
-            let chord = (speed * TICK / 19.0).powi(2) / (8.0 * 0.2);
-            check_at_most(
-                &format!("{speed} m/s, pinned {pinned}: deepest way [m]"),
-                deepest.into(),
-                f64::from(chord) + 1e-3,
-            );
-            assert!(solver.strain().max.is_finite());
-        }
-    }
 }
 
 #[test]

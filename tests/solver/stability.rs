@@ -273,6 +273,20 @@ fn real_fabric_takes_threads_and_soft_cloth_springs() {
     assert_eq!(plan.clamped, Default::default());
 }
 
+#[test]
+fn cloth_that_its_springs_do_not_carry_takes_threads() {
+    // A metre of 0.2 kg/m2 pulls with 1.962 N/m at its upper side, which 19.62 N/m carry at a strain of 0.1.
+    let lattice = sheet(Vec2::ONE, 32, 32, MassLumping::Lumped);
+    for (stiffness, form, reason) in [
+        (19.7, Form::Springs, PlanReason::SpringsSuffice),
+        (19.5, Form::Threads, PlanReason::SpringsGive),
+    ] {
+        let material = Material { thread_stiffness: stiffness, max_strain: 0.1, ..plain() };
+        let plan = *at_rest(&lattice, Vec3::ZERO, material, Settings::default()).plan();
+        assert_eq!((plan.form, plan.reason), (form, reason), "{stiffness} N/m: {plan}");
+    }
+}
+
 /// Energy of springs and motion, in units of what it was at first; the most over 2 s.
 fn most_energy(
     start: &[Vec3],

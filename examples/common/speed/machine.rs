@@ -1,7 +1,8 @@
 //! What the report was measured on, and how fast that is.
 
-use std::{env, fmt, fs, path::Path, process::Command, thread};
+use std::{env, fmt, fs, process::Command, thread};
 
+use crate::repository::repository;
 use bevy_drape::solver::Isa;
 
 /// What the yardstick takes where the peers were measured \[ms\].
@@ -65,14 +66,14 @@ impl fmt::Display for Machine {
 
 /// What a command says.
 fn said(program: &str, arguments: &[&str]) -> Option<String> {
-    let folder = env!("CARGO_MANIFEST_DIR");
+    let folder = repository("");
     let done = Command::new(program).args(arguments).current_dir(folder).output().ok()?;
     done.status.success().then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
 }
 
 /// Builds the yardstick and runs it: the best of three runs, as others on the machine only make it slower.
 fn yardstick() -> Option<f64> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/benches/peers/yardstick.cpp");
+    let source = repository("tests/benches/peers/yardstick.cpp");
     let binary = env::temp_dir().join(format!("bevy_drape_yardstick_{}", std::process::id()));
     let [source, output] = [&source, &binary].map(|path| path.to_string_lossy().into_owned());
     said("c++", &["-O3", "-march=native", "-ffast-math", "-o", &output, &source])?;

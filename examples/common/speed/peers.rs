@@ -1,6 +1,7 @@
-//! What other solvers reached in HANG and DRAPE, as recorded (tests/data/peer_levels.csv).
+//! What other solvers reached in HANG and DRAPE, as recorded (`tests/data/peer_levels.csv`).
 
 use super::Outcome;
+use crate::repository::repository;
 
 /// Which error of theirs is drawn.
 #[derive(Clone, Copy, PartialEq)]
@@ -36,8 +37,9 @@ impl Level {
 
 /// All levels on record.
 pub fn read() -> Outcome<Vec<Level>> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/peer_levels.csv");
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(repository("tests/data/peer_levels.csv"))?;
     let heads = reader.headers()?.clone();
     let column = |name: &str| heads.iter().position(|head| head == name).ok_or(name.to_owned());
     let [peer, scene, n, ms] = [column("peer")?, column("scene")?, column("n")?, column("ms")?];

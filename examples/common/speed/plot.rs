@@ -134,7 +134,9 @@ impl Range {
     fn around(curves: &[Curve], plot: &Plot) -> Self {
         let positive = |value: &f64| value.is_finite() && *value > 0.0;
         let points = || curves.iter().flat_map(|curve| &curve.points);
-        let failed = curves.iter().flat_map(|curve| &curve.failed).copied();
+        // A peer that fails in no time stretches no axis.
+        let own = curves.iter().filter(|curve| curve.own);
+        let failed = own.flat_map(|curve| &curve.failed).copied();
         let span = |values: &mut dyn Iterator<Item = f64>| {
             values.filter(positive).fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
                 (low.min(value), high.max(value))
@@ -227,7 +229,7 @@ fn draw_chart(
         }
         for (&(time, error), label) in curve.points.iter().zip(&curve.labels) {
             let style = ("sans-serif", 12).into_font().color(&curve.colour);
-            let place = (time * 1.04, error.max(bottom) * 1.04);
+            let place = (time * 1.07, error.max(bottom) * 1.1);
             if error <= top {
                 chart.draw_series([Text::new(label.clone(), place, style)])?;
             }

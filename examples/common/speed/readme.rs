@@ -76,6 +76,24 @@ pub fn summary(all: &[Results<'_>], levels: &[Level], factor: f64) -> String {
     )
 }
 
+/// What the default settings are held to: the bounds of 10 mm, of 1 % and of 1 mm.
+///
+/// # Errors
+/// Where one does not hold.
+pub fn check(all: &[Results<'_>]) -> Outcome<()> {
+    for Results { scene, points } in all {
+        for point in points.iter().filter(|point| point.method == "automatic") {
+            for Bound { what, most, .. } in BOUNDS.iter().filter(|b| b.scene == scene.name) {
+                let holds = point.errors.iter().zip(most).all(|(error, most)| error <= most);
+                if !holds || point.failed.is_some() {
+                    return Err(format!("the default misses: {what}, n = {}", point.n).into());
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 fn bought(all: &[Results<'_>], levels: &[Level], factor: f64) -> Vec<Vec<String>> {
     let mut rows = vec![
         ["ms a frame", "HANG: RMS error", "HANG: p99 strain", "DRAPE: p99 strain"]

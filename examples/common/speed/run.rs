@@ -160,3 +160,12 @@ pub fn cloth(
     let topology = sheet.topology(method.graph, settings.lumping)?;
     Ok(ClothSolver::new(topology, &sheet.start(), material, settings)?)
 }
+
+/// Numbers from -1 to 1 that are the same everywhere (an LCG of Knuth's).
+pub fn dice(seed: u64) -> impl FnMut() -> f32 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+    }
+}

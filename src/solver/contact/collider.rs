@@ -175,7 +175,7 @@ fn corners(min: Vec3, max: Vec3) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// A pose as the kernel needs it: columns of the rotation, and translation in the cloth's frame.
+/// A pose in the cloth's frame as the kernel needs it: columns of the rotation, and translation.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     rotation: Mat3,
@@ -184,10 +184,10 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    fn new(pose: &Pose, origin: Vec3) -> Self {
+    fn new(pose: &Pose) -> Self {
         Self {
             rotation: Mat3::from_quat(pose.rotation),
-            translation: pose.translation - origin,
+            translation: pose.translation,
             scale: pose.scale,
         }
     }
@@ -232,8 +232,12 @@ pub(super) struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// From part `from` of the tick to part `to`.
     pub fn new(collider: &Collider<'a>, origin: Vec3, friction: f32, from: f32, to: f32) -> Self {
-        let before = collider.motion.start.interpolate(&collider.motion.end, from);
-        let after = collider.motion.start.interpolate(&collider.motion.end, to);
+        // Seen from the cloth: far from the world's origin, poses on the way would be rounded, and so the
+        // collider's speed.
+        let seen = |pose: Pose| Pose { translation: pose.translation - origin, ..pose };
+        let (start, end) = (seen(collider.motion.start), seen(collider.motion.end));
+        let before = start.interpolate(&end, from);
+        let after = start.interpolate(&end, to);
         let moves = before != after;
         let reach = match collider.shape.bounds() {
             _ if !moves => 0.0,
@@ -249,8 +253,8 @@ impl<'a> Motion<'a> {
         Self {
             shape: collider.shape,
             known: collider.shape.known(),
-            before: Frame::new(&before, origin),
-            after: Frame::new(&after, origin),
+            before: Frame::new(&before),
+            after: Frame::new(&after),
             moves,
             reach,
             friction: (collider.friction * friction).sqrt(),

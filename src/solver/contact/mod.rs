@@ -32,6 +32,8 @@ use sweep::Sweep;
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
+/// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
+const CALMED: f32 = 4.0;
 /// Makes up for what rounding takes off the sum of many small ways.
 const ROUNDED_UP: f32 = 1.0 + 1e-5;
 
@@ -157,7 +159,7 @@ impl ResolveContacts<'_> {
     }
 
     /// While particles are so deep inside that they take more than a substep to come out, what is as
-    /// near to the collider as they are deep, or twice, goes on at the speed allowed and no faster: the
+    /// near to the collider as they are deep, or some times that, goes on at the speed allowed and no faster: the
     /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
     #[inline(never)]
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
@@ -167,14 +169,19 @@ impl ResolveContacts<'_> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                if self.room.until[first + slot / LANES] > gone + 2.0 * deepest {
+                // What is known may be less than the distance, and depends on where the world's origin is.
+                if self.room.until[first + slot / LANES] > gone + CALMED * deepest
+                    || self.gap(slot, motion) > CALMED * deepest
+                {
                     continue;
                 }
                 let w = Block::load(self.inverse_mass, slot);
                 let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
                 for i in 0..LANES {
                     let at = x.at(i) + d.at(i);
-                    let surface = at - motion.before.to_world(motion.after.to_local(at));
+                    // Far from the collider's origin, what stands still would seem to move.
+                    let moved = at - motion.before.to_world(motion.after.to_local(at));
+                    let surface = if motion.moves { moved } else { Vec3::ZERO };
                     let relative = d.at(i) - surface;
                     let way = larger(relative.dot(relative).sqrt(), LEAST_SLIDING);
                     let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
@@ -185,6 +192,16 @@ impl ResolveContacts<'_> {
                 x.store(self.x, slot);
             }
         }
+    }
+
+    /// Least distance beyond epsilon of the particles of a block that are not held \[m\].
+    fn gap(&self, slot: usize, motion: &Motion<'_>) -> f32 {
+        let w = Block::load(self.inverse_mass, slot);
+        let x = Block3::load_sum(self.x, self.d, slot);
+        (0..LANES).filter(|&i| w.0[i] > 0.0).fold(f32::INFINITY, |least, i| {
+            let distance = motion.shape.distance(motion.after.to_local(x.at(i)));
+            least.min(distance * motion.after.scale - self.skin.epsilon)
+        })
     }
 
     /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a

@@ -88,7 +88,8 @@ impl Sweep<'_> {
                 return end;
             };
             let rest = to - at;
-            let approach = -rest.dot(normal);
+            // Met at the way's very end, what is left may lead away again by rounding: then nothing is lost.
+            let approach = (-rest.dot(normal)).max(0.0);
             let tangential = rest + normal * approach;
             let sliding = tangential.dot(tangential).sqrt();
             let braked = self.motion.friction * approach;

@@ -3,8 +3,9 @@
 use super::chains::{Bundle, Chains};
 use super::places::Places;
 use crate::solver::isa::TransposingKernel;
-use crate::solver::lanes::{Array, Block, LANES};
+use crate::solver::lanes::{Array, Block, Block3, LANES};
 use crate::solver::state::Line;
+use crate::solver::taut::{Threads, ease};
 use crate::solver::threads::{Pivot, Reach, Tension};
 use crate::solver::transpose::Transpose;
 
@@ -63,5 +64,43 @@ impl SolveChains<'_> {
         }
         let w = Block::load(self.inverse_mass, 0);
         self.places.scatter(t, &self.chains.slots, bundle.first, tension.last(&w));
+        if tension.most.largest() > self.reach.steady {
+            self.ease(t, bundle);
+        }
+    }
+
+    /// Keeps taut chains from trembling.
+    #[inline(always)]
+    fn ease(&mut self, t: impl Transpose, bundle: &Bundle) {
+        let Self { chains, inverse_mass, line, .. } = self;
+        ease(line, &Laid { chains, bundle, inverse_mass });
+        for place in 0..bundle.rows {
+            let more = Block3::load(&self.line.correction, place * LANES);
+            self.places.scatter(t, &self.chains.slots, bundle.first + place * LANES, more);
+        }
+    }
+}
+
+/// The chains of a bundle.
+struct Laid<'a> {
+    chains: &'a Chains,
+    bundle: &'a Bundle,
+    inverse_mass: &'a Array,
+}
+
+impl Threads for Laid<'_> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.bundle.rows
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        Block::load(self.inverse_mass, place * LANES)
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        Block::load(&self.chains.rest, self.bundle.first + (place + 1) * LANES)
     }
 }

@@ -7,7 +7,7 @@ use super::super::run::{self, FRAME, Method, Run, cloth};
 use super::super::{Extent, Job, Measured, Metric, Outcome, Plot, Scene};
 use super::Sheet;
 
-/// H/W of the heavy elastica at Gamma = w L^3 / B (tests/data/heavy_elastica_master.csv).
+/// H/W of the heavy elastica at Gamma = w L^3 / B (`tests/data/heavy_elastica_master.csv`).
 const MASTER: [(f64, f64); 3] = [(1.0, 0.124_561_8), (10.0, 1.066_802_3), (100.0, 5.888_104_6)];
 
 /// Curvature at which flexion springs resist as the rigidity says \[1/m\].

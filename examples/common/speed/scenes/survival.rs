@@ -24,15 +24,6 @@ enum Case {
     Random,
 }
 
-/// Numbers from -1 to 1.
-fn dice(seed: u64) -> impl FnMut() -> f32 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    }
-}
-
 /// A ball flies down through a cloth about the origin. Gives how many particles it passed through: whose
 /// way, straight in a substep as seen from the ball, came nearer to its middle than half its radius.
 fn fly_through(cloth: &mut ClothSolver, speed: f32, peak: &mut f32) -> Outcome<usize> {
@@ -89,7 +80,7 @@ impl Case {
             cloth.set_pins(&[0, N as u32 - 1])?;
         }
         if matches!(self, Self::Random) {
-            let mut roll = dice(7);
+            let mut roll = run::dice(7);
             for i in (0..N * N).filter(|i| ![0, N - 1].contains(i)) {
                 cloth.set_position(i, Vec3::new(roll(), roll(), roll()) * 0.05)?;
             }

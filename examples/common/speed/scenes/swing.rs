@@ -55,11 +55,8 @@ impl Horizon {
         };
         let exact = swing(&start, 16.0);
         let own = rms(&exact, &swing(&start, 8.0)) / 3.0;
-        let mut dice = 1_u64;
-        let mut roll = || {
-            dice = dice.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (dice >> 40) as f64 / (1_u64 << 23) as f64 - 1.0
-        };
+        let mut dice = run::dice(1);
+        let mut roll = || f64::from(dice());
         let disturbed: Vec<_> =
             start.iter().map(|p| p + 1e-6 * DVec3::new(roll(), roll(), roll())).collect();
         let chaos = rms(&swing(&disturbed, 8.0), &swing(&start, 8.0));

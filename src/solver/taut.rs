@@ -1,0 +1,119 @@
+//! Threads under so much tension that they would overshoot sideways.
+//!
+//! A thread under tension is pulled straight. Its tensions are solved for as its springs lie, and where a
+//! particle is off the straight way between its neighbours by `y`, they move it back by `2 w t y / l`. Beyond
+//! `w t / l = 1/3` on a whole thread, each substep carries its particles further to the other side than they
+//! were on this one, and the thread trembles. So stiff threads are where their pins want them longer than
+//! they can be, or where a load is more than the substep allows for.
+//!
+//! There what straightens a thread is taken at the substep's end, not at its start (Tournier, Nesme, Gilles
+//! and Faure 2015, *Stable Constrained Dynamics*): the corrections `c` of its particles become the `z` of
+//! `(1 + G) z = c`, where `G` is the Laplacian of the thread weighted by what `w t / l` has too much.
+//! Momentum is kept, and what moves the thread as a whole.
+
+use super::lanes::{Block, Block3, LANES, larger};
+use super::state::Line;
+
+/// `w t / l` from which a tension is too much.
+const STEADY: f32 = 0.33;
+
+/// What a thread's springs may move a particle by at most, for the least rest length of any \[m\].
+pub(super) fn steady(rests: impl Iterator<Item = f32>) -> f32 {
+    STEADY * rests.filter(|&rest| rest > 0.0).fold(f32::INFINITY, f32::min)
+}
+
+/// What [`ease`] needs to know of [`LANES`] threads.
+pub(super) trait Threads {
+    /// Particles of a thread.
+    fn places(&self) -> usize;
+    /// Inverse masses at a place \[1/kg\].
+    fn inverse_mass(&self, place: usize) -> Block;
+    /// Rest lengths of the springs after a place \[m\]; 0 where there are none.
+    fn rest(&self, place: usize) -> Block;
+}
+
+/// Fills `line.correction` with what the particles are to be corrected by more than they were, from the
+/// pivots of threads that have been solved.
+#[inline(always)]
+pub(super) fn ease(line: &mut Line, threads: &impl Threads) {
+    corrections(line, threads);
+    eliminate(line, threads);
+    substitute(line, threads);
+}
+
+/// Works out the corrections anew, and the tensions in place of the residuals.
+#[inline(always)]
+fn corrections(line: &mut Line, threads: &impl Threads) {
+    let mut pull = Block3::ZERO;
+    for place in (0..threads.places()).rev() {
+        let w = threads.inverse_mass(place);
+        let mut before = Block3::ZERO;
+        if place > 0 {
+            let at = (place - 1) * LANES;
+            let n = Block3::load(&line.direction, at);
+            let inverse = Block::load(&line.inverse_pivot, at);
+            let mut tension = Block::load(&line.residual, at);
+            for i in 0..LANES {
+                let beside = w.0[i] * n.at(i).dot(pull.at(i));
+                tension.0[i] = (tension.0[i] + beside) * inverse.0[i];
+                before.set(i, n.at(i) * tension.0[i]);
+            }
+            tension.store(&mut line.residual, at);
+        }
+        let mut correction = Block3::ZERO;
+        for i in 0..LANES {
+            correction.set(i, (pull.at(i) - before.at(i)) * w.0[i]);
+        }
+        correction.store(&mut line.correction, place * LANES);
+        pull = before;
+    }
+}
+
+/// Forward elimination of `(1 + G) z = c`: the factors take the place of the pivots, the right-hand sides
+/// that of the directions.
+#[inline(always)]
+fn eliminate(line: &mut Line, threads: &impl Threads) {
+    let places = threads.places();
+    let (mut before, mut factor, mut right) = (Block::ZERO, Block::ZERO, Block3::ZERO);
+    for place in 0..places {
+        let at = place * LANES;
+        let w = threads.inverse_mass(place);
+        let c = Block3::load(&line.correction, at);
+        let mut after = Block::ZERO;
+        if place + 1 < places {
+            let (tension, rest) = (Block::load(&line.residual, at), threads.rest(place));
+            let next = threads.inverse_mass(place + 1);
+            for i in 0..LANES {
+                let over = tension.0[i] / rest.0[i] - STEADY / larger(w.0[i], next.0[i]);
+                after.0[i] = if rest.0[i] > 0.0 { larger(over, 0.0) } else { 0.0 };
+            }
+        }
+        for i in 0..LANES {
+            let (a, b) = (w.0[i] * before.0[i], w.0[i] * after.0[i]);
+            let inverse = 1.0 / (1.0 + b + a * (1.0 - factor.0[i]));
+            right.set(i, (c.at(i) + right.at(i) * a) * inverse);
+            factor.0[i] = b * inverse;
+        }
+        factor.store(&mut line.inverse_pivot, at);
+        right.store(&mut line.direction, at);
+        before = after;
+    }
+}
+
+/// Back substitution, and what it comes to beyond the corrections that were made.
+#[inline(always)]
+fn substitute(line: &mut Line, threads: &impl Threads) {
+    let mut z = Block3::ZERO;
+    for place in (0..threads.places()).rev() {
+        let at = place * LANES;
+        let factor = Block::load(&line.inverse_pivot, at);
+        let right = Block3::load(&line.direction, at);
+        let c = Block3::load(&line.correction, at);
+        let mut more = Block3::ZERO;
+        for i in 0..LANES {
+            z.set(i, right.at(i) + z.at(i) * factor.0[i]);
+            more.set(i, z.at(i) - c.at(i));
+        }
+        more.store(&mut line.correction, at);
+    }
+}
