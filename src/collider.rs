@@ -7,11 +7,13 @@ mod impulse;
 mod load;
 mod shape;
 mod snapshot;
+mod state;
 
 pub use bake::{BakeSdf, SdfCells};
 pub use impulse::ColliderImpulse;
 pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
 pub use shape::{CustomSdf, SdfShape};
+pub use state::ColliderState;
 
 pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
 pub(crate) use disturbance::{Disturbances, note_disturbances};
@@ -21,6 +23,7 @@ pub(crate) use snapshot::{
     ColliderPose, ColliderRoom, ColliderSnapshot, Found, Moves, forget_collider, gather_colliders,
     note_colliders,
 };
+pub(crate) use state::{forget_states, restore_collider};
 
 use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
 use bevy::prelude::*;
@@ -45,6 +48,7 @@ const JUMP: f32 = 10.0;
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Debug)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, Clone)]
 #[require(Transform, ColliderPose)]
 pub struct SdfCollider {

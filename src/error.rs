@@ -1,11 +1,11 @@
 //! What can go wrong, told to the entity that it concerns.
 
 use crate::{
-    cloth::{HangProblem, PinProblem, WeightProblem},
+    cloth::{GrabProblem, HangProblem, PinProblem, WeightProblem},
     collider::FieldProblem,
     mesh::MeshProblem,
     sdf::BakeError,
-    solver::{GraphError, LatticeError, ParameterError, SolverError},
+    solver::{GraphError, LatticeError, ParameterError, SolverError, StateError},
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -80,6 +80,40 @@ pub enum ClothError {
         entity: Entity,
         /// What is wrong with its pins' places, or how it went.
         problem: HangProblem,
+    },
+    /// The cloth is not pushed as it was asked for, by a `PushCloth` or by `ClothSimulation::push`.
+    #[error("cloth {entity} is not pushed: {problem}")]
+    Push {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with the push.
+        problem: SolverError,
+    },
+    /// A force of `ClothForces` cannot be used. The others act.
+    #[error("cloth {entity}, force {force} of `ClothForces` is left out: {problem}")]
+    Forces {
+        /// The cloth.
+        entity: Entity,
+        /// Index in `ClothForces::forces`.
+        force: usize,
+        /// What is wrong with it.
+        problem: SolverError,
+    },
+    /// `ClothGrab` holds nothing.
+    #[error("cloth {entity} is not grabbed: {problem}; change `ClothGrab`")]
+    Grab {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with it.
+        problem: GrabProblem,
+    },
+    /// `ClothState` cannot be put back. The cloth stays as it was.
+    #[error("cloth {entity}: {problem}")]
+    State {
+        /// The cloth.
+        entity: Entity,
+        /// What is wrong with the state.
+        problem: StateError,
     },
     /// The entity's transform is not finite, scales its axes differently, or scales them to nothing usable.
     #[error(
@@ -182,11 +216,15 @@ pub(crate) enum Blame {
     Air,
     Zone,
     Hanging,
+    Push,
+    Forces,
+    Grab,
+    State,
 }
 
 impl Blame {
     /// What may be wrong with a cloth.
-    pub const OF_CLOTHS: [Self; 15] = [
+    pub const OF_CLOTHS: [Self; 19] = [
         Self::Shape,
         Self::Weights,
         Self::Material,
@@ -202,6 +240,10 @@ impl Blame {
         Self::Sleep,
         Self::Air,
         Self::Hanging,
+        Self::Push,
+        Self::Forces,
+        Self::Grab,
+        Self::State,
     ];
 }
 
@@ -217,6 +259,10 @@ impl ClothError {
             | Self::NoTransform { .. } => Blame::Pose,
             Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
             Self::Draw { .. } => Blame::Drawing,
+            Self::Push { .. } => Blame::Push,
+            Self::Forces { .. } => Blame::Forces,
+            Self::Grab { .. } => Blame::Grab,
+            Self::State { .. } => Blame::State,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {

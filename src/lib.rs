@@ -93,6 +93,7 @@
 
 mod cloth;
 mod collider;
+mod diagnostics;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -100,21 +101,25 @@ pub mod hang;
 mod mesh;
 mod plugin;
 pub mod sdf;
+#[cfg(feature = "serialize")]
+mod serialize;
 pub mod solver;
 mod step;
 mod wind;
 
 pub use cloth::{
-    Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
-    ClothInterpolation, ClothMaterial, ClothPins, ClothQuality, ClothSettings, ClothShape,
-    ClothSimulation, ClothSleep, ClothTeleport, ClothWeights, ColorChannel, GridProblem,
-    HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection, ResetCloth, TeleportCloth,
-    VertexFactor, WeightProblem,
+    Cloth, ClothAir, ClothDiverged, ClothForce, ClothForces, ClothFrozen, ClothGrab, ClothGravity,
+    ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
+    ClothQuality, ClothReady, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept,
+    ClothState, ClothTeleport, ClothWeights, ClothWoke, ColorChannel, GrabHold, GrabProblem,
+    GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection, PushCloth,
+    ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
 };
 pub use collider::{
-    BakeSdf, ColliderImpulse, CustomSdf, DistanceFieldLoader, FieldProblem, LoadFieldError,
-    SdfCells, SdfCollider, SdfShape,
+    BakeSdf, ColliderImpulse, ColliderState, CustomSdf, DistanceFieldLoader, FieldProblem,
+    LoadFieldError, SdfCells, SdfCollider, SdfShape,
 };
+pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
@@ -126,17 +131,19 @@ pub use wind::{ClothWind, ClothWindOverride, WindZone};
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothAir, ClothError, ClothExecution, ClothFailure, ClothFrozen,
+        BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothDiverged, ClothError,
+        ClothExecution, ClothFailure, ClothForce, ClothForces, ClothFrozen, ClothGrab,
         ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
-        ClothMaterial, ClothPins, ClothPlugin, ClothQuality, ClothSettings, ClothShape,
-        ClothSimulation, ClothSleep, ClothSubstep, ClothSubstepSystems, ClothSystems,
-        ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ColliderImpulse, ColorChannel,
-        HangingPlaces, Pin, PinHold, PinSelection, ResetCloth, SdfCells, SdfCollider, SdfShape,
-        TeleportCloth, VertexFactor, WindZone,
+        ClothMaterial, ClothPins, ClothPlugin, ClothQuality, ClothReady, ClothSettings, ClothShape,
+        ClothSimulation, ClothSleep, ClothSlept, ClothState, ClothSubstep, ClothSubstepSystems,
+        ClothSystems, ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ClothWoke,
+        ColliderImpulse, ColliderState, ColorChannel, GrabHold, HangingPlaces, Pin, PinHold,
+        PinSelection, PushCloth, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth,
+        VertexFactor, WindZone,
         sdf::{DistanceField, SignedDistance},
         solver::{
-            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Substeps, WindFlow,
-            WindShape,
+            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, PushOn, PushWith,
+            Substeps, WindFlow, WindShape,
         },
     };
 }

@@ -2,19 +2,23 @@
 
 use crate::{
     cloth::{
-        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothHung, ClothInertia,
-        ClothInterpolation, ClothMaterial, ClothPins, ClothSettings, ClothSimulation, ClothSleep,
-        ClothTeleport, ClothWeights, RestCache,
+        Cloth, ClothAir, ClothForces, ClothFrozen, ClothGrab, ClothGravity, ClothGravityOverride,
+        ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothSettings,
+        ClothSimulation, ClothSleep, ClothTeleport, ClothWeights, RestCache,
         attachment::{apply_pins, gather_pins},
+        events::tell_ready,
         following::{ask_for_reset, ask_for_teleport},
+        grab::apply_grabs,
         hung::{cancel_hanging, hang_cloths},
+        push::ask_for_push,
         rest::choose_steps,
         setup::{apply_changes, set_up_cloths},
+        state::{ClothState, restore_cloths},
     },
     collider::{
-        BakeSdf, ColliderImpulse, ColliderSnapshot, DistanceFieldLoader, Disturbances, SdfCollider,
-        cancel_bake, finish_bakes, forget_collider, gather_colliders, note_disturbances,
-        start_bakes, sum_impulses,
+        BakeSdf, ColliderImpulse, ColliderSnapshot, ColliderState, DistanceFieldLoader,
+        Disturbances, SdfCollider, cancel_bake, finish_bakes, forget_collider, forget_states,
+        gather_colliders, note_disturbances, restore_collider, start_bakes, sum_impulses,
     },
     error::{Blame, Failures},
     mesh::{ClothMesh, draw_cloths},
@@ -54,6 +58,11 @@ impl ClothPlugin {
     /// Steps cloths in another schedule of the fixed main loop.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
+    }
+
+    /// The schedule in which cloths are stepped.
+    pub(crate) fn schedule(&self) -> Interned<dyn ScheduleLabel> {
+        self.schedule
     }
 }
 
@@ -127,8 +136,12 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothHung>()
             .register_type::<ClothSleep>()
             .register_type::<ClothFrozen>()
+            .register_type::<ClothForces>()
+            .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
             .register_type::<ColliderImpulse>()
+            .register_type::<ClothState>()
+            .register_type::<ColliderState>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothWind>()
@@ -141,7 +154,9 @@ impl Plugin for ClothPlugin {
             .add_observer(tear_down)
             .add_observer(ask_for_teleport)
             .add_observer(ask_for_reset)
+            .add_observer(ask_for_push)
             .add_observer(forget_collider)
+            .add_observer(restore_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
             .add_observer(cancel_hanging);
@@ -163,7 +178,17 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
+                    (
+                        set_up_cloths,
+                        apply_changes,
+                        restore_cloths,
+                        apply_pins,
+                        hang_cloths,
+                        apply_grabs,
+                        tell_ready,
+                    )
+                        .chain()
+                        .in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
@@ -185,7 +210,7 @@ impl Plugin for ClothPlugin {
                     )
                         .chain()
                         .in_set(Solve),
-                    (sum_impulses, finish_tick).chain().in_set(Finish),
+                    (sum_impulses, finish_tick, forget_states).chain().in_set(Finish),
                 ),
             );
 
@@ -220,7 +245,17 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (set_up_cloths, apply_changes, apply_pins, hang_cloths).chain().in_set(Setup),
+                (
+                    set_up_cloths,
+                    apply_changes,
+                    restore_cloths,
+                    apply_pins,
+                    hang_cloths,
+                    apply_grabs,
+                    tell_ready,
+                )
+                    .chain()
+                    .in_set(Setup),
                 draw_cloths.in_set(Draw),
             ),
         );

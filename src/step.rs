@@ -2,13 +2,14 @@
 
 use crate::{
     cloth::{
-        ClothGravity, ClothGravityOverride, ClothSimulation,
+        ClothDiverged, ClothGravity, ClothGravityOverride, ClothSimulation,
         attachment::{Attachments, note_pins},
         setup::solver_error,
     },
     collider::{ColliderRoom, ColliderSnapshot, Found, Moves, note_colliders},
+    diagnostics,
     error::{Blame, ClothError, Failures},
-    plugin::ClothSubstep,
+    plugin::{ClothSubstep, ClothSubstepSystems},
     sdf::DistanceField,
     solver::{ClothSolver, Collider, SolverError, StepInput, Zone},
     wind::{ClothWind, WindZones},
@@ -21,6 +22,7 @@ use bevy::{
 
 /// Which form of the substeps runs. Both give the same bits.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub enum ClothExecution {
     /// Staged if the game has added systems to [`ClothSubstep`], else fused.
@@ -211,10 +213,12 @@ pub(crate) fn solve_fused(
     }
     surroundings.with_colliders(|colliders| {
         cloths.par_iter_mut().for_each(|mut cloth| {
-            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
+            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
+                &mut *cloth;
             if step.runs {
                 *outcome = Some(following.with_colliders(colliders, |colliders| {
-                    solver.tick(&input(*step, attachments, colliders, zones.get()))
+                    let input = input(*step, attachments, colliders, zones.get());
+                    diagnostics::tick(times, solver, &input)
                 }));
                 following.end_ride(solver, outcome);
             }
@@ -261,27 +265,30 @@ pub(crate) fn run_substeps(world: &mut World) {
 
 /// Stage 1: springs, bending, damping, gravity, air.
 pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
-    for_each_stepping(&mut cloths, ClothSolver::accumulate_forces);
+    let stage = ClothSubstepSystems::Forces;
+    for_each_stepping(&mut cloths, stage, ClothSolver::accumulate_forces);
 }
 
 /// Stage 2: Verlet; pins go their way.
 pub(crate) fn integrate(mut cloths: Query<&mut ClothSimulation>) {
-    for_each_stepping(&mut cloths, ClothSolver::integrate);
+    for_each_stepping(&mut cloths, ClothSubstepSystems::Integrate, ClothSolver::integrate);
 }
 
 /// Stage 3: threads or Provot's correction, tethers.
 pub(crate) fn correct(mut cloths: Query<&mut ClothSimulation>) {
-    for_each_stepping(&mut cloths, |solver, _| solver.correct());
+    for_each_stepping(&mut cloths, ClothSubstepSystems::Correct, |solver, _| solver.correct());
 }
 
 fn for_each_stepping(
     cloths: &mut Query<&mut ClothSimulation>,
+    stage: ClothSubstepSystems,
     act: impl Fn(&mut ClothSolver, &StepInput),
 ) {
     for mut cloth in cloths {
-        let ClothSimulation { solver, attachments, step, .. } = &mut *cloth;
+        let ClothSimulation { solver, attachments, step, times, .. } = &mut *cloth;
         if step.rounds > 0 {
-            act(solver, &input(*step, attachments, &[], &[]));
+            let input = input(*step, attachments, &[], &[]);
+            diagnostics::stage(times, stage, || act(solver, &input));
         }
     }
 }
@@ -290,10 +297,13 @@ fn for_each_stepping(
 pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
         for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
+            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
+                &mut *cloth;
             if step.rounds > 0 {
                 following.with_colliders(colliders, |colliders| {
-                    solver.collide(&input(*step, attachments, colliders, &[]));
+                    let input = input(*step, attachments, colliders, &[]);
+                    let stage = ClothSubstepSystems::Collide;
+                    diagnostics::stage(times, stage, || solver.collide(&input));
                 });
                 step.rounds -= 1;
                 if step.rounds == 0 {
@@ -309,6 +319,8 @@ pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings:
 pub(crate) fn finish_tick(
     mut cloths: Query<(Entity, &mut ClothSimulation)>,
     mut failures: Failures,
+    // After the failures, so that these are there when it is told.
+    mut commands: Commands,
 ) {
     for (entity, mut cloth) in &mut cloths {
         match cloth.outcome.take() {
@@ -327,6 +339,9 @@ pub(crate) fn finish_tick(
                 // Its pins may be led away meanwhile.
                 cloth.attachments.take_hold_anew();
                 failures.report(entity, solver_error(entity, problem));
+                if cloth.quarantined {
+                    commands.trigger(ClothDiverged { entity, problem });
+                }
             }
             None => {}
         }

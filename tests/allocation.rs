@@ -9,8 +9,8 @@ use std::sync::Arc;
 use bevy::math::{Quat, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
     Air, Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Gusts, Lattice,
-    MassLumping, Material, PinMotion, Pose, RigidMotion, Settings, SoftPin, StepInput, Substeps,
-    Topology, Wind, WindFlow, WindShape, Zone,
+    MassLumping, Material, PinMotion, Pose, PushOn, PushWith, RigidMotion, Settings, SoftPin,
+    StepInput, Substeps, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 thread_local! {
@@ -133,6 +133,12 @@ fn a_tick_and_its_stages_do_not_allocate() {
             let other =
                 StepInput { dt: 1.0 / 50.0, gravity: Vec3::X, wind: Wind::default(), ..input };
             assert_eq!(allocations(|| solver.tick(&other)), 0, "{form:?} {bending:?}, other tick");
+            let force = PushWith::Force(Vec3::X);
+            solver.push(PushOn::All, force).unwrap();
+            assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, pushed");
+            // Once there is room.
+            assert_eq!(allocations(|| solver.push(PushOn::Particle(7), force)), 0);
+            assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, pushed");
             let ride = RigidMotion { pivot: Vec3::X, rotation: Quat::IDENTITY, shift: Vec3::Y };
             assert_eq!(allocations(|| solver.ride(&ride)), 0);
             assert_eq!(allocations(|| solver.carry(&Pose::IDENTITY, &from)), 0);

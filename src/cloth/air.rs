@@ -27,6 +27,7 @@ use bevy::prelude::*;
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothAir {
     /// Density of what the cloth moves through [kg/m3]. Higher pushes harder. Air at the sea is 1.225,

@@ -13,11 +13,16 @@ use crate::{
     error::{Blame, ClothError, Failures},
     solver::{ParameterError, PinMotion, Pose, SoftPin},
 };
-use bevy::prelude::*;
+use bevy::{
+    ecs::entity::{EntityMapper, MapEntities},
+    prelude::*,
+};
 
 /// Something that holds particles, or the cloth's own entity.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Anchor {
+    #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity"))]
     pub entity: Entity,
     pub pose: MovingPose,
     /// Its poses at this tick's start and end.
@@ -55,7 +60,8 @@ impl Anchor {
 }
 
 /// One particle that is held.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Attached {
     pub particle: u32,
     /// Index of its [`Anchor`].
@@ -67,16 +73,19 @@ pub(crate) struct Attached {
 }
 
 /// A particle on a spring.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Pulled {
     pub at: Attached,
     spring: SoftPin,
 }
 
 /// All that is held of a cloth.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Attachments {
     /// The cloth's entity, which holds what has no other anchor.
+    #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub own_entity: Option<Entity>,
     /// The cloth's entity, if it has a pose, then the others.
     pub anchors: Vec<Anchor>,
@@ -85,9 +94,21 @@ pub(crate) struct Attachments {
     /// In the order of its soft pins.
     pulled: Vec<Pulled>,
     /// An anchor whose pose cannot be used at present: its pin holds nothing until it can.
+    #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     awaited: Option<Entity>,
     /// The motion of each through the tick, hard pins first.
+    #[cfg_attr(feature = "serialize", serde(skip))]
     pub motions: Vec<PinMotion>,
+}
+
+impl MapEntities for Attachments {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.own_entity.map_entities(mapper);
+        self.awaited.map_entities(mapper);
+        for anchor in &mut self.anchors {
+            anchor.entity.map_entities(mapper);
+        }
+    }
 }
 
 impl Attachments {
@@ -110,6 +131,53 @@ impl Attachments {
             own.or_else(|| self.anchors.iter().position(|anchor| counts(anchor) > 0))
         };
         leads(|anchor| anchor.holds).or_else(|| leads(|anchor| anchor.pulls)).or(own)
+    }
+
+    /// The particles that are held softly, ascending.
+    pub fn pulled(&self) -> impl Iterator<Item = u32> + '_ {
+        self.pulled.iter().map(|pulled| pulled.at.particle)
+    }
+
+    /// Whether it could be that of a cloth of so many particles.
+    pub fn is_sound(&self, particles: usize) -> bool {
+        let is_sound = |at: &Attached| {
+            (at.particle as usize) < particles
+                && (at.anchor as usize) < self.anchors.len()
+                && at.local.is_finite()
+        };
+        let counts = |anchor: usize| {
+            let theirs = |at: &Attached| at.anchor as usize == anchor;
+            let holds = self.attached.iter().filter(|&at| theirs(at)).count();
+            let pulls = self.pulled.iter().filter(|pulled| theirs(&pulled.at)).count();
+            (holds as u32, pulls as u32)
+        };
+        let is_sound_anchor = |(i, anchor): (usize, &Anchor)| {
+            let &Anchor { entity: _, pose, tick: (start, end), cloth, holds, pulls, drawn } =
+                anchor;
+            pose.is_sound()
+                && [start, end, cloth].iter().all(Pose::is_valid)
+                && drawn.is_none_or(|drawn| drawn.is_valid())
+                && counts(i) == (holds, pulls)
+        };
+        self.held().all(is_sound)
+            && self.attached.is_sorted_by(|a, b| a.particle < b.particle)
+            && self.pulled.is_sorted_by(|a, b| a.at.particle < b.at.particle)
+            && self.anchors.iter().enumerate().all(is_sound_anchor)
+    }
+
+    /// The same, without what is worked out anew for each tick or frame.
+    pub fn kept(&self) -> Self {
+        let mut kept = Self { motions: Vec::new(), ..self.clone() };
+        kept.anchors.iter_mut().for_each(|anchor| anchor.drawn = None);
+        kept
+    }
+
+    /// They are those of another entity now.
+    pub fn move_to(&mut self, entity: Entity) {
+        for anchor in self.anchors.iter_mut().filter(|it| Some(it.entity) == self.own_entity) {
+            anchor.entity = entity;
+        }
+        self.own_entity = Some(entity);
     }
 
     /// All that is held, hard pins first: as the motions of a tick.
@@ -202,16 +270,38 @@ pub(crate) fn apply_pins(
 }
 
 /// Makes the solver hold exactly what is attached.
-fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
+fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
     let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
-    let springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    if let Some(grab) = &mut cloth.grab {
+        grab.take_hold(|particle| {
+            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
+            let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
+            held.is_ok() || pulled.is_ok()
+        });
+        springs.extend(grab.springs());
+    }
+    // Room for every motion now, so that no tick needs any.
+    attachments.motions.clear();
+    attachments.motions.reserve_exact(particles.len() + springs.len());
     // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
     // has no reason to refuse them.
     if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
+        if let Some(grab) = &cloth.grab {
+            for spring in grab.springs() {
+                cloth.solver.limit_soft_pin(spring.particle, grab.most_force());
+            }
+        }
         cloth.rest.disturb();
         cloth.attachments = attachments;
         cloth.stale = true;
     }
+}
+
+/// Holds what is attached, and what is grabbed now.
+pub(super) fn hold_anew(cloth: &mut ClothSimulation) {
+    let attachments = core::mem::take(&mut cloth.attachments);
+    hold(cloth, attachments);
 }
 
 /// What the pins hold now, and the first pin that holds nothing.
@@ -253,8 +343,6 @@ fn attach(
             out.add(at, pins[pin].hold, shares[pin]);
         }
     }
-    // Room for every motion now, so that no tick needs any.
-    out.motions.reserve_exact(out.attached.len() + out.pulled.len());
     (out, problem)
 }
 
@@ -495,12 +583,21 @@ pub(crate) fn gather_motions(cloth: &mut ClothSimulation) {
         pin.fresh = false;
         motions.push(PinMotion { start, end: seen(to_world(&end, pin.local)) });
     }
+    let mut grabbed = cloth.grab.iter().flat_map(|grab| grab.ways()).peekable();
+    let grabbed_motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
     for Pulled { at, .. } in pulled {
+        while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
+            motions.push(grabbed_motion(way));
+        }
         let (start, end) = anchors[at.anchor as usize].tick;
         let end = seen(to_world(&end, at.local));
         // What pulls for the first time has not come from anywhere.
         let start = if at.fresh { end } else { to_world(&start, at.local) };
         at.fresh = false;
         motions.push(PinMotion { start, end });
+    }
+    motions.extend(grabbed.map(grabbed_motion));
+    if let Some(grab) = &mut cloth.grab {
+        grab.advance();
     }
 }

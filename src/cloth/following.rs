@@ -24,6 +24,7 @@ use core::f32::consts::{FRAC_PI_3, PI};
 /// What is moved once a frame is judged by the frame's whole way, with as much room for each of its
 /// ticks, four at most.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothTeleport {
     /// Way in a tick that is a jump \[m\]. Higher lets faster things drag their cloth; infinite is
@@ -67,6 +68,7 @@ impl ClothTeleport {
 ///
 /// The wind that it feels is that in the world, less the part of the motion that it does not feel.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothInertia {
     /// Part of the entity's shifts that is felt, from 0 to 1 \[1\]. Higher lags behind more.
@@ -126,17 +128,17 @@ pub struct ResetCloth {
 /// What a cloth was asked to do at its next tick, and what its reference did in this one.
 #[derive(Default)]
 pub(crate) struct Following {
-    teleport: ClothTeleport,
-    inertia: ClothInertia,
+    pub(super) teleport: ClothTeleport,
+    pub(super) inertia: ClothInertia,
     /// A teleport is asked for.
     pub teleport_asked: bool,
     /// A reset is asked for.
     pub reset_asked: bool,
     /// It has been carried in this tick: colliders that jumped as well came along.
-    jumped: bool,
+    pub(super) jumped: bool,
     /// What it rides along with in this tick.
     pub ride: Option<RigidMotion>,
-    room: ColliderRoom,
+    pub(super) room: ColliderRoom,
 }
 
 impl Following {

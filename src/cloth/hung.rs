@@ -46,6 +46,7 @@ use bevy::{
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothHung {
     /// Where pins that have an anchor hang.
@@ -59,6 +60,7 @@ pub struct ClothHung {
 
 /// Where pins that have an anchor hang. One that has none hangs at its rest position.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum HangingPlaces {
     /// At the anchor: one particle at its origin; several that it holds are around that as they are

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 /// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the
 /// same. The default is a light cotton that gives; for others see [`ClothMaterial::FABRICS`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothMaterial {
     /// Mass per area [kg/m2]. Higher is heavier.

@@ -2,33 +2,41 @@
 
 mod air;
 pub(crate) mod attachment;
+pub(crate) mod events;
 mod fabrics;
 pub(crate) mod following;
+pub(crate) mod grab;
 mod gravity;
 pub(crate) mod grid;
 pub(crate) mod hung;
 mod material;
 mod pins;
 pub(crate) mod pose;
+pub(crate) mod push;
 mod quality;
 pub(crate) mod rest;
 mod rest_cache;
 mod settings;
 pub(crate) mod setup;
 mod simulation;
+pub(crate) mod state;
 pub(crate) mod weights;
 
 pub use air::ClothAir;
+pub use events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
 pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
+pub use grab::{ClothGrab, GrabHold, GrabProblem};
 pub use gravity::{ClothGravity, ClothGravityOverride};
 pub use grid::GridProblem;
 pub use hung::{ClothHung, HangProblem, HangingPlaces};
 pub use material::ClothMaterial;
 pub use pins::{ClothPins, Pin, PinHold, PinProblem, PinSelection};
+pub use push::{ClothForce, ClothForces, PushCloth};
 pub use quality::ClothQuality;
 pub use rest::{ClothFrozen, ClothSleep};
 pub use settings::{ClothInterpolation, ClothSettings};
 pub use simulation::ClothSimulation;
+pub use state::ClothState;
 pub use weights::{ClothWeights, ColorChannel, VertexFactor, WeightProblem};
 
 pub(crate) use rest_cache::RestCache;
@@ -62,6 +70,7 @@ use bevy::prelude::*;
 ///
 /// Changing the component starts the cloth anew.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(ClothMaterial, ClothSettings, ClothPins, ClothInterpolation, Transform, Visibility)]
 pub struct Cloth {
@@ -71,6 +80,7 @@ pub struct Cloth {
 
 /// Where the rest shape of a [`Cloth`] comes from.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub enum ClothShape {
     /// A flat rectangle in the entity's xz plane, centred on its origin.

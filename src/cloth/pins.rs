@@ -5,7 +5,7 @@ use crate::{
     mesh::RestShape,
     solver::{ParameterError, check_soft_pin},
 };
-use bevy::prelude::*;
+use bevy::{ecs::entity::MapEntities, prelude::*};
 
 /// The particles of a cloth that are held. May be changed at any time.
 ///
@@ -16,20 +16,25 @@ use bevy::prelude::*;
 ///
 /// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once,
 /// as a [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.
-#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, MapEntities, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothPins {
     /// The pins. Where several hold a particle, the last one does.
+    #[entities]
     pub pins: Vec<Pin>,
 }
 
 /// Some particles of a cloth, held by one thing.
-#[derive(Reflect, Clone, Debug, PartialEq)]
+#[derive(Reflect, MapEntities, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct Pin {
     /// The particles.
     pub selection: PinSelection,
     /// What holds them; `None` is the cloth's own entity.
+    #[entities]
+    #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub anchor: Option<Entity>,
     /// How they are held.
     pub hold: PinHold,
@@ -37,6 +42,7 @@ pub struct Pin {
 
 /// How a [`Pin`] holds its particles.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum PinHold {
     /// Particles are where the anchor says, and are drawn where it is drawn.
@@ -58,6 +64,7 @@ pub enum PinHold {
 
 /// A choice of particles.
 #[derive(Reflect, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub enum PinSelection {
     /// These vertices of the mesh; of a sheet, `row * columns + column`.

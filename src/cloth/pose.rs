@@ -8,7 +8,8 @@ use crate::solver::Pose;
 use bevy::prelude::*;
 
 /// A pose that moves from tick to tick.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct MovingPose {
     /// At the last tick's end.
     last: Pose,
@@ -39,6 +40,12 @@ impl MovingPose {
     /// Spreads nothing over this frame's ticks: the next one takes the whole way.
     pub fn at_once(&mut self) {
         self.ticks = 0;
+    }
+
+    /// Whether it could be that of anything.
+    pub fn is_sound(&self) -> bool {
+        let Self { last, noted, from, ticks: _, done } = self;
+        [last, noted, from].into_iter().all(Pose::is_valid) && *done <= u32::MAX / 2
     }
 
     /// The pose at the last tick's end.

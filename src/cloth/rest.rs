@@ -1,6 +1,8 @@
 //! Which cloths take a tick: not those that are frozen, that sleep, or that have diverged.
 
-use super::{ClothSimulation, attachment::gather_motions};
+use super::{
+    ClothForces, ClothSimulation, ClothSlept, ClothWoke, attachment::gather_motions, push,
+};
 use crate::{
     collider::Disturbances,
     error::{Blame, ClothError, Failures},
@@ -12,12 +14,13 @@ use bevy::prelude::*;
 /// without this component has the default.
 ///
 /// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
-/// that move, appear, change or vanish near it, teleports, resets, and
+/// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`]. In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
 /// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
 /// the end of a swing is not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothSleep {
     /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
@@ -65,6 +68,7 @@ impl ClothSleep {
 /// # bevy::ecs::system::assert_is_system(step_once);
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothFrozen {
     /// Ticks that the cloth is to take all the same; each takes one off.
@@ -72,7 +76,8 @@ pub struct ClothFrozen {
 }
 
 /// Whether a cloth has anything to do.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rest {
     sleep: ClothSleep,
     /// How long all particles have been near where they were marked \[s\].
@@ -108,6 +113,12 @@ impl Rest {
         }
     }
 
+    /// Whether it could be that of any cloth.
+    pub fn is_sound(&self) -> bool {
+        let time = (0.0..f32::INFINITY).contains(&self.still);
+        time && self.sleep.validate().is_ok() && self.gravity.is_none_or(Vec3::is_finite)
+    }
+
     fn set_sleep(&mut self, sleep: Option<&ClothSleep>) -> Result<(), ParameterError> {
         let sleep = sleep.copied().unwrap_or_default();
         sleep.validate()?;
@@ -136,11 +147,13 @@ pub(crate) fn choose_steps(
         &mut ClothSimulation,
         Option<&ClothSleep>,
         Option<&mut ClothFrozen>,
+        Option<&ClothForces>,
     )>,
     disturbances: Res<Disturbances>,
+    mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, mut cloth, sleep, frozen) in &mut cloths {
+    for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;
         match cloth.rest.set_sleep(sleep) {
             Ok(()) => failures.clear(entity, Blame::Sleep),
@@ -152,7 +165,14 @@ pub(crate) fn choose_steps(
         if disturbances.reach(cloth.solver.bounds(), cloth.material.thickness) {
             cloth.rest.disturb();
         }
+        push::disturb(cloth, forces);
+        let slept = cloth.rest.asleep;
         cloth.rest.choose(cloth.step.gravity);
+        match (slept, cloth.rest.asleep) {
+            (false, true) => commands.trigger(ClothSlept { entity }),
+            (true, false) => commands.trigger(ClothWoke { entity }),
+            _ => {}
+        }
         if let Some(hanging) = &mut cloth.hanging {
             hanging.begin();
         }
@@ -169,9 +189,11 @@ pub(crate) fn choose_steps(
             cloth.step.gravity = cloth.following.seen(cloth.step.gravity);
             cloth.step.wind.velocity = cloth.following.seen(cloth.step.wind.velocity);
             gather_motions(cloth);
+            push::push(entity, cloth, &mut failures);
         } else if cloth.rest.stepped {
             cloth.solver.stand_still();
         }
+        push::forget(cloth);
         cloth.step.runs = steps;
         cloth.rest.stepped = steps;
     }

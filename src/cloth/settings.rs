@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 /// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothSettings {
     /// Substeps in a tick. More are more accurate, carry stiffer springs, and cost in proportion.
@@ -75,6 +76,7 @@ impl From<ClothSettings> for Settings {
 
 /// What is drawn of a cloth between two ticks.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum ClothInterpolation {
     /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended

@@ -6,6 +6,7 @@ use super::{
     attachment::Attachments,
     following::Following,
     pose::{PoseError, pose_now, to_world},
+    push::Pushing,
     rest::Rest,
 };
 use crate::{
@@ -41,8 +42,10 @@ pub(crate) fn set_up_cloths(
     meshes.note_changes(!failures.are_none());
     for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
         let source = mesh::source_of(mesh3d.as_deref(), own);
-        if let Some(running) = simulation
-            && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+        let same =
+            |running: &&ClothSimulation| !needs_setup(running, &cloth, mesh3d.as_deref(), own);
+        let same = simulation.filter(same);
+        if let Some(running) = same
             && !moved_before_its_first_tick(running, &transforms, entity)
         {
             // Another shape may have been refused since.
@@ -73,7 +76,9 @@ pub(crate) fn set_up_cloths(
         match made {
             // Still loading.
             Ok(None) => {}
-            Ok(Some(made)) => {
+            Ok(Some(mut made)) => {
+                // Only elsewhere.
+                made.told_ready = same.is_some_and(|running| running.told_ready);
                 let mut target = commands.entity(entity);
                 target.try_remove::<ClothFailure>();
                 if made.intake() != told {
@@ -152,7 +157,7 @@ fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
 }
 
 /// The rest shape as the solver has it.
-fn topology(
+pub(super) fn topology(
     entity: Entity,
     rest: &RestShape,
     scale: f32,
@@ -238,6 +243,8 @@ fn build(
         attachments: Attachments::default(),
         following: Following::default(),
         rest: Rest::default(),
+        grab: None,
+        pushing: Pushing::default(),
         hanging: None,
         shape: cloth.shape,
         material,
@@ -250,6 +257,8 @@ fn build(
         outcome: None,
         last_tick: None,
         tick_count: 0,
+        told_ready: false,
+        times: None,
         quarantined: false,
         stale: true,
     })

@@ -2,9 +2,10 @@
 
 use super::{
     ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
-    following::Following, hung::Hanging, pins::Choices, rest::Rest,
+    following::Following, grab::Grabbed, hung::Hanging, pins::Choices, push::Pushing, rest::Rest,
 };
 use crate::{
+    diagnostics::StageTimes,
     hang::RelaxReport,
     mesh::{ClothIntake, RestShape},
     solver::{
@@ -26,6 +27,9 @@ pub struct ClothSimulation {
     pub(crate) attachments: Attachments,
     pub(crate) following: Following,
     pub(crate) rest: Rest,
+    /// What is grabbed of it.
+    pub(crate) grab: Option<Box<Grabbed>>,
+    pub(crate) pushing: Pushing,
     /// Where it is to start hung from its pins.
     pub(crate) hanging: Option<Box<Hanging>>,
     /// What it was made from.
@@ -46,6 +50,10 @@ pub struct ClothSimulation {
     pub(crate) outcome: Option<Result<TickReport, SolverError>>,
     pub(crate) last_tick: Option<TickReport>,
     pub(crate) tick_count: u64,
+    /// `ClothReady` has been told.
+    pub(crate) told_ready: bool,
+    /// Where the stages' times go, if they are asked for.
+    pub(crate) times: Option<Box<StageTimes>>,
     /// It diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
     /// Something has moved since the mesh was last written.

@@ -23,6 +23,7 @@ use std::hash::{DefaultHasher, Hasher};
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothWeights {
     /// Factor of the mass that the material's density gives \[1\]. Higher is heavier.
@@ -35,6 +36,7 @@ pub struct ClothWeights {
 /// A factor for each vertex of a mesh, from 0.001 to 1000 \[1\]. A particle of several vertices has
 /// their mean.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum VertexFactor {
     /// One everywhere.
@@ -55,6 +57,7 @@ pub enum VertexFactor {
 
 /// A channel of vertex colours, as they stand in the mesh (`Mesh::ATTRIBUTE_COLOR`).
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Debug, PartialEq, Clone, Hash)]
 pub enum ColorChannel {
     /// The first.

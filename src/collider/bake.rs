@@ -28,6 +28,7 @@ pub struct BakeSdf {
 
 /// How fine a baked field is, and how far it reaches.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, Default, PartialEq, Clone)]
 pub enum SdfCells {
     /// So many cells along the longest side of the mesh. More follow it closer; memory grows with

@@ -1,6 +1,6 @@
 //! What has changed among the colliders since the last tick: where a sleeping cloth has to wake.
 
-use super::{ColliderSnapshot, SdfCollider, snapshot::Gathered};
+use super::{ColliderSnapshot, ColliderState, SdfCollider, snapshot::Gathered};
 use crate::{sdf::DistanceField, solver::Pose};
 use bevy::{
     ecs::message::MessageCursor,
@@ -65,6 +65,7 @@ impl Disturbances {
 pub(crate) fn note_disturbances(
     snapshot: Res<ColliderSnapshot>,
     changed: Query<Entity, Changed<SdfCollider>>,
+    restored: Query<(), With<ColliderState>>,
     fields: Option<Res<Assets<DistanceField>>>,
     events: Option<Res<Messages<AssetEvent<DistanceField>>>>,
     mut cursor: Local<MessageCursor<AssetEvent<DistanceField>>>,
@@ -94,9 +95,12 @@ pub(crate) fn note_disturbances(
             noted.note(lost);
         }
         let was = gone.next_if(|was| was.entity == now.entity);
-        let stays = was.is_some_and(|was| was.is_like(now)) && now.start == now.end;
+        // What is put back into a scene was there all along.
+        let restored = restored.contains(now.entity);
+        let stays = now.start == now.end && (restored || was.is_some_and(|was| was.is_like(now)));
         // A field may be another without other bounds; those are few, and seldom.
-        if !stays || changed.contains(now.entity) || fields_changed {
+        let changed = changed.contains(now.entity) && !restored;
+        if !stays || changed || fields_changed {
             noted.note(now);
             if let Some(was) = was {
                 noted.note(was);

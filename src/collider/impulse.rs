@@ -9,6 +9,7 @@ use bevy::prelude::*;
 ///
 /// Add it to a collider to have it measured. A cloth that did not run in the tick gave nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ColliderImpulse(pub Vec3);
 

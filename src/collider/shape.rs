@@ -8,29 +8,48 @@ use bevy::{
 use std::sync::Arc;
 
 /// The solid of an [`SdfCollider`](super::SdfCollider), in its entity's frame.
+///
+/// With the feature `serialize`, fields and solids of one's own are refused by serde: the one is an asset, of
+/// which to save the path, the other code.
 #[derive(Reflect, Clone, Debug)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, Clone)]
 pub enum SdfShape {
     /// A ball.
-    Sphere(Sphere),
+    Sphere(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::SphereFields"))] Sphere,
+    ),
     /// A box.
-    Cuboid(Cuboid),
+    Cuboid(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::CuboidFields"))] Cuboid,
+    ),
     /// A capsule along y.
-    Capsule3d(Capsule3d),
+    Capsule3d(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::Capsule3dFields"))]
+        Capsule3d,
+    ),
     /// A capsule between any two points, such as the ends of a bone.
     CapsuleBetween(CapsuleBetween),
     /// The half-space below a plane.
-    InfinitePlane3d(InfinitePlane3d),
+    InfinitePlane3d(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::InfinitePlane3dFields"))]
+        InfinitePlane3d,
+    ),
     /// A cylinder along y.
-    Cylinder(Cylinder),
+    Cylinder(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::CylinderFields"))]
+        Cylinder,
+    ),
     /// A ring around y.
-    Torus(Torus),
+    Torus(#[cfg_attr(feature = "serialize", serde(with = "crate::serialize::TorusFields"))] Torus),
     /// A cone along y.
-    Cone(Cone),
+    Cone(#[cfg_attr(feature = "serialize", serde(with = "crate::serialize::ConeFields"))] Cone),
     /// A mesh, baked to a field; `asset_server.load("rock.sdf")` loads a saved one. Left out until it is
     /// there.
+    #[cfg_attr(feature = "serialize", serde(skip))]
     Field(Handle<DistanceField>),
     /// Anything else.
+    #[cfg_attr(feature = "serialize", serde(skip))]
     Custom(CustomSdf),
 }
 

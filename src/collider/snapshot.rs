@@ -27,6 +27,19 @@ pub(crate) struct ColliderPose {
     measured: bool,
 }
 
+impl ColliderPose {
+    /// Its way so far, if a tick has seen it.
+    pub(super) fn moving(&self) -> Option<&MovingPose> {
+        self.moving.as_deref()
+    }
+
+    /// It goes on from there.
+    pub(super) fn come_from(&mut self, pose: MovingPose) {
+        self.moving = Some(Box::new(pose));
+        self.still = false;
+    }
+}
+
 /// All colliders of a tick, in the order of their entities.
 #[derive(Resource, Default)]
 pub(crate) struct ColliderSnapshot {

@@ -8,7 +8,7 @@ use super::ClothSolver;
 use super::error::SolverError;
 use super::input::is_near;
 use super::lattice::Lattice;
-use super::measure::StrainReport;
+use super::measure::{StrainReport, strains};
 use super::parameters::{Material, Settings};
 use super::plan::Plan;
 use super::topology::Topology;
@@ -155,6 +155,12 @@ impl ClothSolver {
     /// Strains of the structural springs. Sorts them: for reports, not for every frame.
     pub fn strain(&self) -> StrainReport {
         StrainReport::new(&self.topology, &self.state.x)
+    }
+
+    /// Sum of their strains, and how many there are, without sorting anything.
+    pub(crate) fn strain_sum(&self) -> (f64, usize) {
+        let add = |(sum, count), strain| (sum + f64::from(strain), count + 1);
+        strains(&self.topology, &self.state.x).fold((0.0, 0), add)
     }
 
     fn slot(&self, particle: usize) -> usize {

@@ -80,6 +80,15 @@ pub enum SolverError {
     /// A motion of the whole cloth, or a pose to put it in, is not finite, or leads beyond 1e7 m.
     #[error("the pose to carry the cloth to is not finite, or beyond 1e7 m")]
     Motion,
+    /// A force, an impulse or a change of velocity is not finite, is beyond 1e7, or gives a particle more than
+    /// 1e9 m/s2 or 1e7 m/s; or the place of a push is.
+    #[error(
+        "the {what} to push with is not finite, or too large for what it pushes: keep it below 1e7, 1e9 m/s2 and 1e7 m/s"
+    )]
+    Push {
+        /// Which of its vectors.
+        what: &'static str,
+    },
     /// The pose or friction of a collider cannot be used.
     #[error(
         "collider {0} has a pose that is not finite, a rotation that is not of length one, a scale that is not positive, or a negative friction"

@@ -7,7 +7,7 @@ use super::error::SolverError;
 use super::wind::Wind;
 
 /// Coordinates and speeds beyond this are refused.
-const FARTHEST: f32 = 1e7;
+pub(super) const FARTHEST: f32 = 1e7;
 
 /// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
 /// is refused.
@@ -44,6 +44,7 @@ impl PinMotion {
 
 /// What a tick came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct TickReport {
     /// Substeps taken.
     pub substeps: u32,

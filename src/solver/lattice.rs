@@ -165,6 +165,7 @@ impl Family {
 
 /// Whether a sheet's border counts half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum MassLumping {
     /// Masses lumped by area: border particles a half, corners a quarter; structural and bend
     /// springs along the border half as strong. Converges to second order as the sheet is refined.

@@ -22,18 +22,20 @@ impl StrainReport {
     /// The strains of all structural springs of positions `x`. Sorts them: for reports, not for
     /// every frame.
     pub(super) fn new(topology: &Topology, x: &Soa) -> Self {
-        let mut strains: Vec<f32> = topology
-            .structural_springs()
-            .map(|(a, b, rest)| {
-                x.get(topology.slot(a)).distance(x.get(topology.slot(b))) / rest - 1.0
-            })
-            .collect();
+        let mut strains: Vec<f32> = strains(topology, x).collect();
         strains.sort_by(f32::total_cmp);
         let count = strains.len();
         let Some(&max) = strains.last() else { return Self::default() };
         let mean = strains.iter().map(|&s| f64::from(s)).sum::<f64>() / count as f64;
         Self { max, p99: strains[count * 99 / 100], mean: mean as f32 }
     }
+}
+
+/// Strains of all structural springs of positions `x`.
+pub(super) fn strains<'a>(topology: &'a Topology, x: &'a Soa) -> impl Iterator<Item = f32> + 'a {
+    topology
+        .structural_springs()
+        .map(|(a, b, rest)| x.get(topology.slot(a)).distance(x.get(topology.slot(b))) / rest - 1.0)
 }
 
 /// One look at the positions at a tick's end.

@@ -29,6 +29,8 @@
 //! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
 //! | `parameters` | material and settings |
 //! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
+//! | `save` | the state between ticks, taken out and put back |
+//! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
 //! | `taut` | threads under too much tension for a substep |
@@ -54,7 +56,9 @@ mod measure;
 mod motion;
 mod parameters;
 mod plan;
+mod push;
 mod rows;
+mod save;
 mod setup;
 mod soft;
 mod state;
@@ -85,6 +89,8 @@ pub use parameters::{
     Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
 pub use plan::{Clamped, Form, Plan, PlanReason};
+pub use push::{PushOn, PushWith};
+pub use save::{SolverState, StateError};
 pub use soft::SoftPin;
 pub use topology::Topology;
 pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
@@ -116,6 +122,8 @@ pub struct ClothSolver {
     isa: Isa,
     held: Held,
     soft: Vec<soft::Spring>,
+    /// Forces from outside, once there were any.
+    pushes: Option<Box<push::Pushes>>,
     bound: Bound,
     plan: Plan,
     /// The air around it, where it feels any.
@@ -173,13 +181,12 @@ impl ClothSolver {
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
         self.state.follow(self.topology.layout(), centre);
-        let load = input.gravity + self.take_wind(input, (low, high));
+        let wind = self.take_wind(input, (low, high));
+        let load = input.gravity + wind + self.load_of_pushes(input.gravity);
         if !self.tethered_under.is_some_and(|known| is_as_strong(known, load)) {
-            for set in &mut self.held.tethers {
-                set.set_limits(&self.topology, &self.material, load);
-            }
-            self.tethered_under = Some(load);
+            self.tether_under(Some(load));
         }
+        self.begin_pushes();
         let eases = self.held.tethers.iter().map(|set| set.ease(input.pins));
         self.tether_ease = eases.fold(1.0, f32::max);
         self.state.start.copy_from(&self.state.x);
@@ -223,6 +230,9 @@ impl ClothSolver {
             rows,
             a,
         });
+        if let Some(pushes) = &self.pushes {
+            pushes.add(self.isa, layout, &self.held.inverse_mass, &mut self.scratch.a);
+        }
         if plan.damping > 0.0 {
             self.add_damping();
         }
@@ -490,6 +500,7 @@ impl ClothSolver {
     /// # Errors
     /// [`SolverError::Diverged`] where anything is not finite.
     pub fn end_tick(&mut self) -> Result<TickReport, SolverError> {
+        self.end_pushes();
         let survey = self.take_survey();
         let origin = self.state.origin;
         if !survey.finite || !is_near(origin + survey.max) || !is_near(origin + survey.min) {
@@ -538,6 +549,7 @@ impl ClothSolver {
             || plan.hinge_rigidity > 0.0
             || plan.damping > 0.0
             || self.air.is_some()
+            || self.is_pushed()
             || self.settings.integrator != Integrator::Verlet
     }
 
@@ -557,6 +569,9 @@ impl ClothSolver {
         let Scratch { a, graph: Some(room), .. } = &mut self.scratch else { return };
         let (isa, plan) = (self.isa, &self.plan);
         room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
+        if let Some(pushes) = &self.pushes {
+            pushes.add(isa, graph.layout, &self.held.inverse_mass, a);
+        }
         if plan.damping > 0.0 {
             let form = self.material.damping_form;
             room.add_damping(isa, graph, strengths, form, half, &self.state, a);

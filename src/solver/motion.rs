@@ -13,6 +13,7 @@ use super::lattice::Layout;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigidMotion {
     /// The point that is only shifted, in world space \[m\].
     pub pivot: Vec3,

@@ -30,6 +30,7 @@ pub struct Material {
 
 /// Which part of the relative velocity of a spring's ends its damping acts on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum DampingForm {
     /// The part along the spring. Leaves rigid rotation alone.
     #[default]
@@ -40,6 +41,7 @@ pub enum DampingForm {
 
 /// How bending is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Bending {
     /// Second differences of the positions: linear, converges to the elastica.
     #[default]
@@ -51,6 +53,7 @@ pub enum Bending {
 
 /// How velocities and positions follow from accelerations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Integrator {
     /// Verlet's method (1967) in its leapfrog form: of second order, and keeps the energy of what swings.
     #[default]
@@ -65,6 +68,7 @@ pub enum Integrator {
 
 /// How threads are held together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum FormChoice {
     /// Springs where the substeps allow the stiffness asked for, and where that carries the cloth's own
     /// weight within its limit of strain; else threads.
@@ -78,6 +82,7 @@ pub enum FormChoice {
 
 /// How many substeps a tick takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Substeps {
     /// As many as the material needs, at most `budget` in 1/60 s.
     Automatic {

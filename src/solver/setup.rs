@@ -60,6 +60,7 @@ impl ClothSolver {
             surveyed_before: false,
             mark: Mark::new(topology.layout()),
             soft: Vec::new(),
+            pushes: None,
             topology,
             material,
             settings,
@@ -92,6 +93,7 @@ impl ClothSolver {
         solver.set_pins(self.pins())?;
         let soft: Vec<_> = self.soft_pins().copied().collect();
         solver.set_soft_pins(&soft)?;
+        solver.limit_soft_pins_as(self);
         solver.set_air(self.air().copied())?;
         solver.plan_ticks(self.plan.tick);
         solver.survey_anew();
@@ -184,6 +186,16 @@ impl ClothSolver {
         self.make_room_for_study();
         self.plan_ticks(self.plan.tick);
         self.tethered_under = None;
+    }
+
+    /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.
+    pub(super) fn tether_under(&mut self, load: Option<Vec3>) {
+        if let Some(load) = load {
+            for set in &mut self.held.tethers {
+                set.set_limits(&self.topology, &self.material, load);
+            }
+        }
+        self.tethered_under = load;
     }
 
     /// Makes the plan for ticks of another length \[s\].

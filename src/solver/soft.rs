@@ -14,6 +14,7 @@ use super::parameters::ParameterError;
 
 /// A particle on a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct SoftPin {
     /// The particle.
     pub particle: u32,
@@ -52,6 +53,10 @@ pub(crate) fn check_soft_pin(stiffness: f32, damping: f32) -> Result<(), Paramet
 pub(super) struct Spring {
     pub pin: SoftPin,
     slot: usize,
+    /// Force that it does not exceed \[N\].
+    most_force: f32,
+    /// It pulls as hard as it may in this substep: what is pulled further feels no more of it.
+    slack: bool,
     /// The particle's own inverse mass, while corrections see another \[1/kg\].
     inverse_mass: f32,
 }
@@ -76,12 +81,27 @@ impl ClothSolver {
             .iter()
             .map(|&pin| {
                 let slot = topology.slot(pin.particle as usize);
-                Spring { pin, slot, inverse_mass: 0.0 }
+                Spring { pin, slot, most_force: f32::INFINITY, slack: false, inverse_mass: 0.0 }
             })
             .collect();
         self.soft.sort_by_key(|spring| spring.pin.particle);
         self.soft.dedup_by_key(|spring| spring.pin.particle);
         Ok(())
+    }
+
+    /// Lets a soft pin pull with no more than so much force \[N\], spring and damper together, until soft
+    /// pins are set anew. Of no effect on what is no soft pin, or where it is NaN.
+    pub fn limit_soft_pin(&mut self, particle: u32, most_force: f32) {
+        if let Ok(at) = self.soft.binary_search_by_key(&particle, |spring| spring.pin.particle) {
+            self.soft[at].most_force = most_force.max(0.0);
+        }
+    }
+
+    /// Limits soft pins as those of another solver, which has the same.
+    pub(super) fn limit_soft_pins_as(&mut self, other: &Self) {
+        for (spring, other) in self.soft.iter_mut().zip(&other.soft) {
+            spring.most_force = other.most_force;
+        }
     }
 
     /// The particles held by springs, ascending.
@@ -96,7 +116,7 @@ impl ClothSolver {
         let longest = self.settings.max_speed * h;
         let (state, held) = (&mut self.state, &self.held);
         let motions = &input.pins[held.slots.len().min(input.pins.len())..];
-        for (spring, motion) in self.soft.iter().zip(motions) {
+        for (spring, motion) in self.soft.iter_mut().zip(motions) {
             let w = held.inverse_mass[spring.slot];
             if w == 0.0 {
                 continue;
@@ -108,7 +128,10 @@ impl ClothSolver {
             let (alpha, beta) = spring.gains(w * state.response, h);
             let d = state.d.get(spring.slot);
             let pulled = d + (target - state.x.get(spring.slot)) * alpha + moved * beta;
-            let d = pulled / (1.0 + alpha + beta);
+            let pull = pulled / (1.0 + alpha + beta) - d;
+            let most = spring.most_force * w * state.response;
+            spring.slack = pull.dot(pull) > most * most;
+            let d = d + shortened(pull, most);
             state.d.set(spring.slot, shortened(d, longest));
         }
     }
@@ -120,7 +143,7 @@ impl ClothSolver {
         for spring in &mut self.soft {
             let w = held.inverse_mass[spring.slot];
             let (alpha, beta) = spring.gains(w * self.state.response, h);
-            let heavier = w / (1.0 + alpha + beta);
+            let heavier = if spring.slack { w } else { w / (1.0 + alpha + beta) };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
         }
     }
@@ -134,6 +157,11 @@ impl ClothSolver {
 }
 
 impl Spring {
+    /// Force that it does not exceed \[N\].
+    pub fn most_force(&self) -> f32 {
+        self.most_force
+    }
+
     /// Displacement that the spring makes by each metre of its length, and the damper by each metre of
     /// relative displacement, for a displacement `response` made by a newton \[m/N\].
     fn gains(&self, response: f32, h: f32) -> (f32, f32) {

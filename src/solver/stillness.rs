@@ -11,8 +11,8 @@ use super::lattice::Layout;
 /// Where particles were.
 #[derive(Clone, Debug)]
 pub(super) struct Mark {
-    origin: Vec3,
-    x: Soa,
+    pub origin: Vec3,
+    pub x: Soa,
 }
 
 impl Mark {

@@ -23,6 +23,7 @@ use bevy::prelude::*;
 /// # App::new().insert_resource(weather);
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ClothWind {
     /// Velocity of the steady wind [m/s]. Longer blows harder.
@@ -50,6 +51,7 @@ impl ClothWind {
 
 /// The wind for this cloth, in place of [`ClothWind`]. Zones add to it all the same.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothWindOverride(pub ClothWind);
 

@@ -28,6 +28,7 @@ use bevy::prelude::*;
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(Transform)]
 pub struct WindZone {

@@ -43,7 +43,7 @@ fn forbid_ambiguities(app: &mut App, label: impl ScheduleLabel) {
 
 #[test]
 fn no_order_is_left_to_chance() {
-    let mut app = app_with((ClothPlugin::default(), VisibilityPlugin));
+    let mut app = app_with((ClothPlugin::default(), VisibilityPlugin, ClothDiagnosticsPlugin));
     forbid_ambiguities(&mut app, FixedPostUpdate);
     forbid_ambiguities(&mut app, PostUpdate);
     forbid_ambiguities(&mut app, RunFixedMainLoop);
@@ -102,6 +102,8 @@ fn components_are_registered() {
         "ClothInertia",
         "ClothSleep",
         "ClothFrozen",
+        "ClothForces",
+        "ClothGrab",
         "SdfCollider",
         "BakeSdf",
     ] {

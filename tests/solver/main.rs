@@ -19,6 +19,7 @@ mod limit;
 mod loads;
 mod momentum;
 mod motion;
+mod push;
 mod refusals;
 mod seams;
 mod soft;

@@ -24,6 +24,7 @@ fn capsule(radius: f32, half_length: f32, x: f32, y: f32, z: f32) -> Kernel {
 
 /// A capsule between any two points of its frame, such as the ends of a bone.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct CapsuleBetween {
     /// Centre of one round end \[m\].
     pub from: Vec3,

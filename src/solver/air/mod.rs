@@ -31,6 +31,7 @@ use triangles::Triangles;
 
 /// What the air does to a cloth. `ClothAir` says what each number means to a user.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Air {
     /// Density of the air \[kg/m3\].
     pub density: f32,

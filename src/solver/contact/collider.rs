@@ -6,6 +6,7 @@ use crate::sdf::{KnownShape, SignedDistance};
 
 /// Where a collider is: uniform scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose {
     /// Place of the shape's origin \[m\].
     pub translation: Vec3,

@@ -42,6 +42,7 @@ pub struct Wind<'a> {
 /// assert!(wind.at(Vec3::ZERO).x >= 2.0 && wind.at(Vec3::ZERO).x <= 8.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gusts {
     /// Most that a gust adds to each coordinate of the wind, or takes off it \[m/s\]. Higher is wilder, 0 is
     /// none. Over time a gust's root mean square is some 0.3 of it.

@@ -16,13 +16,18 @@ const LEAST_DISTANCE: f32 = 1e-6;
 
 /// Where the wind of a zone blows.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum WindShape {
     /// In a box.
-    Cuboid(Cuboid),
+    Cuboid(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::CuboidFields"))] Cuboid,
+    ),
     /// In a ball.
-    Sphere(Sphere),
+    Sphere(
+        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::SphereFields"))] Sphere,
+    ),
     /// In a cone along y, its tip at half its height above the middle.
-    Cone(Cone),
+    Cone(#[cfg_attr(feature = "serialize", serde(with = "crate::serialize::ConeFields"))] Cone),
 }
 
 macro_rules! from_shapes {
@@ -89,6 +94,7 @@ fn usable(size: f32) -> bool {
 
 /// Which way the wind of a zone blows, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum WindFlow {
     /// The same everywhere, a velocity \[m/s\] in the zone's own frame: it turns with the zone.
     Directional(Vec3),

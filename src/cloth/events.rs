@@ -1,0 +1,68 @@
+//! What becomes of a cloth, told on its entity: for observers.
+
+use super::ClothSimulation;
+use crate::solver::SolverError;
+use bevy::prelude::*;
+
+/// A cloth is set up, in the shape in which it starts, and will take the next tick: its
+/// [`ClothSimulation`] is there. One with [`ClothHung`](super::ClothHung) is so when it hangs at rest.
+///
+/// Told once; and once more where the cloth starts anew, as its [`Cloth`](super::Cloth) or its mesh was
+/// changed, or its [`ClothSimulation`] was taken away.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn(Cloth::sheet(Vec2::ONE, UVec2::splat(32))).observe(
+///     |ready: On<ClothReady>, cloths: Query<&ClothSimulation>| {
+///         if let Ok(cloth) = cloths.get(ready.entity) {
+///             println!("{} particles", cloth.particle_count());
+///         }
+///     },
+/// );
+/// # }
+/// ```
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClothReady {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth has come to rest and sleeps, see [`ClothSleep`](super::ClothSleep). Told in the first tick that
+/// it does not take.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClothSlept {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth that slept is awake. Told in the tick that it takes again, before it is solved.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClothWoke {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth came to positions that are not finite: it is back where the tick began, and is held there until
+/// it is reset or has another material, settings or air. Told once each time.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct ClothDiverged {
+    /// The cloth.
+    pub entity: Entity,
+    /// What the solver says.
+    pub problem: SolverError,
+}
+
+/// Tells of cloths that are ready now.
+pub(crate) fn tell_ready(
+    mut cloths: Query<(Entity, &mut ClothSimulation)>,
+    mut commands: Commands,
+) {
+    for (entity, mut cloth) in &mut cloths {
+        if !cloth.told_ready && !cloth.is_hanging() {
+            cloth.told_ready = true;
+            commands.trigger(ClothReady { entity });
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Measurements for Bevy's diagnostics, taken only where [`ClothDiagnosticsPlugin`] is.
+//!
+//! The solver has no clock. Where times are asked for, the stages of a tick are called one by one from
+//! here, in the order in which the solver itself calls them.
+
+use crate::{
+    cloth::ClothSimulation,
+    plugin::{ClothPlugin, ClothSubstepSystems, ClothSystems},
+    solver::{ClothSolver, SolverError, StepInput, TickReport},
+    step::in_fixed_step,
+};
+use bevy::{
+    diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic},
+    platform::time::Instant,
+    prelude::*,
+};
+use core::time::Duration;
+
+/// Measures cloths, for Bevy's `DiagnosticsStore`: the milliseconds of a tick and of its stages, substeps,
+/// strain, contacts, who is awake. Without it nothing is measured.
+///
+/// Add it beside [`ClothPlugin`]; Bevy's `LogDiagnosticsPlugin` prints what it finds.
+///
+/// ```
+/// # use bevy::{diagnostic::DiagnosticsStore, prelude::*};
+/// # use bevy_drape::prelude::*;
+/// # let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, ClothPlugin::default(), ClothDiagnosticsPlugin));
+///
+/// fn show(store: Res<DiagnosticsStore>) {
+///     let solve = store.get(&ClothDiagnosticsPlugin::SOLVE).and_then(|it| it.smoothed());
+///     if let Some(milliseconds) = solve {
+///         println!("cloths take {milliseconds:.2} ms a tick");
+///     }
+/// }
+/// # app.add_systems(Update, show);
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ClothDiagnosticsPlugin;
+
+impl ClothDiagnosticsPlugin {
+    /// A whole tick, from setting up to the telling of errors \[ms\]. Like all times but those of the
+    /// solver's stages it is that on the clock, with whatever else runs meanwhile.
+    pub const TICK: DiagnosticPath = DiagnosticPath::const_new("cloth/tick");
+    /// Poses, gravity and wind of a tick \[ms\].
+    pub const GATHER: DiagnosticPath = DiagnosticPath::const_new("cloth/gather");
+    /// The substeps of a tick \[ms\]: on the clock, cloths side by side.
+    pub const SOLVE: DiagnosticPath = DiagnosticPath::const_new("cloth/solve");
+    /// Writing the meshes of a frame \[ms\].
+    pub const DRAW: DiagnosticPath = DiagnosticPath::const_new("cloth/draw");
+    /// Part of the solving: springs, bending, damping, air \[ms\]. Like the next three it is the sum over
+    /// all cloths, also of those that are solved side by side.
+    pub const FORCES: DiagnosticPath = DiagnosticPath::const_new("cloth/solve/forces");
+    /// Part of the solving: integration and pins \[ms\].
+    pub const INTEGRATE: DiagnosticPath = DiagnosticPath::const_new("cloth/solve/integrate");
+    /// Part of the solving: threads, the strain limit, tethers \[ms\].
+    pub const CORRECT: DiagnosticPath = DiagnosticPath::const_new("cloth/solve/correct");
+    /// Part of the solving: contact and friction \[ms\].
+    pub const COLLIDE: DiagnosticPath = DiagnosticPath::const_new("cloth/solve/collide");
+    /// Substeps of the cloth that took most in the tick.
+    pub const SUBSTEPS: DiagnosticPath = DiagnosticPath::const_new("cloth/substeps");
+    /// Largest strain of any thread of the cloths that took the tick.
+    pub const STRAIN_MAX: DiagnosticPath = DiagnosticPath::const_new("cloth/strain_max");
+    /// Mean strain of all their threads.
+    pub const STRAIN_MEAN: DiagnosticPath = DiagnosticPath::const_new("cloth/strain_mean");
+    /// Contacts in their last substeps, all together.
+    pub const CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/contacts");
+    /// Cloths that took the tick.
+    pub const AWAKE: DiagnosticPath = DiagnosticPath::const_new("cloth/awake");
+    /// Cloths that sleep.
+    pub const ASLEEP: DiagnosticPath = DiagnosticPath::const_new("cloth/asleep");
+
+    /// The stages of a substep, in the order of [`ClothSubstepSystems`].
+    const STAGES: [DiagnosticPath; 4] =
+        [Self::FORCES, Self::INTEGRATE, Self::CORRECT, Self::COLLIDE];
+    /// All that is in milliseconds.
+    const TIMES: [DiagnosticPath; 4] = [Self::TICK, Self::GATHER, Self::SOLVE, Self::DRAW];
+    /// All that is counted or compared.
+    const NUMBERS: [DiagnosticPath; 6] = [
+        Self::SUBSTEPS,
+        Self::STRAIN_MAX,
+        Self::STRAIN_MEAN,
+        Self::CONTACTS,
+        Self::AWAKE,
+        Self::ASLEEP,
+    ];
+}
+
+impl Plugin for ClothDiagnosticsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Marks>();
+        for path in Self::TIMES.into_iter().chain(Self::STAGES) {
+            app.register_diagnostic(Diagnostic::new(path).with_suffix("ms"));
+        }
+        for path in Self::NUMBERS {
+            app.register_diagnostic(Diagnostic::new(path).with_smoothing_factor(0.0));
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        // All plugins are there by now, in whatever order they were added.
+        let Some(schedule) = app.get_added_plugins::<ClothPlugin>().first().map(|it| it.schedule())
+        else {
+            tracing::warn!("`ClothDiagnosticsPlugin` measures nothing without `ClothPlugin`");
+            return;
+        };
+        use ClothSystems::{Draw, Finish, Gather, Setup, Solve};
+        app.add_systems(
+            schedule,
+            (
+                mark_tick.before(Setup),
+                mark_gather.after(Setup).before(Gather),
+                (end_gather, mark_solve).chain().after(Gather).before(Solve),
+                end_solve.after(Solve).before(Finish),
+                (end_tick, report_cloths).chain().after(Finish),
+            )
+                .run_if(in_fixed_step),
+        )
+        .add_systems(PostUpdate, (mark_draw.after(Setup).before(Draw), end_draw.after(Draw)));
+    }
+}
+
+/// When parts of the tick began.
+#[derive(Resource, Default)]
+struct Marks {
+    tick: Option<Instant>,
+    part: Option<Instant>,
+}
+
+fn mark_tick(mut marks: ResMut<Marks>) {
+    marks.tick = Some(Instant::now());
+}
+
+fn mark_gather(mut marks: ResMut<Marks>) {
+    marks.part = Some(Instant::now());
+}
+
+fn end_gather(marks: Res<Marks>, mut out: Diagnostics) {
+    add_since(&mut out, &ClothDiagnosticsPlugin::GATHER, marks.part);
+}
+
+/// Lets every cloth take its times from zero.
+fn mark_solve(mut cloths: Query<&mut ClothSimulation>, mut marks: ResMut<Marks>) {
+    for mut cloth in &mut cloths {
+        **cloth.times.get_or_insert_default() = StageTimes::default();
+    }
+    marks.part = Some(Instant::now());
+}
+
+fn end_solve(marks: Res<Marks>, mut out: Diagnostics) {
+    add_since(&mut out, &ClothDiagnosticsPlugin::SOLVE, marks.part);
+}
+
+fn end_tick(marks: Res<Marks>, mut out: Diagnostics) {
+    add_since(&mut out, &ClothDiagnosticsPlugin::TICK, marks.tick);
+}
+
+fn mark_draw(mut marks: ResMut<Marks>) {
+    marks.part = Some(Instant::now());
+}
+
+fn end_draw(marks: Res<Marks>, mut out: Diagnostics) {
+    add_since(&mut out, &ClothDiagnosticsPlugin::DRAW, marks.part);
+}
+
+fn add_since(out: &mut Diagnostics, path: &DiagnosticPath, start: Option<Instant>) {
+    if let Some(start) = start {
+        out.add_measurement(path, || milliseconds(start.elapsed()));
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Tells what the cloths came to in the tick.
+fn report_cloths(cloths: Query<&ClothSimulation>, mut out: Diagnostics) {
+    let mut spent = StageTimes::default();
+    let (mut awake, mut asleep, mut substeps, mut contacts) = (0_u32, 0_u32, 0, 0);
+    let mut most_strain = f32::NEG_INFINITY;
+    let (mut strains, mut springs) = (0.0, 0);
+    for cloth in &cloths {
+        asleep += u32::from(cloth.is_asleep());
+        let (true, Some(tick), Some(times)) = (cloth.step.runs, cloth.last_tick, &cloth.times)
+        else {
+            continue;
+        };
+        awake += 1;
+        spent.add(times);
+        substeps = substeps.max(tick.substeps);
+        contacts += tick.contact_count;
+        most_strain = most_strain.max(tick.max_strain);
+        let (sum, count) = cloth.solver.strain_sum();
+        strains += sum;
+        springs += count;
+    }
+    for (path, time) in ClothDiagnosticsPlugin::STAGES.iter().zip(spent.0) {
+        out.add_measurement(path, || milliseconds(time));
+    }
+    out.add_measurement(&ClothDiagnosticsPlugin::AWAKE, || f64::from(awake));
+    out.add_measurement(&ClothDiagnosticsPlugin::ASLEEP, || f64::from(asleep));
+    // Of nothing there is neither.
+    if awake > 0 {
+        out.add_measurement(&ClothDiagnosticsPlugin::SUBSTEPS, || f64::from(substeps));
+        out.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || f64::from(contacts));
+        out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MAX, || f64::from(most_strain));
+        out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MEAN, || strains / springs as f64);
+    }
+}
+
+/// What the stages of a tick's substeps took, in the order of [`ClothSubstepSystems`].
+#[derive(Clone, Copy, Default)]
+pub(crate) struct StageTimes([Duration; 4]);
+
+impl StageTimes {
+    fn add(&mut self, other: &Self) {
+        for (sum, time) in self.0.iter_mut().zip(other.0) {
+            *sum += time;
+        }
+    }
+
+    /// What [`ClothSolver::tick`] does, stage by stage.
+    fn tick(
+        &mut self,
+        solver: &mut ClothSolver,
+        input: &StepInput<'_>,
+    ) -> Result<TickReport, SolverError> {
+        use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
+        let substeps = solver.begin_tick(input)?;
+        for _ in 0..substeps {
+            self.time(Forces, || solver.accumulate_forces(input));
+            self.time(Integrate, || solver.integrate(input));
+            self.time(Correct, || solver.correct());
+            self.time(Collide, || solver.collide(input));
+        }
+        solver.end_tick()
+    }
+
+    fn time(&mut self, stage: ClothSubstepSystems, act: impl FnOnce()) {
+        let start = Instant::now();
+        act();
+        self.0[stage as usize] += start.elapsed();
+    }
+}
+
+/// Takes a tick, and its times where they are asked for.
+pub(crate) fn tick(
+    times: &mut Option<Box<StageTimes>>,
+    solver: &mut ClothSolver,
+    input: &StepInput<'_>,
+) -> Result<TickReport, SolverError> {
+    match times {
+        None => solver.tick(input),
+        Some(times) => times.tick(solver, input),
+    }
+}
+
+/// Does a stage, and takes its time where that is asked for.
+pub(crate) fn stage(
+    times: &mut Option<Box<StageTimes>>,
+    stage: ClothSubstepSystems,
+    act: impl FnOnce(),
+) {
+    match times {
+        None => act(),
+        Some(times) => times.time(stage, act),
+    }
+}
