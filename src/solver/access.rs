@@ -122,6 +122,7 @@ impl ClothSolver {
         let slot = self.slot(particle);
         self.state.x.set(slot, position - self.state.origin);
         self.surveyed_before = true;
+        self.stop_carrying();
         Ok(())
     }
 
@@ -133,6 +134,7 @@ impl ClothSolver {
         self.check_particle(particle, "velocity", velocity)?;
         let slot = self.slot(particle);
         self.state.d.set(slot, velocity * self.state.unit);
+        self.stop_carrying();
         Ok(())
     }
 

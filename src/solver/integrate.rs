@@ -6,6 +6,7 @@
 
 use bevy::math::{Vec3, ops};
 
+use super::carry::Carry;
 use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa};
 use super::lattice::Layout;
@@ -31,6 +32,7 @@ pub(super) struct Integrate<'a> {
     pub longest: f32,
     pub inverse_mass: &'a [f32],
     pub d: &'a mut Soa,
+    pub carry: Carry<'a>,
 }
 
 /// What still air and acceleration do to a velocity over a time: `v' = decay v + gain a`.
@@ -63,14 +65,15 @@ impl Kernel for Integrate<'_> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
+                let carried = self.carried(slot);
                 match self.acceleration {
                     Acceleration::Uniform(a) => {
                         let gained = a * self.gain;
-                        self.advance(slot, |_| gained);
+                        self.advance(slot, &carried, |_| gained);
                     }
                     Acceleration::Each(a) => {
                         let (a, gain) = (Block3::load(a, slot), self.gain);
-                        self.advance(slot, |i| a.at(i) * gain);
+                        self.advance(slot, &carried, |i| a.at(i) * gain);
                     }
                 }
             }
@@ -79,19 +82,39 @@ impl Kernel for Integrate<'_> {
 }
 
 impl Integrate<'_> {
+    /// What goes on of the last substep's pulls.
     #[inline(always)]
-    fn advance(&mut self, slot: usize, gained: impl Fn(usize) -> Vec3) {
+    fn carried(&self, slot: usize) -> Block3 {
+        let mut carried = Block3::ZERO;
+        if let Carry::GoOn(pull, part) = &self.carry {
+            let pull = Block3::load(pull, slot);
+            for i in 0..LANES {
+                carried.set(i, pull.at(i) * *part);
+            }
+        }
+        carried
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, slot: usize, carried: &Block3, gained: impl Fn(usize) -> Vec3) {
         let longest = self.longest * self.longest;
         let w = Block::load(self.inverse_mass, slot);
         let mut d = Block3::load(self.d, slot);
         for i in 0..LANES {
-            let new = d.at(i) * self.keep + gained(i);
+            let new = d.at(i) * self.keep + gained(i) + carried.at(i);
             let square = new.dot(new);
             let scale = if square > longest { (longest / square).sqrt() } else { 1.0 };
             let scale = if w.0[i] > 0.0 { scale } else { 0.0 };
             d.set(i, new * scale);
         }
         d.store(self.d, slot);
+        if let Carry::Begin(pull) | Carry::GoOn(pull, _) = &mut self.carry {
+            let mut before = Block3::ZERO;
+            for i in 0..LANES {
+                before.set(i, carried.at(i) - d.at(i));
+            }
+            before.store(pull, slot);
+        }
     }
 }
 
@@ -100,17 +123,22 @@ pub(super) struct Displace<'a> {
     pub layout: Layout,
     pub x: &'a mut Soa,
     pub d: &'a Soa,
+    /// Pulls that have been noted from before the corrections on.
+    pub pull: Option<&'a mut Soa>,
 }
 
 impl Kernel for Displace<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(mut self) {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
                 Block3::load_sum(self.x, self.d, slot).store(self.x, slot);
+                if let Some(pull) = &mut self.pull {
+                    Block3::load_sum(pull, self.d, slot).store(pull, slot);
+                }
             }
         }
     }

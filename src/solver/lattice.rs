@@ -195,6 +195,8 @@ pub struct Lattice {
     pub(crate) diagonal: Family,
     /// Rest lengths \[m\] of the shear springs from (r, c + 1) to (r + 1, c), at the slot of (r, c).
     pub(crate) antidiagonal_rest: Array,
+    /// How much more the shear springs at a particle pull together than those of square cells do.
+    pub(crate) crowd: f32,
     /// Area of cloth that a particle stands for \[m2\].
     pub(crate) area: Vec<f32>,
     /// Area of cloth that a particle weighs as much as \[m2\].
@@ -242,6 +244,7 @@ impl Lattice {
             weft,
             diagonal,
             antidiagonal_rest,
+            crowd: crowd(&grid),
             mass_area: area.clone(),
             area,
             uniform,
@@ -453,6 +456,16 @@ fn shear(layout: Layout, grid: &Grid) -> (Family, Array) {
         }
     }
     (diagonal, antidiagonal_rest)
+}
+
+/// Diagonals at an angle g pull together up to `1 + |cos g|` times as strongly as those of a square.
+fn crowd(grid: &Grid) -> f32 {
+    let cells = (0..grid.rows - 1).flat_map(|r| (0..grid.columns - 1).map(move |c| (r, c)));
+    let cosine = |(r, c): (usize, usize)| {
+        let first = (grid.at(r + 1, c + 1) - grid.at(r, c)).normalize_or_zero();
+        first.dot((grid.at(r + 1, c) - grid.at(r, c + 1)).normalize_or_zero()).abs()
+    };
+    1.0 + cells.map(cosine).fold(0.0, f32::max)
 }
 
 fn areas(layout: Layout, grid: &Grid, lumping: MassLumping) -> Vec<f32> {

@@ -22,6 +22,7 @@
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `ways` | ways along the cloth at rest, for tethers |
+//! | `carry`, `shear` | corrections carried on to the next substep; shear springs of a lattice of threads |
 //! | `taut` | threads under more tension than a substep allows for |
 //! | `state` | positions, displacements, working room |
 //! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
@@ -40,6 +41,7 @@
 mod access;
 mod air;
 mod bending;
+mod carry;
 mod constraint;
 mod contact;
 mod damping;
@@ -60,6 +62,7 @@ mod push;
 mod rows;
 mod save;
 mod setup;
+mod shear;
 mod soft;
 mod state;
 mod stillness;
@@ -99,6 +102,7 @@ pub(crate) use soft::check_soft_pin;
 
 use air::{Push, Surface};
 use bending::Bend;
+use carry::Carry;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Skin, Span, least_load};
 use damping::{AddDamping, DampedSprings, DampingTarget};
@@ -108,6 +112,7 @@ use input::is_near;
 use integrate::{Acceleration, Displace, Integrate, Kick};
 use measure::{Survey, TakeSurvey};
 use plan::Bound;
+use shear::{CorrectShear, ShearRule};
 use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, Reach, SolveWarp, SolveWeft};
@@ -189,6 +194,7 @@ impl ClothSolver {
         self.begin_pushes();
         let eases = self.held.tethers.iter().map(|set| set.ease(input.pins));
         self.tether_ease = eases.fold(1.0, f32::max);
+        self.begin_carrying();
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
@@ -321,14 +327,17 @@ impl ClothSolver {
         // From the middle of the last substep to the middle of this one.
         let kick = Kick::new(self.drag(), 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
+        let part = self.carried();
+        let State { d, pull, unit, response, .. } = &mut self.state;
         self.isa.run(Integrate {
             layout: self.topology.layout(),
             acceleration,
-            keep: kick.decay * (plan.step / self.state.unit),
-            gain: self.state.response,
+            keep: kick.decay * (plan.step / *unit),
+            gain: *response,
             longest: self.settings.max_speed * plan.step,
             inverse_mass: &self.held.inverse_mass,
-            d: &mut self.state.d,
+            d,
+            carry: Carry::new(self.scratch.carries, part, pull),
         });
         self.state.last_step = plan.step;
     }
@@ -354,6 +363,7 @@ impl ClothSolver {
             Form::Threads => {
                 self.correct_shear();
                 if self.solve_threads() {
+                    self.scratch.mended = true;
                     self.limit_strain();
                 }
                 tethered = true;
@@ -371,8 +381,24 @@ impl ClothSolver {
     fn correct_shear(&mut self) {
         let stiffness = self.plan.shear_stiffness;
         if stiffness > 0.0 {
-            let compliance = 1.0 / (stiffness * self.state.response);
-            self.correct_springs(Rule::Shear { compliance, limit: self.limit() });
+            let compliance = 1.0 / (stiffness * self.correction_response());
+            let limit = self.limit();
+            let Topology::Lattice(lattice) = &self.topology else {
+                self.correct_springs(Rule::Shear { compliance, limit });
+                return;
+            };
+            if !self.state.carries {
+                self.correct_springs(Rule::Shear { compliance, limit });
+                return;
+            }
+            self.isa.run(CorrectShear {
+                lattice,
+                inverse_mass: &self.held.inverse_mass,
+                rule: ShearRule { compliance, limit, crowd: lattice.crowd },
+                x: &self.state.x,
+                d: &mut self.state.d,
+                pulls: &mut self.scratch.row_pulls,
+            });
         }
     }
 
@@ -412,7 +438,7 @@ impl ClothSolver {
             return true;
         }
         let isa = self.isa;
-        let compliance = 1.0 / (stiffness * self.state.response);
+        let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
             return room.solve_chains(isa, graph, reach);
@@ -480,8 +506,10 @@ impl ClothSolver {
                 room: &mut self.scratch.contact,
             });
         }
-        let State { x, d, .. } = &mut self.state;
-        self.isa.run(Displace { layout: self.topology.layout(), x, d });
+        self.end_carrying();
+        let State { x, d, pull, carries, .. } = &mut self.state;
+        let pull = carries.then_some(pull);
+        self.isa.run(Displace { layout: self.topology.layout(), x, d, pull });
         if self.settings.integrator != Integrator::Verlet {
             self.end_study();
         }
@@ -507,6 +535,7 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.state.d.clear();
             self.state.last_step = 0.0;
+            self.stop_carrying();
             self.scratch.contact.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);

@@ -130,6 +130,7 @@ impl ClothSolver {
         }
         self.state.d.clear();
         self.state.last_step = 0.0;
+        self.stop_carrying();
         self.stand_still();
         Ok(())
     }
@@ -151,6 +152,7 @@ impl ClothSolver {
         }
         self.state.d.clear();
         self.state.last_step = 0.0;
+        self.stop_carrying();
         self.stand_still();
         Ok(())
     }
@@ -202,6 +204,7 @@ impl ClothSolver {
         let layout = self.topology.layout();
         self.isa.run(place.of(layout, &mut self.state.x, false));
         self.isa.run(place.of(layout, &mut self.state.d, true));
+        self.isa.run(place.of(layout, &mut self.state.pull, true));
         self.state.origin = place.origin;
         // Contact knows nothing from before a tick, so that nothing else has to be told.
         self.survey_anew();

@@ -32,6 +32,8 @@ pub struct SolverState {
     start: Vec<Vec3>,
     last_step: f32,
     response: f32,
+    /// What corrections carry on, where they do.
+    pull: Option<Vec<Vec3>>,
     /// The tick that was planned for \[s\].
     tick: f32,
     pins: Vec<u32>,
@@ -96,6 +98,7 @@ impl SolverState {
         good(is_good(&self.x) && is_good(&self.start), "positions")?;
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
+        good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
         good(is_good(&self.mark), "marked positions")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
@@ -144,7 +147,7 @@ impl ClothSolver {
             state,
             mark,
         } = self;
-        let State { origin, x, d, unit, start, last_step, response } = state;
+        let State { origin, x, d, pull, carries, unit, start, last_step, response } = state;
         let Mark { origin: mark_origin, x: mark } = mark;
         let by_particle = |soa: &Soa| by_particle(topology, soa);
         SolverState {
@@ -156,6 +159,7 @@ impl ClothSolver {
             start: by_particle(start),
             last_step: *last_step,
             response: *response,
+            pull: carries.then(|| by_particle(pull)),
             tick: plan.tick,
             pins: held.particles.clone(),
             soft: soft.iter().map(|spring| (spring.pin, spring.most_force())).collect(),
@@ -192,6 +196,7 @@ impl ClothSolver {
             start,
             last_step,
             response,
+            pull,
             tick,
             pins,
             soft,
@@ -217,6 +222,8 @@ impl ClothSolver {
             origin: *origin,
             x: by_slot(x),
             d: by_slot(d),
+            pull: by_slot(pull.as_deref().unwrap_or_default()),
+            carries: pull.is_some(),
             unit: *unit,
             start: by_slot(start),
             last_step: *last_step,

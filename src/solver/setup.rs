@@ -159,6 +159,7 @@ impl ClothSolver {
         sorted.dedup();
         if sorted != self.held.particles {
             self.held = Held::new(&self.topology, sorted);
+            self.stop_carrying();
             self.replan();
         }
         Ok(())

@@ -59,6 +59,8 @@ pub(super) struct Spring {
     slack: bool,
     /// The particle's own inverse mass, while corrections see another \[1/kg\].
     inverse_mass: f32,
+    /// Its displacement before the corrections \[m\].
+    before: Vec3,
 }
 
 impl ClothSolver {
@@ -81,7 +83,14 @@ impl ClothSolver {
             .iter()
             .map(|&pin| {
                 let slot = topology.slot(pin.particle as usize);
-                Spring { pin, slot, most_force: f32::INFINITY, slack: false, inverse_mass: 0.0 }
+                Spring {
+                    pin,
+                    slot,
+                    most_force: f32::INFINITY,
+                    slack: false,
+                    inverse_mass: 0.0,
+                    before: Vec3::ZERO,
+                }
             })
             .collect();
         self.soft.sort_by_key(|spring| spring.pin.particle);
@@ -131,8 +140,9 @@ impl ClothSolver {
             let pull = pulled / (1.0 + alpha + beta) - d;
             let most = spring.most_force * w * state.response;
             spring.slack = pull.dot(pull) > most * most;
-            let d = d + shortened(pull, most);
-            state.d.set(spring.slot, shortened(d, longest));
+            let pulled = shortened(d + shortened(pull, most), longest);
+            state.d.set(spring.slot, pulled);
+            state.leave_out(spring.slot, pulled - d);
         }
     }
 
@@ -145,13 +155,20 @@ impl ClothSolver {
             let (alpha, beta) = spring.gains(w * self.state.response, h);
             let heavier = if spring.slack { w } else { w / (1.0 + alpha + beta) };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
+            spring.before = self.state.d.get(spring.slot);
         }
     }
 
     /// Gives them their own again.
     pub(super) fn unweigh_soft_pins(&mut self) {
         for spring in &self.soft {
-            self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
+            let seen = self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
+            // What pulled was stronger than what it followed: that is carried.
+            let stronger = spring.inverse_mass / seen - 1.0;
+            if stronger.is_finite() {
+                let followed = self.state.d.get(spring.slot) - spring.before;
+                self.state.leave_out(spring.slot, followed * -stronger);
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
 use super::rows::SpringRows;
+use super::shear::RowPulls;
 use super::study::Study;
 use super::topology::Topology;
 
@@ -24,6 +25,11 @@ pub(crate) struct State {
     /// positions. So a velocity changes by computed corrections, never by a difference of rounded
     /// positions.
     pub d: Soa,
+    /// What corrections add to displacements in a substep \[m\], see `carry`; of those that are held,
+    /// anything.
+    pub pull: Soa,
+    /// Whether `pull` is that of the last substep.
+    pub carries: bool,
     /// The time that makes velocities of displacements \[s\].
     pub unit: f32,
     /// Positions where the tick began \[m\], for blending between ticks.
@@ -53,6 +59,8 @@ impl State {
         Self {
             origin,
             d: Soa::zeros(layout.len()),
+            pull: Soa::zeros(layout.len()),
+            carries: false,
             unit: 1.0,
             start: x.clone(),
             x,
@@ -92,12 +100,18 @@ pub(crate) struct Scratch {
     pub b: Soa,
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
+    /// Pulls of a lattice's shear springs.
+    pub row_pulls: RowPulls,
     /// The unknowns of a block of threads.
     pub line: Line,
     /// What only a graph's stages work in.
     pub graph: Option<Room>,
     /// What the integrators for study work in, where one is chosen.
     pub study: Option<Study>,
+    /// Whether corrections are carried on in this tick.
+    pub carries: bool,
+    /// Whether springs were held to their limit in this substep.
+    pub mended: bool,
     /// What contact remembers within a tick.
     pub contact: ContactRoom,
 }
@@ -137,9 +151,12 @@ impl Scratch {
             rows: SpringRows::new(woven),
             moments: Moments::new(woven),
             strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
+            row_pulls: RowPulls::new(woven.columns),
             line: Line::new(longest),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,
+            carries: false,
+            mended: false,
             contact: ContactRoom::new(layout),
         }
     }

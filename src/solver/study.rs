@@ -10,6 +10,7 @@
 use bevy::math::Vec3;
 
 use super::ClothSolver;
+use super::carry::Carry;
 use super::input::StepInput;
 use super::integrate::{Acceleration, Integrate};
 use super::isa::{Isa, Kernel};
@@ -89,6 +90,7 @@ impl ClothSolver {
             longest: self.settings.max_speed * h,
             inverse_mass,
             d,
+            carry: Carry::No,
         });
         if let (Integrator::Midpoint, Some(study)) = (self.settings.integrator, &self.scratch.study)
         {

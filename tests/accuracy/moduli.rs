@@ -241,21 +241,16 @@ fn a_strip_is_as_stiff_as_the_lattices_modulus() {
 }
 
 #[test]
-fn threads_are_softer_by_the_square_of_their_substep() {
-    // Shear, weft and warp are solved one after the other, each from where the last one left off: what one
-    // takes back of the other's work is as `k h^2` to a particle's mass.
+fn threads_are_as_stiff_whatever_their_substep() {
+    // Shear, weft and warp are solved one after the other, each from where the last one left off. What one
+    // takes back of the other's work made a strip softer by 0.2 `k h^2 / m`, were all of it done anew in each
+    // substep: by 5.3 % at 12. Of what is carried on nothing is taken back.
     let sheet = Sheet { cells: [10, 40], cell: DVec2::splat(0.025) };
     let m = moduli().into_iter().find(|m| m.kd == 1.0 && m.kb == 0.0).unwrap();
     let fabric = Fabric { thread: 20.0, shear: 20.0, drag: 14.0, ..Fabric::default() };
-    let softer = [12, 24, 48].map(|substeps| {
+    for substeps in [12, 24, 48] {
         let lattice = sheet.lattice(lumping(&fabric)).into();
-        1.0 - pulled(lattice, &sheet, &fabric, FormChoice::Threads, substeps).0 / 20.0 / m.weave
-    });
-    println!("threads x12, x24, x48: E is lower by {}", list(&softer));
-    let law = |substeps: f64| {
-        let h = f64::from(TICK) / substeps;
-        20.0 * h * h / (0.2 * 0.025 * 0.025)
-    };
-    check("x12: in k h^2 / m", softer[0] / law(12.0), 0.195, 0.03);
-    check("order", (softer[0] / softer[2]).log2() / 2.0, 2.0, 0.25);
+        let stiffness = pulled(lattice, &sheet, &fabric, FormChoice::Threads, substeps).0 / 20.0;
+        check(&format!("threads x{substeps}: E / ks"), stiffness / m.weave, 1.0, 4e-3);
+    }
 }

@@ -89,7 +89,8 @@ fn a_sheet_with_shear_sags_alike_at_every_resolution_and_converges_at_second_ord
             println!("{form:?}, kind {kind}, 16, 32, 64 a side: sag {sags} m", sags = list(&sags));
             check("16 a side over 64 a side", sags[0] / sags[2], 1.0, 5e-3);
             if kind == 1 {
-                check("mesh over lattice", sags[2] / last, 1.0, 2e-3);
+                // Chains of a mesh carry nothing on, and are softer for it.
+                check("mesh over lattice", sags[2] / last, 1.0, 2.5e-3);
             }
             last = sags[2];
             if form == FormChoice::Springs {

@@ -1,0 +1,98 @@
+//! Corrections carried on: what threads, shear and tethers did in the last substep is expected again, by
+//! half, and the corrections do what is lacking.
+//!
+//! A correction stands for the force at the substep's end, and where that alone moves the cloth, what swings
+//! is damped at the rate `omega^2 h / 2`: the method is Euler's implicit one, of first order. With the
+//! forces filtered, `p' = p / 2 + f' h^2 / 2` and `x'' - 2 x' + x = p'`, it is Houbolt's (1950), the
+//! generalized-alpha method whose highest frequencies die in a substep (Chung and Hulbert 1993, for a
+//! spectral radius of zero): `2 x3 - 5 x2 + 4 x1 - x0 = h^2 f3`, of second order, stable for every step, and
+//! what swings is damped at `omega^4 h^3 / 2`.
+//!
+//! The filter holds the pulls of a particle's springs, not its velocity: gravity, air, bending and contact
+//! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
+//! sum up to none but at its pins, so that carrying a part of all of them keeps its momentum.
+//!
+//! Where forces do not last, nothing is carried, and threads are of first order: while the cloth touches a
+//! collider (a particle that is pressed onto one does not follow all of what pulls it), while it is held to
+//! its strain limit, and while it is far out of shape. Nor is it on a mesh, whose chains of edges pull one
+//! after the other.
+
+use bevy::math::Vec3;
+
+use super::ClothSolver;
+use super::lanes::Soa;
+use super::parameters::Integrator;
+use super::plan::Form;
+use super::state::State;
+use super::topology::Topology;
+
+/// Part of the pulls that goes on. A half makes the method one of second order, and is the most that is
+/// stable.
+const CARRIED: f32 = 0.5;
+/// Strain beyond which nothing is carried: what is so far out of shape is to be mended, and a correction
+/// that mends is no force that lasts.
+const MOST_STRAIN: f32 = 1.0;
+
+/// What a substep notes of its corrections.
+pub(super) enum Carry<'a> {
+    /// Nothing.
+    No,
+    /// From where the particles are to be before them \[m\].
+    Begin(&'a mut Soa),
+    /// The same, with a part of the last substep's.
+    GoOn(&'a mut Soa, f32),
+}
+
+impl<'a> Carry<'a> {
+    /// Notes pulls where any are noted in this tick, and carries on this part of the last ones.
+    pub fn new(notes: bool, part: Option<f32>, pull: &'a mut Soa) -> Self {
+        match part {
+            _ if !notes => Self::No,
+            Some(part) => Self::GoOn(pull, part),
+            None => Self::Begin(pull),
+        }
+    }
+}
+
+impl ClothSolver {
+    /// Decides for a tick whether corrections are carried on in it.
+    pub(super) fn begin_carrying(&mut self) {
+        self.scratch.carries = matches!(self.topology, Topology::Lattice(_))
+            && self.plan.form == Form::Threads
+            && self.plan.thread_stiffness > 0.0
+            && self.settings.integrator == Integrator::Verlet
+            && self.survey.max_strain <= MOST_STRAIN * self.material.max_strain;
+        self.state.carries &= self.scratch.carries;
+    }
+
+    /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and
+    /// they move by the square of the step.
+    pub(super) fn carried(&self) -> Option<f32> {
+        let ratio = self.plan.step / self.state.last_step;
+        self.state.carries.then_some(CARRIED * ratio * ratio)
+    }
+
+    /// Displacement in the substep that a correction makes for an acceleration of one \[s2\].
+    pub(super) fn correction_response(&self) -> f32 {
+        if self.state.carries { self.state.response * (1.0 - CARRIED) } else { self.state.response }
+    }
+
+    /// Where pulls of this substep are to be noted, unless they do not last.
+    pub(super) fn end_carrying(&mut self) {
+        let mended = core::mem::take(&mut self.scratch.mended);
+        self.state.carries = self.scratch.carries && self.contact_count == 0 && !mended;
+    }
+
+    /// Corrections of this tick are not to be carried on any further: something else moves particles as well.
+    pub(super) fn stop_carrying(&mut self) {
+        self.scratch.carries = false;
+        self.state.carries = false;
+    }
+}
+
+impl State {
+    /// Something moves a particle while pulls are noted that is none of them.
+    pub(super) fn leave_out(&mut self, slot: usize, moved: Vec3) {
+        self.pull.set(slot, self.pull.get(slot) - moved);
+    }
+}

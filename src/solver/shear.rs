@@ -1,0 +1,131 @@
+//! Shear of the thread form: all springs across the cells corrected at once, each from where the particles
+//! were before any was (Jacobi's iteration).
+//!
+//! The order in which springs are corrected one after the other gives what moves a direction, and sheets
+//! gain energy by it once corrections are carried on (`carry`): a sweep to and fro does not, and costs
+//! twice as much. All at once has no order, and passes over the rows but once.
+
+use bevy::math::Vec3;
+
+use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH};
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lattice::Lattice;
+
+/// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no
+/// more than this part of what it would take alone.
+const CROWD: f32 = 2.5;
+
+/// How far shear springs are corrected.
+#[derive(Clone, Copy)]
+pub(super) struct ShearRule {
+    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
+    pub compliance: f32,
+    /// Longest that a spring may be, in rest lengths.
+    pub limit: f32,
+    /// How many times [`CROWD`] the springs at a particle get in each other's way.
+    pub crowd: f32,
+}
+
+impl ShearRule {
+    /// How strongly a spring pulls, as the correction of an end of inverse mass one \[m kg\].
+    #[inline(always)]
+    pub fn pull(&self, length: f32, rest: f32, factor: f32, inverse_masses: f32) -> f32 {
+        let stiffest = larger(inverse_masses, LEAST_DIVISOR) * (CROWD * self.crowd);
+        // Without a spring both are infinite, or none.
+        let elastic = (length - rest) / larger(factor * self.compliance, stiffest);
+        let limited = (length - rest * self.limit) / stiffest;
+        let limited = if rest > 0.0 { limited } else { -1.0 };
+        larger(elastic, limited)
+    }
+}
+
+/// Corrects the shear springs of a lattice.
+pub(super) struct CorrectShear<'a> {
+    pub lattice: &'a Lattice,
+    pub inverse_mass: &'a [f32],
+    pub rule: ShearRule,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
+    /// Room for the pulls on a row.
+    pub pulls: &'a mut RowPulls,
+}
+
+/// Pulls of the springs from one row to the next, by column from [`LANES`] on.
+#[derive(Clone, Debug)]
+pub(super) struct RowPulls {
+    /// Of those to the next column.
+    right: Soa,
+    /// Of those to the column before.
+    left: Soa,
+}
+
+impl RowPulls {
+    /// Room for rows of so many columns.
+    pub fn new(columns: usize) -> Self {
+        let len = columns.next_multiple_of(LANES) + 2 * LANES;
+        Self { right: Soa::zeros(len), left: Soa::zeros(len) }
+    }
+}
+
+impl Kernel for CorrectShear<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        self.pulls.right.clear();
+        self.pulls.left.clear();
+        for row in 0..self.lattice.layout.rows {
+            // The pull before a block is gone from its place once the block before has been there.
+            let mut before = Vec3::ZERO;
+            for column in (0..self.lattice.layout.columns).step_by(LANES) {
+                self.correct(row, column, &mut before);
+            }
+        }
+    }
+}
+
+impl CorrectShear<'_> {
+    /// Corrects a block of a row, of which those before are corrected already: nothing looks at them any
+    /// more.
+    #[inline(always)]
+    fn correct(&mut self, row: usize, column: usize, before: &mut Vec3) {
+        let (slot, place) = (self.lattice.layout.slot(row, column), LANES + column);
+        let mut above_right = Block3::load(&self.pulls.right, place - 1);
+        let above_left = Block3::load(&self.pulls.left, place + 1);
+        above_right.set(0, *before);
+        *before = self.pulls.right.get(place + LANES - 1);
+        let diagonal = &self.lattice.diagonal;
+        let below = slot + self.lattice.layout.stride;
+        let rest = Block::load(&diagonal.rest, slot);
+        let factor = Block::load(&diagonal.compliance, slot);
+        let right = self.pull(slot, below + 1, &rest, &factor);
+        let rest = Block::load(&self.lattice.antidiagonal_rest, slot - 1);
+        let factor = Block::load(&diagonal.compliance, slot - 1);
+        let left = self.pull(slot, below - 1, &rest, &factor);
+        let w = Block::load(self.inverse_mass, slot);
+        let mut d = Block3::load(self.d, slot);
+        for i in 0..LANES {
+            let pull = right.at(i) + left.at(i) - above_right.at(i) - above_left.at(i);
+            d.set(i, d.at(i) + pull * w.0[i]);
+        }
+        d.store(self.d, slot);
+        right.store(&mut self.pulls.right, place);
+        left.store(&mut self.pulls.left, place);
+    }
+
+    /// Pulls of springs between particles from `p` and from `q`, on the first of them.
+    #[inline(always)]
+    fn pull(&self, p: usize, q: usize, rest: &Block, factor: &Block) -> Block3 {
+        let (xp, xq) = (Block3::load_sum(self.x, self.d, p), Block3::load_sum(self.x, self.d, q));
+        let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
+        let mut pull = Block3::ZERO;
+        for i in 0..LANES {
+            let span = xq.at(i) - xp.at(i);
+            let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
+            let strength = self.rule.pull(length, rest.0[i], factor.0[i], wp.0[i] + wq.0[i]);
+            pull.set(i, span * (strength / length));
+        }
+        pull
+    }
+}
