@@ -22,6 +22,7 @@
 //! | `lattice` | that of a rectangular sheet |
 //! | `graph` | that of any triangle mesh, and the stages as they are on one |
 //! | `ways` | ways along the cloth at rest, for tethers |
+//! | `beyond` | whether any spring is beyond the strain limit |
 //! | `carry`, `shear` | corrections carried on to the next substep; shear springs of a lattice of threads |
 //! | `taut` | threads under more tension than a substep allows for |
 //! | `state` | positions, displacements, working room |
@@ -41,6 +42,7 @@
 mod access;
 mod air;
 mod bending;
+mod beyond;
 mod carry;
 mod constraint;
 mod contact;
@@ -102,6 +104,7 @@ pub(crate) use soft::check_soft_pin;
 
 use air::{Push, Surface};
 use bending::Bend;
+use beyond::IsAnyBeyond;
 use carry::Carry;
 use constraint::{CorrectSprings, Rule};
 use contact::{ResolveContacts, Skin, Span, least_load};
@@ -363,7 +366,6 @@ impl ClothSolver {
             Form::Threads => {
                 self.correct_shear();
                 if self.solve_threads() {
-                    self.scratch.mended = true;
                     self.limit_strain();
                 }
                 tethered = true;
@@ -407,7 +409,25 @@ impl ClothSolver {
         let shear = self.plan.form == Form::Springs && self.material.shear_stiffness > 0.0;
         let limit = self.limit();
         for _ in 0..self.settings.provot_passes {
+            if !self.is_any_beyond(limit, shear) {
+                return;
+            }
+            self.scratch.mended = true;
             self.correct_springs(Rule::Limit { limit, shear });
+        }
+    }
+
+    /// Whether there is anything to hold to the limit.
+    fn is_any_beyond(&self, limit: f32, shear: bool) -> bool {
+        let State { x, d, .. } = &self.state;
+        match (&self.topology, &self.scratch.graph) {
+            (Topology::Lattice(lattice), _) => {
+                self.isa.run(IsAnyBeyond { lattice, limit, shear, x, d })
+            }
+            (Topology::Graph(graph), Some(room)) => {
+                room.is_any_beyond(self.isa, graph, limit, shear)
+            }
+            (Topology::Graph(_), None) => true,
         }
     }
 

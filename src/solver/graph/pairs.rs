@@ -165,3 +165,33 @@ fn gather(vectors: &Soa, slots: &[u32], at: usize) -> Block3 {
     }
     out
 }
+
+/// Looks for a spring that is longer than so many rest lengths.
+pub(crate) struct IsAnyPairBeyond<'a> {
+    pub pairs: &'a Pairs,
+    pub limit: f32,
+    pub places: &'a Places,
+}
+
+impl TransposingKernel for IsAnyPairBeyond<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self, t: impl Transpose) -> bool {
+        let Self { pairs, limit, places } = self;
+        let mut excess = Block::ZERO;
+        for at in (0..pairs.first.len()).step_by(LANES) {
+            let rest = Block::load(&pairs.rest, at);
+            let (xp, _) = places.gather_moved(t, &pairs.first, at);
+            let (xq, _) = places.gather_moved(t, &pairs.second, at);
+            for i in 0..LANES {
+                let span = xq.at(i) - xp.at(i);
+                let longest = rest.0[i] * limit;
+                let over = span.dot(span) - longest * longest;
+                let over = if rest.0[i] > 0.0 { over } else { 0.0 };
+                excess.0[i] = larger(over, excess.0[i]);
+            }
+        }
+        excess.largest() > 0.0
+    }
+}
