@@ -22,7 +22,7 @@ pub(super) fn steady(rests: impl Iterator<Item = f32>) -> f32 {
     STEADY * rests.filter(|&rest| rest > 0.0).fold(f32::INFINITY, f32::min)
 }
 
-/// What [`ease`] needs to know of [`LANES`] threads.
+/// What [`ease`] needs to know of [`LANES`] threads, and where it puts what it finds.
 pub(super) trait Threads {
     /// Particles of a thread.
     fn places(&self) -> usize;
@@ -30,81 +30,64 @@ pub(super) trait Threads {
     fn inverse_mass(&self, place: usize) -> Block;
     /// Rest lengths of the springs after a place \[m\]; 0 where there are none.
     fn rest(&self, place: usize) -> Block;
+    /// Takes what the particles at a place are to be corrected by more than they were.
+    fn correct_more(&mut self, place: usize, more: Block3);
 }
 
-/// Fills `line.correction` with what the particles are to be corrected by more than they were, from the
-/// pivots of threads that have been solved.
+/// Corrects the particles of threads that have been solved and corrected, from what their solution left in
+/// `line`.
 #[inline(always)]
-pub(super) fn ease(line: &mut Line, threads: &impl Threads) {
-    corrections(line, threads);
+pub(super) fn ease(line: &mut Line, threads: &mut impl Threads) {
     eliminate(line, threads);
     substitute(line, threads);
 }
 
-/// Works out the corrections anew, and the tensions in place of the residuals.
+/// Works out tensions and corrections `c` anew, from the last place to the first, and eliminates
+/// `(1 + G) z = c` on the way: the factors take the place of the pivots, the right-hand sides that of the
+/// directions, each once it has served.
 #[inline(always)]
-fn corrections(line: &mut Line, threads: &impl Threads) {
+fn eliminate(line: &mut Line, threads: &impl Threads) {
     let mut pull = Block3::ZERO;
+    let (mut after, mut factor, mut right) = (Block::ZERO, Block::ZERO, Block3::ZERO);
     for place in (0..threads.places()).rev() {
+        let at = place * LANES;
         let w = threads.inverse_mass(place);
-        let mut before = Block3::ZERO;
+        let (mut pull_before, mut before) = (Block3::ZERO, Block::ZERO);
         if place > 0 {
-            let at = (place - 1) * LANES;
-            let n = Block3::load(&line.direction, at);
-            let inverse = Block::load(&line.inverse_pivot, at);
-            let mut tension = Block::load(&line.residual, at);
+            let spring = at - LANES;
+            let n = Block3::load(&line.direction, spring);
+            let inverse = Block::load(&line.inverse_pivot, spring);
+            let residual = Block::load(&line.residual, spring);
+            let (next, rest) = (threads.inverse_mass(place - 1), threads.rest(place - 1));
             for i in 0..LANES {
                 let beside = w.0[i] * n.at(i).dot(pull.at(i));
-                tension.0[i] = (tension.0[i] + beside) * inverse.0[i];
-                before.set(i, n.at(i) * tension.0[i]);
+                let tension = (residual.0[i] + beside) * inverse.0[i];
+                pull_before.set(i, n.at(i) * tension);
+                let over = tension / rest.0[i] - STEADY / larger(w.0[i], next.0[i]);
+                before.0[i] = if rest.0[i] > 0.0 { larger(over, 0.0) } else { 0.0 };
             }
-            tension.store(&mut line.residual, at);
         }
         let mut correction = Block3::ZERO;
         for i in 0..LANES {
-            correction.set(i, (pull.at(i) - before.at(i)) * w.0[i]);
-        }
-        correction.store(&mut line.correction, place * LANES);
-        pull = before;
-    }
-}
-
-/// Forward elimination of `(1 + G) z = c`: the factors take the place of the pivots, the right-hand sides
-/// that of the directions.
-#[inline(always)]
-fn eliminate(line: &mut Line, threads: &impl Threads) {
-    let places = threads.places();
-    let (mut before, mut factor, mut right) = (Block::ZERO, Block::ZERO, Block3::ZERO);
-    for place in 0..places {
-        let at = place * LANES;
-        let w = threads.inverse_mass(place);
-        let c = Block3::load(&line.correction, at);
-        let mut after = Block::ZERO;
-        if place + 1 < places {
-            let (tension, rest) = (Block::load(&line.residual, at), threads.rest(place));
-            let next = threads.inverse_mass(place + 1);
-            for i in 0..LANES {
-                let over = tension.0[i] / rest.0[i] - STEADY / larger(w.0[i], next.0[i]);
-                after.0[i] = if rest.0[i] > 0.0 { larger(over, 0.0) } else { 0.0 };
-            }
-        }
-        for i in 0..LANES {
-            let (a, b) = (w.0[i] * before.0[i], w.0[i] * after.0[i]);
+            let c = (pull.at(i) - pull_before.at(i)) * w.0[i];
+            let (a, b) = (w.0[i] * after.0[i], w.0[i] * before.0[i]);
             let inverse = 1.0 / (1.0 + b + a * (1.0 - factor.0[i]));
-            right.set(i, (c.at(i) + right.at(i) * a) * inverse);
+            right.set(i, (c + right.at(i) * a) * inverse);
             factor.0[i] = b * inverse;
+            correction.set(i, c);
         }
         factor.store(&mut line.inverse_pivot, at);
         right.store(&mut line.direction, at);
-        before = after;
+        correction.store(&mut line.correction, at);
+        (pull, after) = (pull_before, before);
     }
 }
 
 /// Back substitution, and what it comes to beyond the corrections that were made.
 #[inline(always)]
-fn substitute(line: &mut Line, threads: &impl Threads) {
+fn substitute(line: &Line, threads: &mut impl Threads) {
     let mut z = Block3::ZERO;
-    for place in (0..threads.places()).rev() {
+    for place in 0..threads.places() {
         let at = place * LANES;
         let factor = Block::load(&line.inverse_pivot, at);
         let right = Block3::load(&line.direction, at);
@@ -114,6 +97,6 @@ fn substitute(line: &mut Line, threads: &impl Threads) {
             z.set(i, right.at(i) + z.at(i) * factor.0[i]);
             more.set(i, z.at(i) - c.at(i));
         }
-        more.store(&mut line.correction, at);
+        threads.correct_more(place, more);
     }
 }

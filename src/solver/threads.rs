@@ -262,23 +262,20 @@ impl Lines<'_> {
     #[inline(always)]
     fn ease(&mut self, thread: usize, ends: &mut impl Ends) {
         let Self { layout, springs, inverse_mass, .. } = *self;
-        let threads = Woven { layout, springs, inverse_mass, thread };
-        ease(self.line, &threads);
-        for place in 0..layout.rows {
-            ends.correct_more(place, Block3::load(&self.line.correction, place * LANES));
-        }
+        ease(self.line, &mut Woven { layout, springs, inverse_mass, thread, ends });
     }
 }
 
 /// [`LANES`] threads of a lattice.
-struct Woven<'a> {
+struct Woven<'a, E> {
     layout: Layout,
     springs: &'a Family,
     inverse_mass: &'a [f32],
     thread: usize,
+    ends: &'a mut E,
 }
 
-impl Threads for Woven<'_> {
+impl<E: Ends> Threads for Woven<'_, E> {
     #[inline(always)]
     fn places(&self) -> usize {
         self.layout.rows
@@ -292,6 +289,11 @@ impl Threads for Woven<'_> {
     #[inline(always)]
     fn rest(&self, place: usize) -> Block {
         Block::load(&self.springs.rest, self.layout.slot(place, self.thread))
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        self.ends.correct_more(place, more);
     }
 }
 

@@ -72,23 +72,21 @@ impl SolveChains<'_> {
     /// Keeps taut chains from trembling.
     #[inline(always)]
     fn ease(&mut self, t: impl Transpose, bundle: &Bundle) {
-        let Self { chains, inverse_mass, line, .. } = self;
-        ease(line, &Laid { chains, bundle, inverse_mass });
-        for place in 0..bundle.rows {
-            let more = Block3::load(&self.line.correction, place * LANES);
-            self.places.scatter(t, &self.chains.slots, bundle.first + place * LANES, more);
-        }
+        let Self { chains, inverse_mass, line, places, .. } = self;
+        ease(line, &mut Laid { t, chains, bundle, inverse_mass, places });
     }
 }
 
 /// The chains of a bundle.
-struct Laid<'a> {
+struct Laid<'a, T> {
+    t: T,
     chains: &'a Chains,
     bundle: &'a Bundle,
     inverse_mass: &'a Array,
+    places: &'a mut Places,
 }
 
-impl Threads for Laid<'_> {
+impl<T: Transpose> Threads for Laid<'_, T> {
     #[inline(always)]
     fn places(&self) -> usize {
         self.bundle.rows
@@ -102,5 +100,11 @@ impl Threads for Laid<'_> {
     #[inline(always)]
     fn rest(&self, place: usize) -> Block {
         Block::load(&self.chains.rest, self.bundle.first + (place + 1) * LANES)
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        let at = self.bundle.first + place * LANES;
+        self.places.scatter(self.t, &self.chains.slots, at, more);
     }
 }
