@@ -12,15 +12,17 @@
 //! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
 //! sum up to none but at its pins, so that carrying a part of all of them keeps its momentum.
 //!
-//! Where forces do not last, nothing is carried, and threads are of first order: while the cloth touches a
-//! collider (a particle that is pressed onto one does not follow all of what pulls it), while it is held to
-//! its strain limit, and while it is far out of shape. Nor is it on a mesh, whose chains of edges pull one
-//! after the other.
+//! What touches a collider does not follow all of what pulls it, and the collider bears the rest: its pulls are
+//! forgotten. Nor is carried what holds springs to their strain limit, or anything at all where the cloth is far
+//! out of shape or struck: there it mends, and is no force that lasts. Threads are of first order there, and on a
+//! mesh, whose chains of edges pull one after the other.
 
 use bevy::math::Vec3;
 
 use super::ClothSolver;
-use super::lanes::Soa;
+use super::isa::Kernel;
+use super::lanes::{Block3, LANES, Soa};
+use super::lattice::Layout;
 use super::parameters::Integrator;
 use super::plan::Form;
 use super::state::State;
@@ -31,7 +33,7 @@ use super::topology::Topology;
 const CARRIED: f32 = 0.5;
 /// Strain beyond which nothing is carried: what is so far out of shape is to be mended, and a correction
 /// that mends is no force that lasts.
-const MOST_STRAIN: f32 = 1.0;
+const MOST_STRAIN: f32 = 0.5;
 
 /// What a substep notes of its corrections.
 pub(super) enum Carry<'a> {
@@ -61,7 +63,7 @@ impl ClothSolver {
             && self.plan.form == Form::Threads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
-            && self.survey.max_strain <= MOST_STRAIN * self.material.max_strain;
+            && self.survey.max_strain <= MOST_STRAIN;
         self.state.carries &= self.scratch.carries;
     }
 
@@ -77,10 +79,34 @@ impl ClothSolver {
         if self.state.carries { self.state.response * (1.0 - CARRIED) } else { self.state.response }
     }
 
-    /// Where pulls of this substep are to be noted, unless they do not last.
+    /// Says whether this substep's pulls are to be carried on.
     pub(super) fn end_carrying(&mut self) {
-        let mended = core::mem::take(&mut self.scratch.mended);
-        self.state.carries = self.scratch.carries && self.contact_count == 0 && !mended;
+        let contact = &mut self.scratch.contact;
+        self.state.carries = self.scratch.carries && !contact.struck;
+        // What goes on pulls at particles that do not follow, and their colliders bear it: a half in the next
+        // substep, a quarter in the one after, and so on.
+        for (impulse, forgotten) in contact.impulses.iter_mut().zip(&mut contact.forgotten) {
+            let borne = core::mem::take(forgotten);
+            *impulse += if self.state.carries { borne } else { Vec3::ZERO };
+        }
+    }
+
+    /// Leaves out what corrects between this and [`Self::go_on_pulling`].
+    pub(super) fn pause_pulls(&mut self) {
+        self.note_pulls(1.0);
+    }
+
+    /// See [`Self::pause_pulls`].
+    pub(super) fn go_on_pulling(&mut self) {
+        self.note_pulls(-1.0);
+    }
+
+    fn note_pulls(&mut self, sign: f32) {
+        if self.scratch.carries {
+            let layout = self.topology.layout();
+            let State { d, pull, .. } = &mut self.state;
+            self.isa.run(NotePulls { layout, sign, d, pull });
+        }
     }
 
     /// Corrections of this tick are not to be carried on any further: something else moves particles as well.
@@ -94,5 +120,32 @@ impl State {
     /// Something moves a particle while pulls are noted that is none of them.
     pub(super) fn leave_out(&mut self, slot: usize, moved: Vec3) {
         self.pull.set(slot, self.pull.get(slot) - moved);
+    }
+}
+
+/// Adds displacements to the pulls, or takes them away.
+struct NotePulls<'a> {
+    layout: Layout,
+    sign: f32,
+    d: &'a Soa,
+    pull: &'a mut Soa,
+}
+
+impl Kernel for NotePulls<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let d = Block3::load(self.d, slot);
+                let mut pull = Block3::load(self.pull, slot);
+                for i in 0..LANES {
+                    pull.set(i, pull.at(i) + d.at(i) * self.sign);
+                }
+                pull.store(self.pull, slot);
+            }
+        }
     }
 }

@@ -412,8 +412,9 @@ impl ClothSolver {
             if !self.is_any_beyond(limit, shear) {
                 return;
             }
-            self.scratch.mended = true;
+            self.pause_pulls();
             self.correct_springs(Rule::Limit { limit, shear });
+            self.go_on_pulling();
         }
     }
 
@@ -523,6 +524,7 @@ impl ClothSolver {
                 inverse_mass: &self.held.inverse_mass,
                 x: &mut self.state.x,
                 d: &mut self.state.d,
+                pull: self.scratch.carries.then_some(&mut self.state.pull),
                 room: &mut self.scratch.contact,
             });
         }

@@ -110,8 +110,6 @@ pub(crate) struct Scratch {
     pub study: Option<Study>,
     /// Whether corrections are carried on in this tick.
     pub carries: bool,
-    /// Whether springs were held to their limit in this substep.
-    pub mended: bool,
     /// What contact remembers within a tick.
     pub contact: ContactRoom,
 }
@@ -156,7 +154,6 @@ impl Scratch {
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,
             carries: false,
-            mended: false,
             contact: ContactRoom::new(layout),
         }
     }

@@ -189,7 +189,8 @@ fn what_the_cloth_loses_the_collider_is_given() {
         check_at_most(
             &format!("{speed} m/s: momentum lost less impulse, relative"),
             lost.distance(given.as_dvec3()) / before.length(),
-            1e-5,
+            // What is carried on is borne a half at a time, and rounded each time.
+            3e-5,
         );
     }
 }

@@ -39,17 +39,20 @@ fn above_tip(topology: &Topology, height: f32) -> ClothSolver {
 #[test]
 fn a_cloth_that_drops_onto_a_point_keeps_near_its_strain_limit() {
     let tip = Sphere::new(TIP);
-    // Particles that weigh the same on the collider as on the threads would come to 3.1 and 3.9. A mesh has
-    // no threads that are solved whole.
-    for (topology, bound) in both().into_iter().zip([1.1, 2.1]) {
-        let mut solver = above_tip(&topology, 0.3);
-        let colliders = [Collider::new(&tip, Pose::from_translation(Vec3::ZERO))];
-        let mut peak = 0.0_f32;
-        for _ in 0..90 {
-            peak = peak.max(run(&mut solver, 1, GRAVITY, &colliders).max_strain);
+    // The peak of one fall tells little: from 0.22 to 0.37 m it is between 1.1 and 1.7 for threads. A mesh
+    // has none that are solved whole.
+    for (topology, bound) in both().into_iter().zip([1.3, 1.85]) {
+        let mut peaks = 0.0;
+        for fall in 0..16 {
+            let mut solver = above_tip(&topology, 0.22 + 0.01 * fall as f32);
+            let colliders = [Collider::new(&tip, Pose::from_translation(Vec3::ZERO))];
+            let mut peak = 0.0_f32;
+            for _ in 0..90 {
+                peak = peak.max(run(&mut solver, 1, GRAVITY, &colliders).max_strain);
+            }
+            peaks += f64::from(peak / solver.material().max_strain) / 16.0;
         }
-        let limit = solver.material().max_strain;
-        check_at_most("peak strain over its limit", (peak / limit).into(), bound);
+        check_at_most("peak strain over its limit, mean of the falls", peaks, bound);
     }
 }
 

@@ -107,9 +107,11 @@ impl ClothSolver {
         let room = &mut self.scratch.contact;
         for load in &room.loads.list {
             self.held.set_inverse_mass(&self.topology, load.slot, load.inverse_mass);
+            let followed = self.state.d.get(load.slot) - load.before;
+            let unfollowed = followed * (1.0 / SEEN - 1.0);
+            // It was pulled by all of that.
+            self.state.leave_out(load.slot, -unfollowed);
             if let Some(collider) = load.given_to {
-                let followed = self.state.d.get(load.slot) - load.before;
-                let unfollowed = followed * (1.0 / SEEN - 1.0);
                 room.impulses[collider] += unfollowed / (load.inverse_mass * self.plan.step);
             }
         }

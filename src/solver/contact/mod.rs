@@ -48,6 +48,8 @@ pub(super) struct Span {
 struct Tally {
     /// Momentum that they gave it, times the substep \[kg m\].
     given: Block3,
+    /// Pulls that they will not follow in the next substep, times their masses \[kg m\].
+    forgotten: Block3,
     /// How far they are still inside, as they may come out no faster \[m\].
     left: Block,
 }
@@ -79,6 +81,8 @@ pub(super) struct ResolveContacts<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
+    /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
+    pub pull: Option<&'a mut Soa>,
     pub room: &'a mut ContactRoom,
 }
 
@@ -129,7 +133,7 @@ impl ResolveContacts<'_> {
         let gone = (self.room.gone + self.room.pushed + gone + motion.reach) * ROUNDED_UP;
         let slow = self.skin.epsilon + motion.fast;
         let mut touching = 0;
-        let mut tally = Tally { given: Block3::ZERO, left: Block::ZERO };
+        let mut tally = Tally { given: Block3::ZERO, forgotten: Block3::ZERO, left: Block::ZERO };
         let mut deepest = 0.0;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
@@ -140,7 +144,9 @@ impl ResolveContacts<'_> {
                 }
                 if way > slow {
                     let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
-                    sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given);
+                    if sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given) {
+                        self.room.struck = true;
+                    }
                 }
                 let (gap, count) = self.resolve(slot, collider, &motion, &mut tally);
                 touching += count;
@@ -154,6 +160,7 @@ impl ResolveContacts<'_> {
         }
         if motion.measured {
             self.room.impulses[collider] += sum(&tally.given) / self.skin.step;
+            self.room.forgotten[collider] += sum(&tally.forgotten) / self.skin.step;
         }
         touching
     }
@@ -165,6 +172,7 @@ impl ResolveContacts<'_> {
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
         // Nothing bears a load on what gives way: it would drive the rest of the cloth out faster.
         self.room.loads.clear();
+        self.room.struck = true;
         let most = self.skin.most_push;
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
@@ -261,6 +269,7 @@ impl ResolveContacts<'_> {
         let mut load = Block::ZERO;
         let w = Block::load(self.inverse_mass, slot);
         let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+        let before = d;
         for i in 0..LANES {
             let normal =
                 motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
@@ -294,7 +303,37 @@ impl ResolveContacts<'_> {
         }
         d.store(self.d, slot);
         x.store(self.x, slot);
+        self.forget_pulls(slot, depth, &before, motion.measured.then_some(tally));
         load
+    }
+
+    /// What is pressed onto a collider does not follow all of what pulls it, and the collider bears the rest.
+    /// Neither is what it is to expect once more. `before` are its displacements before contact.
+    #[inline(always)]
+    fn forget_pulls(
+        &mut self,
+        slot: usize,
+        depth: &Block,
+        before: &Block3,
+        tally: Option<&mut Tally>,
+    ) {
+        let Some(pull) = &mut self.pull else { return };
+        let d = Block3::load(self.d, slot);
+        let noted = Block3::load(pull, slot);
+        let mut kept = noted;
+        for i in 0..LANES {
+            // The substep's end adds the displacement.
+            kept.set(i, if depth.0[i] > 0.0 { -d.at(i) } else { noted.at(i) });
+        }
+        kept.store(pull, slot);
+        let Some(tally) = tally else { return };
+        let w = Block::load(self.inverse_mass, slot);
+        for i in 0..LANES {
+            let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+            let mass = if depth.0[i] > 0.0 { mass } else { 0.0 };
+            let forgotten = (noted.at(i) + before.at(i)) * mass;
+            tally.forgotten.set(i, tally.forgotten.at(i) + forgotten);
+        }
     }
 
     /// Notes the particles of a block that bear a load.

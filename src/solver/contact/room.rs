@@ -28,6 +28,8 @@ pub(in crate::solver) struct ContactRoom {
     pub gone: f32,
     /// How far contact has pushed any particle in this substep, at most \[m\].
     pub pushed: f32,
+    /// Whether contact has changed in this substep what it did not touch, or what was fast.
+    pub struck: bool,
     /// The way at which another collider wakes \[m\].
     until_next: f32,
     /// The cloth's box when the tick began, in world space.
@@ -37,6 +39,9 @@ pub(in crate::solver) struct ContactRoom {
     slack: f32,
     /// Momentum that the cloth has given to each collider in the tick \[kg m/s\].
     pub impulses: Vec<Vec3>,
+    /// Momentum of the pulls that what touched each collider in this substep is not to follow in the next
+    /// \[kg m/s\].
+    pub forgotten: Vec<Vec3>,
     /// Particles that bear a load, and those that did in the substep before.
     pub loads: Loads,
     pub loads_before: Loads,
@@ -62,11 +67,13 @@ impl ContactRoom {
             until: Vec::with_capacity(FEW * blocks),
             gone: 0.0,
             pushed: 0.0,
+            struck: false,
             until_next: 0.0,
             low: Vec3::ZERO,
             high: Vec3::ZERO,
             slack: 0.0,
             impulses: Vec::new(),
+            forgotten: Vec::new(),
             loads: Loads::new(layout.len()),
             loads_before: Loads::new(layout.len()),
         }
@@ -90,6 +97,7 @@ impl ContactRoom {
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
         self.impulses.clear();
+        self.forgotten.clear();
         let mut measured = false;
         self.until_next = f32::INFINITY;
         for collider in colliders {
@@ -100,6 +108,7 @@ impl ContactRoom {
         }
         if measured {
             self.impulses.resize(colliders.len(), Vec3::ZERO);
+            self.forgotten.resize(colliders.len(), Vec3::ZERO);
         }
     }
 
@@ -112,6 +121,7 @@ impl ContactRoom {
 
     /// Forgets which particles bore a load, but for the substep before.
     pub fn begin_substep(&mut self) {
+        self.struck = false;
         core::mem::swap(&mut self.loads, &mut self.loads_before);
         self.loads.clear();
     }

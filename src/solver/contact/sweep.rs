@@ -37,7 +37,7 @@ struct Meeting {
 
 impl Sweep<'_> {
     /// Changes the displacements of particles that would pass through the surface, and adds what the
-    /// collider is given of their momentum, times the substep, to `given`.
+    /// collider is given of their momentum, times the substep, to `given`. Tells whether there were any.
     ///
     /// Scalar, and never inlined: this is for the few that are fast.
     #[inline(never)]
@@ -48,7 +48,8 @@ impl Sweep<'_> {
         x: &Soa,
         d: &mut Soa,
         given: &mut super::Block3,
-    ) {
+    ) -> bool {
+        let mut met = false;
         let slow = self.epsilon + self.motion.fast;
         for lane in 0..LANES {
             let w = inverse_mass[slot + lane];
@@ -65,11 +66,13 @@ impl Sweep<'_> {
             if let Some(end) = self.follow(from, to) {
                 let changed = self.motion.after.to_world(end) - (start + way);
                 d.set(slot + lane, way + changed);
+                met = true;
                 if self.motion.measured {
                     given.set(lane, given.at(lane) - changed / w);
                 }
             }
         }
+        met
     }
 
     /// Where a particle ends, in the collider's frame, that would go from `from` to `to`; `None`
