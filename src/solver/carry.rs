@@ -82,23 +82,46 @@ impl ClothSolver {
     /// Says whether this substep's pulls are to be carried on.
     pub(super) fn end_carrying(&mut self) {
         let contact = &mut self.scratch.contact;
-        self.state.carries = self.scratch.carries && !contact.struck;
+        let carries = self.scratch.carries && !contact.struck;
         // What goes on pulls at particles that do not follow, and their colliders bear it: a half in the next
-        // substep, a quarter in the one after, and so on.
-        for (impulse, forgotten) in contact.impulses.iter_mut().zip(&mut contact.forgotten) {
-            let borne = core::mem::take(forgotten);
-            *impulse += if self.state.carries { borne } else { Vec3::ZERO };
+        // substep, a quarter in the one after, and so on. They are given it at once, and lose what is left of
+        // it where nothing goes on any more.
+        let owed = contact.owed.iter_mut().zip(&mut contact.forgotten);
+        for (impulse, (owed, forgotten)) in contact.impulses.iter_mut().zip(owed) {
+            let forgotten = core::mem::take(forgotten);
+            if self.state.carries {
+                *owed *= 1.0 - CARRIED;
+            } else {
+                *impulse -= core::mem::take(owed);
+            }
+            if carries {
+                *impulse += forgotten;
+                *owed += forgotten;
+            } else {
+                *impulse -= core::mem::take(owed);
+            }
         }
+        self.state.carries = carries;
     }
 
     /// Leaves out what corrects between this and [`Self::go_on_pulling`].
     pub(super) fn pause_pulls(&mut self) {
+        self.note_unfollowed(true);
         self.note_pulls(1.0);
     }
 
     /// See [`Self::pause_pulls`].
     pub(super) fn go_on_pulling(&mut self) {
+        self.note_unfollowed(false);
         self.note_pulls(-1.0);
+    }
+
+    /// Particles that corrections see with another mass are pulled by more than they follow: all of it lasts.
+    pub(super) fn note_unfollowed(&mut self, adds: bool) {
+        if self.scratch.carries {
+            self.note_loads(adds);
+            self.note_soft_pins(adds);
+        }
     }
 
     fn note_pulls(&mut self, sign: f32) {

@@ -376,6 +376,7 @@ impl ClothSolver {
         if tethered {
             self.pull_tethers();
         }
+        self.note_unfollowed(true);
         self.unweigh_loads();
         self.unweigh_soft_pins();
     }

@@ -34,6 +34,8 @@ pub struct SolverState {
     response: f32,
     /// What corrections carry on, where they do.
     pull: Option<Vec<Vec3>>,
+    /// What colliders were given that is still to come \[kg m/s\].
+    owed: Vec<Vec3>,
     /// The tick that was planned for \[s\].
     tick: f32,
     pins: Vec<u32>,
@@ -99,6 +101,7 @@ impl SolverState {
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
+        good(self.owed.iter().all(|owed| owed.is_finite()), "impulses")?;
         good(is_good(&self.mark), "marked positions")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
@@ -138,7 +141,7 @@ impl ClothSolver {
             survey: _,
             surveyed_before: _,
             // These do not outlive a tick.
-            scratch: _,
+            scratch,
             done: _,
             tether_ease: _,
             contact_count: _,
@@ -160,6 +163,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
+            owed: scratch.contact.owed.clone(),
             tick: plan.tick,
             pins: held.particles.clone(),
             soft: soft.iter().map(|spring| (spring.pin, spring.most_force())).collect(),
@@ -197,6 +201,7 @@ impl ClothSolver {
             last_step,
             response,
             pull,
+            owed,
             tick,
             pins,
             soft,
@@ -229,6 +234,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
         };
+        self.scratch.contact.owed.clone_from(owed);
         self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };
         self.pushes = pushes.as_ref().map(|(forces, strength)| {
             Box::new(Pushes { forces: by_slot(forces), strength: *strength })

@@ -59,8 +59,8 @@ pub(super) struct Spring {
     slack: bool,
     /// The particle's own inverse mass, while corrections see another \[1/kg\].
     inverse_mass: f32,
-    /// Its displacement before the corrections \[m\].
-    before: Vec3,
+    /// Its displacement from which on it has not been noted what it does not follow \[m\].
+    noted: Vec3,
 }
 
 impl ClothSolver {
@@ -89,7 +89,7 @@ impl ClothSolver {
                     most_force: f32::INFINITY,
                     slack: false,
                     inverse_mass: 0.0,
-                    before: Vec3::ZERO,
+                    noted: Vec3::ZERO,
                 }
             })
             .collect();
@@ -155,20 +155,27 @@ impl ClothSolver {
             let (alpha, beta) = spring.gains(w * self.state.response, h);
             let heavier = if spring.slack { w } else { w / (1.0 + alpha + beta) };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
-            spring.before = self.state.d.get(spring.slot);
+            spring.noted = self.state.d.get(spring.slot);
+        }
+    }
+
+    /// Adds to the pulls of soft pins what they did not follow of the corrections since it was noted last, or only
+    /// goes on from here.
+    pub(super) fn note_soft_pins(&mut self, adds: bool) {
+        for spring in &mut self.soft {
+            let d = self.state.d.get(spring.slot);
+            let unfollowed = spring.inverse_mass / self.held.inverse_mass[spring.slot] - 1.0;
+            if adds && unfollowed.is_finite() {
+                self.state.leave_out(spring.slot, (d - spring.noted) * -unfollowed);
+            }
+            spring.noted = d;
         }
     }
 
     /// Gives them their own again.
     pub(super) fn unweigh_soft_pins(&mut self) {
         for spring in &self.soft {
-            let seen = self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
-            // What pulled was stronger than what it followed: that is carried.
-            let stronger = spring.inverse_mass / seen - 1.0;
-            if stronger.is_finite() {
-                let followed = self.state.d.get(spring.slot) - spring.before;
-                self.state.leave_out(spring.slot, followed * -stronger);
-            }
+            self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
         }
     }
 }

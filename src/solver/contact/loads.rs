@@ -19,6 +19,8 @@ const LEAST_GRAVITY: f32 = 9.81;
 /// What corrections see of a loaded particle's inverse mass. At a tenth the threads end there as well as
 /// they do at a pin; at less, what slides off slowly is held.
 const SEEN: f32 = 0.1;
+/// What it does not follow of a correction, to what it does.
+const UNFOLLOWED: f32 = 1.0 / SEEN - 1.0;
 
 /// Substeps in a row in which a particle is pressed so before it bears a load: what only falls onto a
 /// collider is pressed once.
@@ -44,6 +46,8 @@ struct Load {
     inverse_mass: f32,
     /// Its displacement before the corrections \[m\].
     before: Vec3,
+    /// That from which on it has not been noted what it does not follow \[m\].
+    noted: Vec3,
 }
 
 /// Acceleration towards a collider from which a particle counts as loaded \[m/s2\].
@@ -86,7 +90,13 @@ impl Loads {
         self.pressed.push(slot);
         self.since[slot] = before.since[slot].saturating_add(1);
         if self.since[slot] >= SUBSTEPS {
-            self.list.push(Load { slot, given_to, inverse_mass: 0.0, before: Vec3::ZERO });
+            self.list.push(Load {
+                slot,
+                given_to,
+                inverse_mass: 0.0,
+                before: Vec3::ZERO,
+                noted: Vec3::ZERO,
+            });
         }
     }
 }
@@ -99,6 +109,19 @@ impl ClothSolver {
             let seen = self.held.inverse_mass[load.slot] * SEEN;
             load.inverse_mass = self.held.set_inverse_mass(&self.topology, load.slot, seen);
             load.before = self.state.d.get(load.slot);
+            load.noted = load.before;
+        }
+    }
+
+    /// Adds to the pulls of loaded particles what they did not follow of the corrections since it was noted last,
+    /// or only goes on from here.
+    pub(in crate::solver) fn note_loads(&mut self, adds: bool) {
+        for load in &mut self.scratch.contact.loads.list {
+            let d = self.state.d.get(load.slot);
+            if adds {
+                self.state.leave_out(load.slot, (d - load.noted) * -UNFOLLOWED);
+            }
+            load.noted = d;
         }
     }
 
@@ -107,10 +130,7 @@ impl ClothSolver {
         let room = &mut self.scratch.contact;
         for load in &room.loads.list {
             self.held.set_inverse_mass(&self.topology, load.slot, load.inverse_mass);
-            let followed = self.state.d.get(load.slot) - load.before;
-            let unfollowed = followed * (1.0 / SEEN - 1.0);
-            // It was pulled by all of that.
-            self.state.leave_out(load.slot, -unfollowed);
+            let unfollowed = (self.state.d.get(load.slot) - load.before) * UNFOLLOWED;
             if let Some(collider) = load.given_to {
                 room.impulses[collider] += unfollowed / (load.inverse_mass * self.plan.step);
             }

@@ -42,6 +42,9 @@ pub(in crate::solver) struct ContactRoom {
     /// Momentum of the pulls that what touched each collider in this substep is not to follow in the next
     /// \[kg m/s\].
     pub forgotten: Vec<Vec3>,
+    /// What each collider was given of such momentum that is still to come \[kg m/s\]. This alone outlives
+    /// the tick.
+    pub owed: Vec<Vec3>,
     /// Particles that bear a load, and those that did in the substep before.
     pub loads: Loads,
     pub loads_before: Loads,
@@ -74,6 +77,7 @@ impl ContactRoom {
             slack: 0.0,
             impulses: Vec::new(),
             forgotten: Vec::new(),
+            owed: Vec::new(),
             loads: Loads::new(layout.len()),
             loads_before: Loads::new(layout.len()),
         }
@@ -98,6 +102,9 @@ impl ContactRoom {
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
         self.impulses.clear();
         self.forgotten.clear();
+        if self.owed.len() != colliders.len() {
+            self.owed.clear();
+        }
         let mut measured = false;
         self.until_next = f32::INFINITY;
         for collider in colliders {
@@ -109,6 +116,9 @@ impl ContactRoom {
         if measured {
             self.impulses.resize(colliders.len(), Vec3::ZERO);
             self.forgotten.resize(colliders.len(), Vec3::ZERO);
+            self.owed.resize(colliders.len(), Vec3::ZERO);
+        } else {
+            self.owed.clear();
         }
     }
 
