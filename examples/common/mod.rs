@@ -54,10 +54,10 @@ pub struct Options {
     /// Seconds to simulate where there is no window.
     #[arg(short, long, default_value_t = 5.0, value_parser = seconds)]
     pub seconds: f32,
-    /// Leave after so many frames of 1/16 s each, with the final check.
+    /// Leave after so many frames of 1/16 s each (of a film 1/32 s), with the final check.
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Save the last of the frames as a picture; 80 frames where none are given.
+    /// Save the last of the frames as a picture, or all where the name has a `#`; 80 frames where none are given.
     #[arg(long, value_name = "PNG")]
     pub screenshot: Option<PathBuf>,
     /// Draw lines to look inside: all of these, or threads and pins where none is named.
