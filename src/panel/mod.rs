@@ -32,7 +32,7 @@ use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 /// strain, energy, depth in colliders, and the milliseconds of all cloths; and it says what the solver chose,
 /// and why.
 ///
-/// Add it after `DefaultPlugins`. It brings `EguiPlugin` and [`ClothDiagnosticsPlugin`] where they are not
+/// Add it after `DefaultPlugins`, and after `EguiPlugin` where the game has it. It brings `EguiPlugin` and [`ClothDiagnosticsPlugin`] where they are not
 /// there. Every change goes through the cloth's public components. [`ClothPanel::open`] closes it, and as long
 /// as it is closed nothing is measured for it.
 ///

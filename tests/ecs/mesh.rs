@@ -248,19 +248,21 @@ fn tangents_turn_with_the_cloth() {
 }
 
 #[test]
-fn tangents_of_a_folded_cloth_are_of_unit_length_and_across_its_normals() {
+fn tangents_of_a_cloth_that_hangs_hang_with_it() {
     let mut app = app();
     let mesh = add_mesh(&mut app, mesh_with_tangents());
-    let pins = ClothPins::from(PinSelection::Corners);
-    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins));
-    updates(&mut app, 120);
+    let pins = ClothPins::from(PinSelection::FirstRow);
+    let material = ClothMaterial { drag: 5.0, ..default() };
+    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins, material));
+    updates(&mut app, 400);
     let drawn = drawn(&app, cloth);
     let normals = attribute(drawn, Mesh::ATTRIBUTE_NORMAL);
-    let mut turned = 0;
-    for (tangent, normal) in tangents(drawn).into_iter().zip(normals) {
+    // What pointed along z, away from the row that is held, points down now.
+    let asked = Vec3::new(0.8, -0.6, 0.0);
+    for (vertex, (tangent, normal)) in tangents(drawn).into_iter().zip(normals).enumerate() {
         let tangent = tangent.truncate();
         assert!((tangent.length() - 1.0).abs() < 1e-5 && tangent.dot(normal).abs() < 1e-5);
-        turned += usize::from(tangent.y.abs() > 0.05);
+        // The upper rows are bent.
+        assert!(vertex < 16 || tangent.distance(asked) < 0.1, "{vertex}: {tangent}");
     }
-    assert!(turned > 20, "{turned}");
 }
