@@ -32,6 +32,8 @@
 //! # assert!(running.last_tick().is_some());
 //! ```
 //!
+//! The [`guide`] goes from here to a cape, and from what is seen to what to change.
+//!
 //! # How a tick goes
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
@@ -97,8 +99,17 @@ mod diagnostics;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
+pub mod guide;
 pub mod hang;
+#[cfg(feature = "demo")]
+mod looks;
 mod mesh;
+#[cfg(any(feature = "gizmos", feature = "panel"))]
+mod near;
+#[cfg(feature = "panel")]
+mod panel;
+#[cfg(feature = "picking")]
+mod picking;
 mod plugin;
 pub mod sdf;
 #[cfg(feature = "serialize")]
@@ -122,8 +133,17 @@ pub use collider::{
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
-pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
+pub use gizmos::{ClothGizmos, ClothGizmosPlugin, SdfSlice};
+#[cfg(feature = "demo")]
+pub use looks::two_sided;
 pub use mesh::{ClothIntake, MeshProblem, SkippedTriangles};
+#[cfg(feature = "panel")]
+pub use panel::{
+    ClothPanel, ClothPanelModelPlugin, ClothPanelPlugin, MaterialFileError, PanelAction,
+    PanelFacts, PanelHistory, PanelSample, explain, load_material, save_material,
+};
+#[cfg(feature = "picking")]
+pub use picking::{ClothPicking, ClothPickingPlugin};
 pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use step::ClothExecution;
 pub use wind::{ClothWind, ClothWindOverride, WindZone};

@@ -7,7 +7,8 @@
 //! | `weld`, `surface` | vertices at one place become one, what is no triangle is left out |
 //! | `intake` | the surface becomes rows and columns, or stays triangles |
 //! | `groups`, `normals` | normals of any triangles, and of rows and columns |
-//! | `draw` | writes positions and normals, once a frame |
+//! | `tangents` | tangents that turn with the triangles |
+//! | `draw` | writes positions, normals and tangents, once a frame |
 
 mod draw;
 mod groups;
@@ -16,6 +17,7 @@ mod normals;
 mod raw;
 mod rest;
 mod surface;
+mod tangents;
 mod weld;
 
 pub use intake::ClothIntake;

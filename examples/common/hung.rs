@@ -11,7 +11,7 @@ const ROD_HEIGHT: f32 = 2.3;
 /// Side of both cloths \[m\].
 const SIDE: f32 = 1.6;
 /// Distance of a ring from the middle of its curtain \[m\], where that hangs.
-const HALF_SPAN: f32 = 0.55;
+const HALF_SPAN: f32 = 0.68;
 
 /// Adds both curtains; the one that starts hung is the first.
 pub fn add_hung(world: &mut World, particles: u32) {

@@ -10,10 +10,13 @@ mod body;
 mod bunny;
 mod cape;
 pub mod check;
-mod curtain;
+pub mod curtain;
 mod drape;
+mod fabrics;
 mod figure;
 mod flag;
+#[cfg(all(feature = "demo", feature = "gizmos"))]
+mod gizmos;
 pub mod headless;
 mod hung;
 #[cfg(feature = "demo")]
@@ -30,8 +33,14 @@ pub mod repository;
 mod sail;
 pub mod scene;
 mod slide;
+mod stress;
+mod tablecloth;
+mod tuned;
 #[cfg(feature = "demo")]
 pub mod window;
+
+#[cfg(all(feature = "demo", feature = "gizmos"))]
+pub use gizmos::Lines;
 
 use clap::Args;
 use std::path::PathBuf;
@@ -45,16 +54,16 @@ pub struct Options {
     /// Seconds to simulate where there is no window.
     #[arg(short, long, default_value_t = 5.0, value_parser = seconds)]
     pub seconds: f32,
-    /// Leave after so many frames of 1/16 s each, with the final check.
+    /// Leave after so many frames of 1/16 s each (of a film 1/32 s), with the final check.
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Save the last of the frames as a picture; 80 frames where none are given.
+    /// Save the last of the frames as a picture, or all where the name has a `#`; 80 frames where none are given.
     #[arg(long, value_name = "PNG")]
     pub screenshot: Option<PathBuf>,
-    /// Draw threads coloured by their strain, and pins.
-    #[cfg(feature = "gizmos")]
-    #[arg(short, long)]
-    pub gizmos: bool,
+    /// Draw lines to look inside: all of these, or threads and pins where none is named.
+    #[cfg(all(feature = "demo", feature = "gizmos"))]
+    #[arg(short, long, value_enum, value_delimiter = ',', num_args = 0..)]
+    pub gizmos: Option<Vec<Lines>>,
     /// Only find out whether a window can be had: exit code 0 if so.
     #[arg(long, hide = true)]
     pub probe: bool,

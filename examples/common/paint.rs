@@ -6,7 +6,7 @@ use bevy::{
     prelude::*,
     render::render_resource::{Extent3d, TextureDimension, TextureFormat},
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, two_sided};
 
 /// Gives new things their material; cloth has two sides and a hem.
 pub fn paint(
@@ -23,8 +23,7 @@ pub fn paint(
             ..default()
         };
         if is_cloth {
-            material.double_sided = true;
-            material.cull_mode = None;
+            material = two_sided(material);
             material.reflectance = 0.25;
             material.base_color_texture = Some(images.add(hem(look.color)));
             material.base_color = Color::WHITE;

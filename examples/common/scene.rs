@@ -4,13 +4,17 @@ use super::{
     bunny::{add_bunny, hop, wait_for_tasks},
     cape::add_cape,
     check::Bounds,
-    curtain::add_curtain,
+    curtain::{add_curtain, draw_curtain},
     drape::{add_covered_bunny, add_spheres},
+    fabrics::add_fabrics,
     figure::walk,
     flag::add_flag,
     hung::add_hung,
     sail::add_sail,
     slide::slide,
+    stress::add_stress,
+    tablecloth::{add_tablecloth, pull},
+    tuned::add_tuned,
 };
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -54,7 +58,7 @@ pub enum Scene {
     Spheres,
     /// The bunny hops through a curtain.
     Bunny,
-    /// A cloth hung from two corners that come closer.
+    /// A curtain on a rail, that is drawn.
     Curtain,
     /// A curtain that starts hung, beside one that starts flat.
     Hung,
@@ -64,13 +68,22 @@ pub enum Scene {
     Sail,
     /// A cape on the shoulders of a figure that walks.
     Cape,
+    /// A cloth comes down on a table, and is pulled away.
+    Tablecloth,
+    /// The six fabrics that have names, each over a post.
+    Fabrics,
+    /// A hundred thousand particles in many cloths.
+    Stress,
+    /// A cloth in a breeze and one on a ball, to be tuned.
+    Tuned,
 }
 
 impl Scene {
     /// Adds the scene to an app that has a [`ClothPlugin`], meshes and transforms.
     pub fn add_to(self, app: &mut App, particles: u32) {
         app.init_resource::<Assets<Image>>();
-        app.add_systems(Update, wait_for_tasks).add_systems(FixedUpdate, (slide, hop, walk));
+        app.add_systems(Update, wait_for_tasks)
+            .add_systems(FixedUpdate, (slide, hop, walk, draw_curtain, pull));
         let world = app.world_mut();
         add_ground(world);
         // The box that the cloths are in at the end.
@@ -90,7 +103,7 @@ impl Scene {
             }
             Self::Curtain => {
                 add_curtain(world, particles);
-                ([-1.5, 0.0, -2.4], [1.5, 2.6, 2.4])
+                ([-1.3, 0.1, -0.8], [1.3, 2.3, 0.8])
             }
             Self::Hung => {
                 add_hung(world, particles);
@@ -107,6 +120,22 @@ impl Scene {
             Self::Cape => {
                 add_cape(world, particles);
                 ([-2.2, 0.1, -2.2], [2.2, 1.6, 2.2])
+            }
+            Self::Tablecloth => {
+                add_tablecloth(world, particles);
+                ([-1.5, 0.0, -1.5], [1.5, 1.6, 5.0])
+            }
+            Self::Fabrics => {
+                add_fabrics(world, particles);
+                ([-2.2, 0.0, -1.7], [2.2, 1.0, 1.7])
+            }
+            Self::Stress => {
+                add_stress(world, particles);
+                ([-4.5, 0.0, -4.5], [4.5, 1.0, 4.5])
+            }
+            Self::Tuned => {
+                add_tuned(world, particles);
+                ([-2.0, 0.0, -1.5], [2.0, 2.0, 2.0])
             }
         };
         world.insert_resource(Bounds { min: min.into(), max: max.into() });

@@ -9,10 +9,21 @@ use super::{
     scene::Scene,
 };
 use bevy::{prelude::*, render::RenderPlugin, window::WindowResolution};
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothPickingPlugin, prelude::*};
 
 /// Runs a scene in a window, or without one where there can be none.
 pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit {
+    run_with(scene, options, title, view, |_| {})
+}
+
+/// The same, with more in the app that has a window.
+pub fn run_with(
+    scene: Scene,
+    options: &Options,
+    title: &str,
+    view: View,
+    add: impl FnOnce(&mut App),
+) -> AppExit {
     if options.probe {
         return probe::answer();
     }
@@ -31,6 +42,8 @@ pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit 
     app.add_plugins((
         DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }).set(render),
         ClothPlugin::default(),
+        // The mouse pulls at every cloth.
+        ClothPickingPlugin,
     ))
     .insert_resource(view)
     .insert_resource(GlobalAmbientLight { brightness: 350.0, ..default() })
@@ -38,9 +51,10 @@ pub fn run(scene: Scene, options: &Options, title: &str, view: View) -> AppExit 
     .add_systems(Update, paint);
     scene.add_to(&mut app, options.particles);
     #[cfg(feature = "gizmos")]
-    if options.gizmos {
-        app.add_plugins(bevy_drape::ClothGizmosPlugin);
+    if let Some(lines) = &options.gizmos {
+        super::gizmos::add_gizmos(&mut app, lines);
     }
+    add(&mut app);
     if let Some(frames) = frames {
         leave_after(&mut app, frames, options.screenshot.clone());
     }

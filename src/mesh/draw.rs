@@ -1,6 +1,6 @@
 //! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
 
-use super::{MeshProblem, RestShape, intake::NormalPlan, normals::CellRows};
+use super::{MeshProblem, RestShape, intake::NormalPlan, normals::CellRows, tangents::Tangents};
 use crate::{
     cloth::{
         ClothInterpolation, ClothSimulation,
@@ -38,6 +38,8 @@ pub(crate) struct ClothMesh {
     /// Room to work out normals in, by rows or by groups.
     cells: CellRows,
     sums: Vec<Vec3>,
+    /// Those of the mesh, once that has been looked at.
+    tangents: Option<Option<Box<Tangents>>>,
     drawn: Option<Drawn>,
 }
 
@@ -69,6 +71,7 @@ impl ClothMesh {
             written: vec![Vec3::ZERO; count],
             cells: CellRows::new(columns),
             sums: Vec::new(),
+            tangents: None,
             drawn: None,
         }
     }
@@ -243,6 +246,11 @@ fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProbl
         }
     }
     let mesh = &mut *mesh;
+    if own.tangents.is_none() {
+        let is_sheet = matches!(own.rest, RestShape::Sheet { .. });
+        let tangents = if is_sheet { None } else { Tangents::take(mesh).map(Box::new) };
+        own.tangents = Some(tangents);
+    }
     if let VertexAttributeValues::Float32x3(out) =
         mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)?
     {
@@ -251,7 +259,29 @@ fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProbl
     if let VertexAttributeValues::Float32x3(out) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_NORMAL)? {
         write_normals(own, out);
     }
+    if let Some(Some(tangents)) = &mut own.tangents {
+        write_tangents(tangents, mesh)?;
+    }
     own.written.copy_from_slice(&own.points);
+    Ok(())
+}
+
+fn write_tangents(tangents: &mut Tangents, mesh: &mut Mesh) -> Result<(), MeshProblem> {
+    // Taken out, to be written while positions and normals are read.
+    let Ok(VertexAttributeValues::Float32x4(mut out)) =
+        mesh.try_remove_attribute(Mesh::ATTRIBUTE_TANGENT)
+    else {
+        return Err(MeshProblem::Changed);
+    };
+    let read = |which| match mesh.try_attribute_option(which)? {
+        Some(VertexAttributeValues::Float32x3(values)) => Ok(values),
+        _ => Err(MeshProblem::Changed),
+    };
+    let (places, normals) = (read(Mesh::ATTRIBUTE_POSITION)?, read(Mesh::ATTRIBUTE_NORMAL)?);
+    if out.len() == places.len() {
+        tangents.write(places, normals, &mut out);
+    }
+    mesh.try_insert_attribute(Mesh::ATTRIBUTE_TANGENT, out)?;
     Ok(())
 }
 

@@ -207,3 +207,62 @@ fn a_mesh_taken_from_under_the_cloth_is_told() {
     assert_eq!(failure(&app, cloth), Some(ClothError::Draw { entity: cloth, problem: gone }));
     assert_eq!(simulation(&app, cloth).tick_count(), 5);
 }
+
+/// A sheet as a mesh that has tangents, slanted to its edges.
+fn mesh_with_tangents() -> Mesh {
+    let place = |r: u32, c: u32| Vec3::new(c as f32 / 7.0 - 0.5, 0.0, r as f32 / 7.0 - 0.5);
+    let tangent = |i| [0.8, 0.0, 0.6, if i < 32 { 1.0 } else { -1.0 }];
+    let tangents: Vec<[f32; 4]> = (0..64).map(tangent).collect();
+    let mut mesh = grid_mesh(8, 8, |v| v, place);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_TANGENT, tangents);
+    mesh
+}
+
+fn tangents(mesh: &Mesh) -> Vec<Vec4> {
+    match mesh.attribute(Mesh::ATTRIBUTE_TANGENT) {
+        Some(VertexAttributeValues::Float32x4(values)) => {
+            values.iter().map(|v| Vec4::from_array(*v)).collect()
+        }
+        _ => panic!("it has no tangents"),
+    }
+}
+
+#[test]
+fn tangents_turn_with_the_cloth() {
+    let mut app = app();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let mesh = add_mesh(&mut app, mesh_with_tangents());
+    let hand = spawn(&mut app, Transform::default());
+    let pins = ClothPins::from(PinSelection::All).anchored_to(hand);
+    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins));
+    updates(&mut app, 3);
+    let turn = Quat::from_rotation_z(1.1);
+    transform(&mut app, hand).rotation = turn;
+    updates(&mut app, 3);
+    let drawn = drawn(&app, cloth);
+    for (vertex, tangent) in tangents(drawn).into_iter().enumerate() {
+        let asked = turn * Vec3::new(0.8, 0.0, 0.6);
+        assert!(tangent.truncate().distance(asked) < 1e-5, "{tangent} {asked}");
+        assert_eq!(tangent.w, if vertex < 32 { 1.0 } else { -1.0 });
+    }
+}
+
+#[test]
+fn tangents_of_a_cloth_that_hangs_hang_with_it() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, mesh_with_tangents());
+    let pins = ClothPins::from(PinSelection::FirstRow);
+    let material = ClothMaterial { drag: 5.0, ..default() };
+    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins, material));
+    updates(&mut app, 400);
+    let drawn = drawn(&app, cloth);
+    let normals = attribute(drawn, Mesh::ATTRIBUTE_NORMAL);
+    // What pointed along z, away from the row that is held, points down now.
+    let asked = Vec3::new(0.8, -0.6, 0.0);
+    for (vertex, (tangent, normal)) in tangents(drawn).into_iter().zip(normals).enumerate() {
+        let tangent = tangent.truncate();
+        assert!((tangent.length() - 1.0).abs() < 1e-5 && tangent.dot(normal).abs() < 1e-5);
+        // The upper rows are bent.
+        assert!(vertex < 16 || tangent.distance(asked) < 0.1, "{vertex}: {tangent}");
+    }
+}

@@ -1,0 +1,28 @@
+//! The six fabrics that have names, each over the same post: at the back silk, cotton and wool, in front
+//! denim, canvas and rubber.
+//!
+//! `cargo run --example fabrics --features demo`
+//!
+//! ```
+//! commands.spawn((Cloth::sheet(Vec2::ONE, UVec2::splat(64)), ClothMaterial::SILK));
+//! ```
+
+mod common;
+
+use bevy::prelude::*;
+use clap::Parser;
+use common::{Options, light::View, scene::Scene, window};
+
+/// Six fabrics, each over the same post.
+///
+/// Where there is no display or no graphics adapter it says so and runs headless.
+#[derive(Parser)]
+struct Cli {
+    #[command(flatten)]
+    options: Options,
+}
+
+fn main() -> AppExit {
+    let view = View { from: Vec3::new(0.0, 2.1, 4.1), at: Vec3::new(0.0, 0.27, 0.2) };
+    window::run(Scene::Fabrics, &Cli::parse().options, "bevy_drape: fabrics", view)
+}

@@ -1,0 +1,18 @@
+//! A guide, to be read. There is no code in it but its snippets, and those compile.
+//!
+//! - [`cape`]: from nothing to a cape on a character, step by step.
+//! - [`settings`]: from what is seen to what to change.
+//! - [`names`]: what things are called here, for those who come from Unity, Unreal, Obi or `bevy_silk`.
+//! - [`how_it_works`]: a page of equations, with their sources.
+
+#[doc = include_str!("cape.md")]
+pub mod cape {}
+
+#[doc = include_str!("settings.md")]
+pub mod settings {}
+
+#[doc = include_str!("names.md")]
+pub mod names {}
+
+#[doc = include_str!("how_it_works.md")]
+pub mod how_it_works {}

@@ -1,0 +1,49 @@
+//! What of a cloth is near a collider: looked up by what looks at cloths, never in a tick.
+
+use crate::{
+    cloth::{
+        ClothSimulation,
+        pose::{to_local, to_world},
+    },
+    solver::Collider,
+};
+use bevy::prelude::*;
+
+/// A particle beside a collider.
+pub(crate) struct Near {
+    /// Where it is \[m\].
+    pub place: Vec3,
+    /// Its distance from the collider's surface \[m\], below zero inside.
+    pub distance: f32,
+    /// The collider's normal there.
+    pub normal: Vec3,
+}
+
+/// Calls `act` with every particle within `reach` of a collider \[m\], where both are at the last tick's end,
+/// if they meet at all.
+pub(crate) fn for_each_near(
+    cloth: &ClothSimulation,
+    collider: &Collider<'_>,
+    reach: f32,
+    mut act: impl FnMut(Near),
+) {
+    if collider.layers & cloth.settings.layers == 0 {
+        return;
+    }
+    let pose = collider.motion.end();
+    let (min, max) = cloth.solver.bounds();
+    // Most colliders are nowhere near.
+    let middle = to_local(&pose, 0.5 * (min + max));
+    let away = pose.scale * (collider.shape.distance(middle) - collider.shape.overestimate());
+    if away > 0.5 * min.distance(max) + reach {
+        return;
+    }
+    for place in cloth.positions() {
+        let sample = collider.shape.sample(to_local(&pose, place));
+        let distance = pose.scale * sample.distance;
+        if distance <= reach {
+            let tip = to_world(&pose, sample.normal) - pose.translation;
+            act(Near { place, distance, normal: tip / pose.scale });
+        }
+    }
+}

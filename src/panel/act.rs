@@ -1,0 +1,71 @@
+//! Does what the panel was asked for, through the cloth's components.
+
+use super::{ClothPanel, PanelAction, load_material, save_material};
+use crate::{
+    cloth::{Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ResetCloth},
+    wind::ClothWindOverride,
+};
+use bevy::prelude::*;
+
+/// Does all that was asked, in that order.
+pub(super) fn act(
+    mut panel: ResMut<ClothPanel>,
+    cloths: Query<
+        (Option<&ClothFrozen>, Has<ClothGravityOverride>, Has<ClothWindOverride>),
+        With<Cloth>,
+    >,
+    mut commands: Commands,
+) {
+    if panel.asked.is_empty() {
+        return;
+    }
+    for action in core::mem::take(&mut panel.asked) {
+        if let PanelAction::Choose(other) = action {
+            if let Some(facts) = panel.facts.as_mut().filter(|_| cloths.contains(other)) {
+                facts.chosen = other;
+                panel.history.clear();
+            }
+            continue;
+        }
+        let Some(chosen) = panel.facts.as_ref().map(|facts| facts.chosen) else { continue };
+        let Ok((frozen, own_gravity, own_wind)) = cloths.get(chosen) else { continue };
+        let mut cloth = commands.entity(chosen);
+        match action {
+            PanelAction::Choose(_) => {}
+            PanelAction::SetMaterial(material) => drop(cloth.try_insert(material)),
+            PanelAction::SetSettings(settings) => drop(cloth.try_insert(settings)),
+            PanelAction::SetPins(pins) => drop(cloth.try_insert(pins)),
+            PanelAction::SetAir(Some(air)) => drop(cloth.try_insert(air)),
+            PanelAction::SetAir(None) => drop(cloth.try_remove::<ClothAir>()),
+            PanelAction::SetGravity(gravity) if own_gravity => {
+                cloth.try_insert(ClothGravityOverride(gravity));
+            }
+            PanelAction::SetGravity(gravity) => commands.insert_resource(ClothGravity(gravity)),
+            PanelAction::SetWind(wind) if own_wind => {
+                cloth.try_insert(ClothWindOverride(wind));
+            }
+            PanelAction::SetWind(wind) => commands.insert_resource(wind),
+            PanelAction::Pause(true) => drop(cloth.try_insert_if_new(ClothFrozen::default())),
+            PanelAction::Pause(false) => drop(cloth.try_remove::<ClothFrozen>()),
+            PanelAction::Step => {
+                let steps = frozen.map_or(0, |frozen| frozen.steps).saturating_add(1);
+                cloth.try_insert(ClothFrozen { steps });
+            }
+            PanelAction::Reset => commands.trigger(ResetCloth { entity: chosen }),
+            PanelAction::Save(path) => {
+                let material = panel.facts.as_ref().map(|facts| facts.material).unwrap_or_default();
+                panel.message = match save_material(&path, &material) {
+                    Ok(()) => format!("saved {}", path.display()),
+                    Err(error) => error.to_string(),
+                };
+            }
+            PanelAction::Load(path) => match load_material(&path) {
+                Ok(material) => {
+                    cloth.try_insert(material);
+                    panel.message = format!("loaded {}", path.display());
+                }
+                Err(error) => panel.message = error.to_string(),
+            },
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What the panel knows, and what it can ask for.
+
+use super::history::PanelHistory;
+use crate::{
+    cloth::{ClothAir, ClothMaterial, ClothPins, ClothSettings},
+    solver::Plan,
+    wind::ClothWind,
+};
+use bevy::prelude::*;
+use std::path::PathBuf;
+
+/// The panel: what it has gathered of the chosen cloth, and what it is asked to do.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::{ClothPanel, PanelAction, prelude::*};
+/// fn make_it_silk(mut panel: ResMut<ClothPanel>) {
+///     panel.ask(PanelAction::SetMaterial(ClothMaterial::SILK));
+/// }
+/// # bevy::ecs::system::assert_is_system(make_it_silk);
+/// ```
+#[derive(Resource, Debug)]
+pub struct ClothPanel {
+    /// Whether it is shown. Closed, it measures nothing.
+    pub open: bool,
+    /// The file that its buttons save the material to and load it from.
+    pub path: String,
+    /// What it last said: that a file was saved, or why not.
+    pub(super) message: String,
+    pub(super) facts: Option<PanelFacts>,
+    pub(super) history: PanelHistory,
+    pub(super) asked: Vec<PanelAction>,
+}
+
+impl Default for ClothPanel {
+    fn default() -> Self {
+        Self {
+            open: true,
+            path: "cloth.ron".into(),
+            message: String::new(),
+            facts: None,
+            history: PanelHistory::default(),
+            asked: Vec::new(),
+        }
+    }
+}
+
+impl ClothPanel {
+    /// The chosen cloth at the last frame's end; `None` where there is none.
+    pub fn facts(&self) -> Option<&PanelFacts> {
+        self.facts.as_ref()
+    }
+
+    /// What it measured, frame by frame.
+    pub fn history(&self) -> &PanelHistory {
+        &self.history
+    }
+
+    /// What it last said: that a file was saved, or why not.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// Asks for something, to be done at the frame's end, in the order asked.
+    pub fn ask(&mut self, action: PanelAction) {
+        self.asked.push(action);
+    }
+}
+
+/// What is known of the chosen cloth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelFacts {
+    /// All cloths, by name, in the order of their entities' numbers.
+    pub cloths: Vec<(Entity, String)>,
+    /// The chosen one.
+    pub chosen: Entity,
+    /// Its particles.
+    pub particle_count: usize,
+    /// Its material, as its component has it.
+    pub material: ClothMaterial,
+    /// Its settings.
+    pub settings: ClothSettings,
+    /// Its pins.
+    pub pins: ClothPins,
+    /// How it feels the air, if it does.
+    pub air: Option<ClothAir>,
+    /// Its gravity [m/s2]: that of the world, or its own.
+    pub gravity: Vec3,
+    /// Its wind: that of the world, or its own.
+    pub wind: ClothWind,
+    /// Whether it is frozen.
+    pub paused: bool,
+    /// Whether it sleeps.
+    pub asleep: bool,
+    /// What the solver chose.
+    pub plan: Plan,
+    /// What is wrong with it.
+    pub errors: Vec<String>,
+}
+
+/// What the panel can be asked to do, to the chosen cloth where nothing else is said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PanelAction {
+    /// Chooses another cloth.
+    Choose(Entity),
+    /// Gives it another material.
+    SetMaterial(ClothMaterial),
+    /// Gives it other settings.
+    SetSettings(ClothSettings),
+    /// Gives it other pins.
+    SetPins(ClothPins),
+    /// Lets it feel the air, or not.
+    SetAir(Option<ClothAir>),
+    /// Another gravity [m/s2]: its own where it has one, else that of the world.
+    SetGravity(Vec3),
+    /// Another wind: its own where it has one, else that of the world.
+    SetWind(ClothWind),
+    /// Freezes it, or lets it go on.
+    Pause(bool),
+    /// Freezes it, and takes a single tick.
+    Step,
+    /// Puts it back to its rest shape.
+    Reset,
+    /// Saves its material as RON.
+    Save(PathBuf),
+    /// Gives it the material of a file.
+    Load(PathBuf),
+}

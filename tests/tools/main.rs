@@ -1,0 +1,12 @@
+//! What looks at cloths and pulls at them: gizmos, panel, mouse. Headless: what would be drawn is counted
+//! and looked at, clicks are rays.
+//!
+//! Truths: closed forms (a plane's normal, circles around a sphere's middle, an anchor's place), counts, and
+//! that what is off draws nothing.
+
+#[path = "../ecs/common.rs"]
+#[allow(dead_code)]
+mod common;
+mod gizmos;
+mod panel;
+mod picking;
