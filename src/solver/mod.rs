@@ -419,18 +419,11 @@ impl ClothSolver {
         }
     }
 
-    /// Whether there is anything to hold to the limit.
+    /// Whether there is anything to hold to the limit. A mesh's pass looks for itself, as it goes.
     fn is_any_beyond(&self, limit: f32, shear: bool) -> bool {
+        let Topology::Lattice(lattice) = &self.topology else { return true };
         let State { x, d, .. } = &self.state;
-        match (&self.topology, &self.scratch.graph) {
-            (Topology::Lattice(lattice), _) => {
-                self.isa.run(IsAnyBeyond { lattice, limit, shear, x, d })
-            }
-            (Topology::Graph(graph), Some(room)) => {
-                room.is_any_beyond(self.isa, graph, limit, shear)
-            }
-            (Topology::Graph(_), None) => true,
-        }
+        self.isa.run(IsAnyBeyond { lattice, limit, shear, x, d })
     }
 
     /// Longest that a spring may be, in rest lengths.

@@ -114,15 +114,22 @@ impl CorrectPairs<'_> {
             let (xp, wp) = self.places.gather_moved(t, first, at);
             let (xq, wq) = self.places.gather_moved(t, second, at);
             let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
+            let mut strongest = Block::ZERO;
             for i in 0..LANES {
                 let way = xq.at(i) - xp.at(i);
                 let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
                 let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
                 let spring =
                     Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
-                let pull = way * (law(spring) / length);
+                let strength = law(spring);
+                strongest.0[i] = strength.abs();
+                let pull = way * (strength / length);
                 dp.set(i, pull * wp.0[i]);
                 dq.set(i, pull * -wq.0[i]);
+            }
+            // Few springs are beyond their limit, and to put back what has not moved is dear.
+            if strongest.largest() == 0.0 {
+                continue;
             }
             self.places.scatter(t, first, at, dp);
             self.places.scatter(t, second, at, dq);
@@ -164,34 +171,4 @@ fn gather(vectors: &Soa, slots: &[u32], at: usize) -> Block3 {
         out.set(i, vectors.get(slot as usize));
     }
     out
-}
-
-/// Looks for a spring that is longer than so many rest lengths.
-pub(crate) struct IsAnyPairBeyond<'a> {
-    pub pairs: &'a Pairs,
-    pub limit: f32,
-    pub places: &'a Places,
-}
-
-impl TransposingKernel for IsAnyPairBeyond<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self, t: impl Transpose) -> bool {
-        let Self { pairs, limit, places } = self;
-        let mut excess = Block::ZERO;
-        for at in (0..pairs.first.len()).step_by(LANES) {
-            let rest = Block::load(&pairs.rest, at);
-            let (xp, _) = places.gather_moved(t, &pairs.first, at);
-            let (xq, _) = places.gather_moved(t, &pairs.second, at);
-            for i in 0..LANES {
-                let span = xq.at(i) - xp.at(i);
-                let longest = rest.0[i] * limit;
-                let over = span.dot(span) - longest * longest;
-                let over = if rest.0[i] > 0.0 { over } else { 0.0 };
-                excess.0[i] = larger(over, excess.0[i]);
-            }
-        }
-        excess.largest() > 0.0
-    }
 }

@@ -6,7 +6,7 @@ use bevy::math::Vec3;
 use super::Graph;
 use super::forces::{Damped, GatherDamping, GatherForces, Pulls, Target};
 use super::hinges::{Bent, Turn};
-use super::pairs::{CorrectPairs, IsAnyPairBeyond, LargestStrain};
+use super::pairs::{CorrectPairs, LargestStrain};
 use super::places::{FillPlaces, Places, TakeDisplacements};
 use super::solve::SolveChains;
 use super::strengths::Strengths;
@@ -116,15 +116,6 @@ impl Room {
         isa.run_transposing(GatherDamping { springs, places, target });
         let target = Target::Accelerations { predicted, a };
         isa.run_transposing(GatherDamping { springs, places, target });
-    }
-
-    /// Whether any spring is longer than so many rest lengths.
-    pub fn is_any_beyond(&self, isa: Isa, graph: &Graph, limit: f32, shear: bool) -> bool {
-        let families = [(true, &graph.structural_pairs), (shear, &graph.shear_pairs)];
-        let mut wanted = families.into_iter().filter(|&(wanted, _)| wanted);
-        wanted.any(|(_, pairs)| {
-            isa.run_transposing(IsAnyPairBeyond { pairs, limit, places: &self.places })
-        })
     }
 
     /// Corrects springs one batch after the other.
