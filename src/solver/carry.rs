@@ -20,9 +20,8 @@
 use bevy::math::Vec3;
 
 use super::ClothSolver;
-use super::isa::Kernel;
-use super::lanes::{Block3, LANES, Soa};
-use super::lattice::Layout;
+use super::integrate::Add;
+use super::lanes::Soa;
 use super::parameters::Integrator;
 use super::plan::Form;
 use super::state::State;
@@ -124,11 +123,13 @@ impl ClothSolver {
         }
     }
 
-    fn note_pulls(&mut self, sign: f32) {
+    /// Adds displacements to the pulls, or takes them away.
+    fn note_pulls(&mut self, part: f32) {
         if self.scratch.carries {
             let layout = self.topology.layout();
+            let inverse_mass = &self.held.inverse_mass;
             let State { d, pull, .. } = &mut self.state;
-            self.isa.run(NotePulls { layout, sign, d, pull });
+            self.isa.run(Add { layout, part, inverse_mass, from: d, to: pull });
         }
     }
 
@@ -143,32 +144,5 @@ impl State {
     /// Something moves a particle while pulls are noted that is none of them.
     pub(super) fn leave_out(&mut self, slot: usize, moved: Vec3) {
         self.pull.set(slot, self.pull.get(slot) - moved);
-    }
-}
-
-/// Adds displacements to the pulls, or takes them away.
-struct NotePulls<'a> {
-    layout: Layout,
-    sign: f32,
-    d: &'a Soa,
-    pull: &'a mut Soa,
-}
-
-impl Kernel for NotePulls<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
-                let d = Block3::load(self.d, slot);
-                let mut pull = Block3::load(self.pull, slot);
-                for i in 0..LANES {
-                    pull.set(i, pull.at(i) + d.at(i) * self.sign);
-                }
-                pull.store(self.pull, slot);
-            }
-        }
     }
 }

@@ -143,3 +143,32 @@ impl Kernel for Displace<'_> {
         }
     }
 }
+
+/// Adds a part of one vector of each free particle to another.
+pub(super) struct Add<'a> {
+    pub layout: Layout,
+    pub part: f32,
+    pub inverse_mass: &'a [f32],
+    pub from: &'a Soa,
+    pub to: &'a mut Soa,
+}
+
+impl Kernel for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let w = Block::load(self.inverse_mass, slot);
+                let (from, mut to) = (Block3::load(self.from, slot), Block3::load(self.to, slot));
+                for i in 0..LANES {
+                    let part = if w.0[i] > 0.0 { self.part } else { 0.0 };
+                    to.set(i, to.at(i) + from.at(i) * part);
+                }
+                to.store(self.to, slot);
+            }
+        }
+    }
+}

@@ -35,7 +35,6 @@
 //! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
-//! | `taut` | threads under too much tension for a substep |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 
@@ -386,22 +385,17 @@ impl ClothSolver {
         if stiffness > 0.0 {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let limit = self.limit();
-            let Topology::Lattice(lattice) = &self.topology else {
-                self.correct_springs(Rule::Shear { compliance, limit });
-                return;
-            };
-            if !self.state.carries {
-                self.correct_springs(Rule::Shear { compliance, limit });
-                return;
+            match &self.topology {
+                Topology::Lattice(lattice) if self.state.carries => self.isa.run(CorrectShear {
+                    lattice,
+                    inverse_mass: &self.held.inverse_mass,
+                    rule: ShearRule { compliance, limit, crowd: lattice.crowd },
+                    x: &self.state.x,
+                    d: &mut self.state.d,
+                    pulls: &mut self.scratch.row_pulls,
+                }),
+                _ => self.correct_springs(Rule::Shear { compliance, limit }),
             }
-            self.isa.run(CorrectShear {
-                lattice,
-                inverse_mass: &self.held.inverse_mass,
-                rule: ShearRule { compliance, limit, crowd: lattice.crowd },
-                x: &self.state.x,
-                d: &mut self.state.d,
-                pulls: &mut self.scratch.row_pulls,
-            });
         }
     }
 
@@ -549,9 +543,7 @@ impl ClothSolver {
         let origin = self.state.origin;
         if !survey.finite || !is_near(origin + survey.max) || !is_near(origin + survey.min) {
             self.state.x.copy_from(&self.state.start);
-            self.state.d.clear();
-            self.state.last_step = 0.0;
-            self.stop_carrying();
+            self.come_to_rest();
             self.scratch.contact.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);

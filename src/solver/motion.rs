@@ -128,9 +128,7 @@ impl ClothSolver {
             let near = pose.rotation * p + (pose.translation - self.state.origin);
             self.state.x.set(self.topology.slot(particle), near);
         }
-        self.state.d.clear();
-        self.state.last_step = 0.0;
-        self.stop_carrying();
+        self.come_to_rest();
         self.stand_still();
         Ok(())
     }
@@ -150,11 +148,17 @@ impl ClothSolver {
         for (particle, &p) in positions.iter().enumerate() {
             self.state.x.set(self.topology.slot(particle), p - self.state.origin);
         }
+        self.come_to_rest();
+        self.stand_still();
+        Ok(())
+    }
+
+    /// Forgets all velocities, and what led to them.
+    pub(super) fn come_to_rest(&mut self) {
         self.state.d.clear();
         self.state.last_step = 0.0;
         self.stop_carrying();
-        self.stand_still();
-        Ok(())
+        self.scratch.contact.owed.clear();
     }
 
     /// Says that the cloth does not move at present, as no tick is taken: what is drawn between two

@@ -1,8 +1,8 @@
-//! Shear of the thread form: all springs across the cells corrected at once, each from where the particles
-//! were before any was (Jacobi's iteration).
+//! Shear of threads while corrections are carried on (`carry`): all springs across the cells corrected at once,
+//! each from where the particles were before any was (Jacobi's iteration).
 //!
 //! The order in which springs are corrected one after the other gives what moves a direction, and sheets
-//! gain energy by it once corrections are carried on (`carry`): a sweep to and fro does not, and costs
+//! gain energy by it once corrections are carried on: a sweep to and fro does not, and costs
 //! twice as much. All at once has no order, and passes over the rows but once.
 
 use bevy::math::Vec3;

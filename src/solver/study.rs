@@ -12,9 +12,9 @@ use bevy::math::Vec3;
 use super::ClothSolver;
 use super::carry::Carry;
 use super::input::StepInput;
-use super::integrate::{Acceleration, Integrate};
-use super::isa::{Isa, Kernel};
-use super::lanes::{Block, Block3, LANES, Soa};
+use super::integrate::{Acceleration, Add, Integrate};
+use super::isa::Isa;
+use super::lanes::Soa;
 use super::lattice::Layout;
 use super::parameters::Integrator;
 
@@ -128,33 +128,5 @@ struct Adding {
 impl Adding {
     fn run(self, part: f32, inverse_mass: &[f32], from: &Soa, to: &mut Soa) {
         self.isa.run(Add { layout: self.layout, part, inverse_mass, from, to });
-    }
-}
-
-struct Add<'a> {
-    layout: Layout,
-    part: f32,
-    inverse_mass: &'a [f32],
-    from: &'a Soa,
-    to: &'a mut Soa,
-}
-
-impl Kernel for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
-                let w = Block::load(self.inverse_mass, slot);
-                let (from, mut to) = (Block3::load(self.from, slot), Block3::load(self.to, slot));
-                for i in 0..LANES {
-                    let part = if w.0[i] > 0.0 { self.part } else { 0.0 };
-                    to.set(i, to.at(i) + from.at(i) * part);
-                }
-                to.store(self.to, slot);
-            }
-        }
     }
 }

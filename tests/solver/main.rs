@@ -4,6 +4,7 @@
 
 mod air;
 mod bending;
+mod carry;
 mod common;
 mod contact;
 mod determinism;
