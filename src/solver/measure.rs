@@ -88,7 +88,8 @@ impl Kernel for TakeSurvey<'_> {
 /// What has been seen so far, a lane each.
 struct Totals {
     moved: Block,
-    strain: Block,
+    /// Squares of lengths over rest lengths.
+    stretch: Block,
     spoiled: Block,
     low: Block3,
     high: Block3,
@@ -98,7 +99,7 @@ impl Totals {
     fn at(first: Vec3) -> Self {
         Self {
             moved: Block::ZERO,
-            strain: Block::splat(-1.0),
+            stretch: Block::ZERO,
             spoiled: Block::ZERO,
             low: Block3::splat(first),
             high: Block3::splat(first),
@@ -110,7 +111,7 @@ impl Totals {
         Survey {
             finite: self.spoiled.0.iter().all(|&lane| lane == 0.0),
             moved: self.moved.largest(),
-            max_strain: self.strain.largest(),
+            max_strain: self.stretch.largest().sqrt() - 1.0,
             min: Vec3::new(least(&self.low.x), least(&self.low.y), least(&self.low.z)),
             max: Vec3::new(most(&self.high.x), most(&self.high.y), most(&self.high.z)),
         }
@@ -155,9 +156,10 @@ impl TakeSurvey<'_> {
         let rest = Block::load(rests, slot);
         for i in 0..LANES {
             let d = there.at(i) - x.at(i);
-            let strain = d.dot(d).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
-            let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
-            totals.strain.0[i] = larger(strain, totals.strain.0[i]);
+            let rest = rest.0[i];
+            let stretch = d.dot(d) / larger(rest * rest, f32::MIN_POSITIVE);
+            let stretch = if rest > 0.0 { stretch } else { 0.0 };
+            totals.stretch.0[i] = larger(stretch, totals.stretch.0[i]);
         }
     }
 }

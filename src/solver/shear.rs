@@ -28,15 +28,17 @@ pub(super) struct ShearRule {
 }
 
 impl ShearRule {
-    /// How strongly a spring pulls, as the correction of an end of inverse mass one \[m kg\].
+    /// How strongly a spring pulls for each metre of its length, as the correction of an end of inverse mass
+    /// one \[kg\]: to its rest length, or to its limit where that is more.
     #[inline(always)]
     pub fn pull(&self, length: f32, rest: f32, factor: f32, inverse_masses: f32) -> f32 {
         let stiffest = larger(inverse_masses, LEAST_DIVISOR) * (CROWD * self.crowd);
-        // Without a spring both are infinite, or none.
-        let elastic = (length - rest) / larger(factor * self.compliance, stiffest);
-        let limited = (length - rest * self.limit) / stiffest;
-        let limited = if rest > 0.0 { limited } else { -1.0 };
-        larger(elastic, limited)
+        let divisor = larger(factor * self.compliance, stiffest);
+        let (elastic, limited) = (length - rest, length - rest * self.limit);
+        // The larger of two fractions, and but one division.
+        let is_limited = limited * divisor > elastic * stiffest;
+        let (over, by) = if is_limited { (limited, stiffest) } else { (elastic, divisor) };
+        if rest > 0.0 { over / (by * length) } else { 0.0 }
     }
 }
 
@@ -124,7 +126,7 @@ impl CorrectShear<'_> {
             let span = xq.at(i) - xp.at(i);
             let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
             let strength = self.rule.pull(length, rest.0[i], factor.0[i], wp.0[i] + wq.0[i]);
-            pull.set(i, span * (strength / length));
+            pull.set(i, span * strength);
         }
         pull
     }

@@ -114,10 +114,11 @@ pub(crate) struct Scratch {
     pub contact: ContactRoom,
 }
 
-/// Directions, inverse pivots and right-hand sides of threads solved side by side.
+/// Spans and their lengths, inverse pivots and right-hand sides of threads solved side by side.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
-    pub direction: Soa,
+    pub span: Soa,
+    pub length: Array,
     pub inverse_pivot: Array,
     pub residual: Array,
     /// Corrections of their particles, where threads are taut.
@@ -128,7 +129,8 @@ impl Line {
     /// Room for threads of so many springs, times [`LANES`].
     pub fn new(longest: usize) -> Self {
         Self {
-            direction: Soa::zeros(longest),
+            span: Soa::zeros(longest),
+            length: Array::zeros(longest),
             inverse_pivot: Array::zeros(longest),
             residual: Array::zeros(longest),
             correction: Soa::zeros(longest),

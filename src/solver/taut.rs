@@ -44,7 +44,7 @@ pub(super) fn ease(line: &mut Line, threads: &mut impl Threads) {
 
 /// Works out tensions and corrections `c` anew, from the last place to the first, and eliminates
 /// `(1 + G) z = c` on the way: the factors take the place of the pivots, the right-hand sides that of the
-/// directions, each once it has served.
+/// spans, each once it has served.
 #[inline(always)]
 fn eliminate(line: &mut Line, threads: &impl Threads) {
     let mut pull = Block3::ZERO;
@@ -55,15 +55,17 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
         let (mut pull_before, mut before) = (Block3::ZERO, Block::ZERO);
         if place > 0 {
             let spring = at - LANES;
-            let n = Block3::load(&line.direction, spring);
+            let span = Block3::load(&line.span, spring);
             let inverse = Block::load(&line.inverse_pivot, spring);
             let residual = Block::load(&line.residual, spring);
+            let length = Block::load(&line.length, spring);
             let (next, rest) = (threads.inverse_mass(place - 1), threads.rest(place - 1));
             for i in 0..LANES {
-                let beside = w.0[i] * n.at(i).dot(pull.at(i));
+                let beside = w.0[i] * span.at(i).dot(pull.at(i));
                 let tension = (residual.0[i] + beside) * inverse.0[i];
-                pull_before.set(i, n.at(i) * tension);
-                let over = tension / rest.0[i] - STEADY / larger(w.0[i], next.0[i]);
+                pull_before.set(i, span.at(i) * tension);
+                let pulled = tension * length.0[i] / rest.0[i];
+                let over = pulled - STEADY / larger(w.0[i], next.0[i]);
                 before.0[i] = if rest.0[i] > 0.0 { larger(over, 0.0) } else { 0.0 };
             }
         }
@@ -77,7 +79,7 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
             correction.set(i, c);
         }
         factor.store(&mut line.inverse_pivot, at);
-        right.store(&mut line.direction, at);
+        right.store(&mut line.span, at);
         correction.store(&mut line.correction, at);
         (pull, after) = (pull_before, before);
     }
@@ -90,7 +92,7 @@ fn substitute(line: &Line, threads: &mut impl Threads) {
     for place in 0..threads.places() {
         let at = place * LANES;
         let factor = Block::load(&line.inverse_pivot, at);
-        let right = Block3::load(&line.direction, at);
+        let right = Block3::load(&line.span, at);
         let c = Block3::load(&line.correction, at);
         let mut more = Block3::ZERO;
         for i in 0..LANES {

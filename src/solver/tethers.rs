@@ -343,8 +343,21 @@ impl PullTethers<'_> {
         let mut d = Block3::load(self.d, slot);
         let limit = Block::load(&self.set.limit, slot);
         let w = Block::load(self.inverse_mass, slot);
+        let mut ways = Block3::ZERO;
+        let mut furthest = Block::ZERO;
         for i in 0..LANES {
             let way = (x.at(i) + d.at(i)) - pin(i);
+            let limit = limit.0[i] * self.ease;
+            let beyond = way.dot(way) - limit * limit;
+            ways.set(i, way);
+            furthest.0[i] = if w.0[i] > 0.0 { larger(beyond, 0.0) } else { 0.0 };
+        }
+        // Few are beyond their tethers.
+        if furthest.largest() == 0.0 {
+            return;
+        }
+        for i in 0..LANES {
+            let way = ways.at(i);
             let distance = way.dot(way).sqrt();
             let excess =
                 if w.0[i] > 0.0 { larger(distance - limit.0[i] * self.ease, 0.0) } else { 0.0 };

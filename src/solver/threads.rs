@@ -6,6 +6,9 @@
 //! spring's own, `1 / (k h^2)` (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18; with drag, what a
 //! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
+//!
+//! What is solved for is each tension over the spring's length, with each equation times that length: springs
+//! then stand in it as they are, and none has to be divided by its length for a direction.
 
 use super::isa::{Kernel, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
@@ -18,10 +21,9 @@ use super::transpose::Transpose;
 /// held at both ends has one constraint too many; this keeps its matrix far enough from singular
 /// for f32, at a strain of the same size.
 const LEAST_COMPLIANCE: f32 = 1e-5;
-/// Least pivot \[1/kg\]: between two held particles nothing can move, whatever the residual.
-const LEAST_PIVOT: f32 = 1e-12;
-/// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
-const LEAST_LENGTH: f32 = 1e-12;
+/// Least pivot \[m2/kg\]: between two held particles nothing can move, whatever the residual, and a
+/// collapsed spring has no direction and is left alone.
+const LEAST_PIVOT: f32 = 1e-30;
 
 /// Solves all warp threads, a column a lane.
 pub(super) struct SolveWarp<'a> {
@@ -311,14 +313,19 @@ pub(super) struct Reach {
 /// One step of the elimination.
 #[derive(Clone, Copy)]
 pub(super) struct Pivot {
-    direction: Block3,
+    /// From one end of the springs to the other, and how long that is \[m\].
+    span: Block3,
+    length: Block,
+    /// 1 / pivot \[kg/m2\].
     inverse: Block,
+    /// Length times excess length, and what the springs before add to it \[m2\].
     residual: Block,
 }
 
 impl Default for Pivot {
     fn default() -> Self {
-        Self { direction: Block3::ZERO, inverse: Block::ZERO, residual: Block::ZERO }
+        let none = Block::ZERO;
+        Self { span: Block3::ZERO, length: none, inverse: none, residual: none }
     }
 }
 
@@ -338,28 +345,30 @@ impl Pivot {
         let mut next = Self::default();
         for i in 0..LANES {
             let span = x[1].at(i) - x[0].at(i);
+            let square = span.dot(span);
             // Not `Vec3::length`, whose square root may be a call.
-            let length = span.dot(span).sqrt();
+            let length = square.sqrt();
             let over = length - rest.0[i] * reach.limit;
             let over = if rest.0[i] > 0.0 { over } else { 0.0 };
             excess.0[i] = larger(over, excess.0[i]);
-            let n = span * (1.0 / larger(length, LEAST_LENGTH));
             let diagonal = w[0].0[i] + w[1].0[i];
             // In this order the larger of the two is a number even where the first is NaN.
             let soft = larger(factor.0[i] * reach.compliance, diagonal * LEAST_COMPLIANCE);
-            let beside = w[0].0[i] * n.dot(self.direction.at(i));
+            let beside = w[0].0[i] * span.dot(self.span.at(i));
             let carried = beside * self.inverse.0[i];
-            let pivot = larger(diagonal + soft - beside * carried, LEAST_PIVOT);
-            next.direction.set(i, n);
+            let pivot = larger(square * (diagonal + soft) - beside * carried, LEAST_PIVOT);
+            next.span.set(i, span);
+            next.length.0[i] = length;
             next.inverse.0[i] = 1.0 / pivot;
-            next.residual.0[i] = length - rest.0[i] + carried * self.residual.0[i];
+            next.residual.0[i] = length * (length - rest.0[i]) + carried * self.residual.0[i];
         }
         next
     }
 
     #[inline(always)]
     pub fn store(&self, line: &mut Line, at: usize) {
-        self.direction.store(&mut line.direction, at);
+        self.span.store(&mut line.span, at);
+        self.length.store(&mut line.length, at);
         self.inverse.store(&mut line.inverse_pivot, at);
         self.residual.store(&mut line.residual, at);
     }
@@ -367,7 +376,8 @@ impl Pivot {
     #[inline(always)]
     pub fn load(line: &Line, at: usize) -> Self {
         Self {
-            direction: Block3::load(&line.direction, at),
+            span: Block3::load(&line.span, at),
+            length: Block::load(&line.length, at),
             inverse: Block::load(&line.inverse_pivot, at),
             residual: Block::load(&line.residual, at),
         }
@@ -395,11 +405,11 @@ impl Tension {
         let mut pull = Block3::ZERO;
         let mut correction = Block3::ZERO;
         for i in 0..LANES {
-            let n = pivot.direction.at(i);
-            let beside = w.0[i] * n.dot(self.pull.at(i));
+            let span = pivot.span.at(i);
+            let beside = w.0[i] * span.dot(self.pull.at(i));
             let tension = (pivot.residual.0[i] + beside) * pivot.inverse.0[i];
-            self.most.0[i] = larger(tension * w.0[i], self.most.0[i]);
-            pull.set(i, n * tension);
+            self.most.0[i] = larger(tension * pivot.length.0[i] * w.0[i], self.most.0[i]);
+            pull.set(i, span * tension);
             correction.set(i, (self.pull.at(i) - pull.at(i)) * w.0[i]);
         }
         self.pull = pull;

@@ -3,7 +3,8 @@
 
 use bevy::math::Vec3;
 
-use super::hinges::Bent;
+use super::couplings::Coupled;
+use super::hinges::Turned;
 use super::places::{Places, gather, load, store};
 use super::table::Table;
 use crate::solver::forces::pull;
@@ -27,7 +28,8 @@ pub(crate) struct Pulls<'a> {
 pub(crate) struct GatherForces<'a> {
     /// Structural and shear springs, and flexion springs, where they have any constant.
     pub springs: [Option<Pulls<'a>>; 2],
-    pub bent: Option<Bent<'a>>,
+    /// Hinges that are flat at rest, and those that are curved, where they have any rigidity.
+    pub bent: Option<(Coupled<'a>, Turned<'a>)>,
     pub gravity: Vec3,
     pub places: &'a Places,
     pub a: &'a mut Soa,
@@ -46,8 +48,9 @@ impl TransposingKernel for GatherForces<'_> {
             for springs in self.springs.iter().flatten() {
                 springs.add(t, block, &here, all, &mut force);
             }
-            if let Some(bent) = &self.bent {
-                bent.add(t, block, &mut force);
+            if let Some((flat, curved)) = &self.bent {
+                flat.add(t, block, &here, all, &mut force);
+                curved.add(t, block, &mut force);
             }
             let mut a = Block3::ZERO;
             for i in 0..LANES {

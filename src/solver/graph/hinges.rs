@@ -13,6 +13,7 @@
 //! Between rectangular cells the hinges are the lattice's instead, whichever way the cells are halved
 //! (`threads`).
 
+use super::couplings::Couplings;
 use super::edges::{Edge, Mesh};
 use super::places::{Places, gather, store};
 use super::table::Table;
@@ -45,16 +46,25 @@ pub(crate) struct Hinge {
     turn: f32,
 }
 
-/// The hinges of a mesh, in rows of [`LANES`].
+/// The hinges of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hinges {
+    /// Those that are curved at rest, then those that are flat.
     pub all: Vec<Hinge>,
+    /// Worked out hinge by hinge.
+    pub curved: Curved,
+    /// Worked out particle by particle.
+    pub flat: Couplings,
+}
+
+/// Hinges that are curved at rest, in rows of [`LANES`].
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Curved {
     slots: [Vec<u32>; 4],
     weights: [Array; 3],
-    /// Empty where all are flat at rest.
     turn: Array,
     /// The hinges of each particle, and its weights in them.
-    pub table: Table,
+    table: Table,
     own_weight: Array,
 }
 
@@ -75,9 +85,32 @@ impl Hinges {
             .iter()
             .filter(|edge| edge.sides == 2 && !edge.diagonal && !cells.are_beside(edge))
             .map(|edge| across_edge(mesh, edge, stiffness(edge.ends)));
-        let all: Vec<Hinge> = along.chain(across).collect();
+        let (curved, flat): (Vec<Hinge>, Vec<Hinge>) =
+            along.chain(across).partition(|hinge| hinge.turn != 0.0);
+        let slots = (mesh.positions.len() + 1).next_multiple_of(LANES);
+        Self {
+            curved: Curved::new(slots, mesh.positions.len() as u32, &curved),
+            flat: Couplings::new(slots, &flat),
+            all: [curved, flat].concat(),
+        }
+    }
+
+    /// How many are curved at rest.
+    fn split(&self) -> usize {
+        self.all.len() - self.flat.hinges()
+    }
+
+    /// Sums what flat hinges of the given constants \[N/m\] pull with.
+    pub fn couple(&self, constants: &[f32], couplings: &mut Array) {
+        let split = self.split();
+        self.flat.fill(&self.all[split..], &constants[split..], couplings);
+    }
+}
+
+impl Curved {
+    /// Those of the particles of `slots` slots, of which `beside` is nobody's.
+    fn new(slots: usize, beside: u32, all: &[Hinge]) -> Self {
         let len = all.len().next_multiple_of(LANES);
-        let beside = mesh.positions.len() as u32;
         let corner = |i: usize| {
             let mut slots: Vec<u32> = all.iter().map(|hinge| hinge.slots[i]).collect();
             slots.resize(len, beside);
@@ -85,12 +118,11 @@ impl Hinges {
         };
         let column = |of: &dyn Fn(&Hinge) -> f32| {
             let mut array = Array::zeros(len);
-            for (to, hinge) in array.iter_mut().zip(&all) {
+            for (to, hinge) in array.iter_mut().zip(all) {
                 *to = of(hinge);
             }
             array
         };
-        let is_flat = all.iter().all(|hinge| hinge.turn == 0.0);
         let mut entries = Vec::with_capacity(4 * all.len());
         for (i, hinge) in all.iter().enumerate() {
             for (corner, &slot) in hinge.slots.iter().enumerate() {
@@ -100,7 +132,6 @@ impl Hinges {
                 entries.push((slot, i as u32, (4 * i + corner) as u32));
             }
         }
-        let slots = (mesh.positions.len() + 1).next_multiple_of(LANES);
         let table = Table::new(slots, entries, |_| 0);
         let mut own_weight = table.room();
         table.fill(&mut own_weight, |source| all[source / 4].weights[source % 4]);
@@ -111,10 +142,9 @@ impl Hinges {
                 column(&|hinge| hinge.weights[2]),
                 column(&|hinge| hinge.weights[3]),
             ],
-            turn: if is_flat { Array::default() } else { column(&|hinge| hinge.turn) },
+            turn: column(&|hinge| hinge.turn),
             table,
             own_weight,
-            all,
         }
     }
 
@@ -166,9 +196,9 @@ fn across_edge(mesh: &Mesh<'_>, edge: &Edge, stiffness: f32) -> Hinge {
     }
 }
 
-/// Works out the moments `K D` of all hinges.
+/// Works out the moments `K (D - D0)` of all hinges.
 pub(crate) struct Turn<'a> {
-    pub hinges: &'a Hinges,
+    pub hinges: &'a Curved,
     /// K of each hinge \[N/m\].
     pub constants: &'a [f32],
     pub places: &'a Places,
@@ -193,17 +223,11 @@ impl TransposingKernel for Turn<'_> {
                 }
             }
             let constant = Block::load(self.constants, at);
-            let mut scale = constant;
-            if !hinges.turn.is_empty() {
-                let rest = Block::load(&hinges.turn, at);
-                for i in 0..LANES {
-                    let d = turn.at(i);
-                    let length = larger(d.dot(d).sqrt(), LEAST_TURN);
-                    scale.0[i] = constant.0[i] * (1.0 - rest.0[i] / length);
-                }
-            }
+            let rest = Block::load(&hinges.turn, at);
             for i in 0..LANES {
-                turn.set(i, turn.at(i) * scale.0[i]);
+                let d = turn.at(i);
+                let length = larger(d.dot(d).sqrt(), LEAST_TURN);
+                turn.set(i, d * (constant.0[i] * (1.0 - rest.0[i] / length)));
             }
             store(t, self.moments, at, turn, Block::ZERO);
         }
@@ -212,12 +236,12 @@ impl TransposingKernel for Turn<'_> {
 
 /// The hinges' moments, for the forces of a block of particles.
 #[derive(Clone, Copy)]
-pub(crate) struct Bent<'a> {
-    pub hinges: &'a Hinges,
+pub(crate) struct Turned<'a> {
+    pub hinges: &'a Curved,
     pub moments: &'a [Four],
 }
 
-impl Bent<'_> {
+impl Turned<'_> {
     /// Takes the forces of a block's hinges off.
     #[inline(always)]
     pub fn add(&self, t: impl Transpose, block: usize, force: &mut Block3) {

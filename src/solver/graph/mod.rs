@@ -7,6 +7,7 @@
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
 //! | `flat` | whether straight ways lead along the cloth |
 //! | `hinges`, `threads` | bending across edges, and along the threads of cells |
+//! | `couplings` | hinges that are flat at rest, particle by particle |
 //! | `table`, `places` | what each particle gathers, and from where |
 //! | `forces`, `strengths` | explicit forces, and their constants in use |
 //! | `chains`, `solve` | the thread form: lines of springs, solved whole |
@@ -15,6 +16,7 @@
 
 mod chains;
 mod check;
+mod couplings;
 mod edges;
 mod error;
 mod flat;

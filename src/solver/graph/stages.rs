@@ -4,8 +4,9 @@
 use bevy::math::Vec3;
 
 use super::Graph;
+use super::couplings::Coupled;
 use super::forces::{Damped, GatherDamping, GatherForces, Pulls, Target};
-use super::hinges::{Bent, Turn};
+use super::hinges::{Turn, Turned};
 use super::pairs::{CorrectPairs, LargestStrain};
 use super::places::{FillPlaces, Places, TakeDisplacements};
 use super::solve::SolveChains;
@@ -37,7 +38,7 @@ impl Room {
         let longest = graph.chains.longest() * LANES;
         Self {
             places: Places::new(graph.layout.len()),
-            moments: vec![Four::default(); graph.hinges.room()],
+            moments: vec![Four::default(); graph.hinges.curved.room()],
             predicted: vec![Four::default(); graph.layout.len()],
             line: Line::new(longest),
             inverse_mass: Array::zeros(longest),
@@ -66,14 +67,14 @@ impl Room {
         a: &mut Soa,
     ) {
         let bends = plan.hinge_rigidity > 0.0;
+        let hinges = &graph.hinges;
         if bends {
-            isa.run_transposing(Turn {
-                hinges: &graph.hinges,
-                constants: &strengths.hinges,
-                places: &self.places,
-                moments: &mut self.moments,
-            });
+            let (constants, places) = (&strengths.hinges, &self.places);
+            let moments = &mut self.moments;
+            isa.run_transposing(Turn { hinges: &hinges.curved, constants, places, moments });
         }
+        let flat = Coupled { couplings: &hinges.flat, constants: &strengths.couplings };
+        let curved = Turned { hinges: &hinges.curved, moments: &self.moments };
         let explicit = plan.explicit;
         let springs =
             Pulls { table: &graph.springs, rest: &graph.spring_rest, constant: &strengths.springs };
@@ -86,7 +87,7 @@ impl Room {
         let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
         isa.run_transposing(GatherForces {
             springs: [pulls.then_some(springs), flexion],
-            bent: bends.then_some(Bent { hinges: &graph.hinges, moments: &self.moments }),
+            bent: bends.then_some((flat, curved)),
             gravity,
             places: &self.places,
             a,

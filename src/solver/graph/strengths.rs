@@ -3,8 +3,9 @@
 //! take its stiffness from the whole cloth.
 
 use super::Graph;
+use super::hinges::Hinge;
 use super::table::Table;
-use crate::solver::lanes::Array;
+use crate::solver::lanes::{Array, LANES};
 use crate::solver::parameters::Bending;
 use crate::solver::plan::{Bound, Circle, Constants, Shares};
 
@@ -19,6 +20,8 @@ pub(crate) struct Strengths {
     pub flexion: Option<Flexion>,
     /// Of hinges \[N/m\].
     pub hinges: Array,
+    /// Those that are flat at rest as couplings of particles \[N/m\].
+    pub couplings: Array,
     /// A clamped hinge counts double: it stands for half a triangle more.
     clamp: Vec<f32>,
     /// Room for what the substeps leave of each particle's constants.
@@ -48,7 +51,7 @@ pub(crate) struct Demand {
 impl Strengths {
     /// For held slots.
     pub fn new(graph: &Graph, held: &[bool]) -> Self {
-        let clamp = |hinge: &super::hinges::Hinge| {
+        let clamp = |hinge: &Hinge| {
             let [a, b, p, q] = hinge.slots.map(|slot| held[slot as usize]);
             if a && b && p != q { 2.0 } else { 1.0 }
         };
@@ -56,7 +59,8 @@ impl Strengths {
             springs: graph.springs.room(),
             damping: graph.springs.room(),
             flexion: None,
-            hinges: Array::zeros(graph.hinges.room()),
+            hinges: Array::zeros(graph.hinges.all.len().next_multiple_of(LANES)),
+            couplings: graph.hinges.flat.room(),
             clamp: graph.hinges.all.iter().map(clamp).collect(),
             shares: vec![Shares::WHOLE; graph.layout.len()],
         }
@@ -145,5 +149,6 @@ impl Strengths {
             let share = least(&hinge.slots, |share| share.bending);
             self.hinges[i] = hinge.shape * self.clamp[i] * asked.bend * share;
         }
+        graph.hinges.couple(&self.hinges, &mut self.couplings);
     }
 }
