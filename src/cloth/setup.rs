@@ -84,6 +84,12 @@ pub(crate) fn set_up_cloths(
                 if made.intake() != told {
                     tell_skipped(entity, &made);
                 }
+                if mesh3d.is_some() && own.is_none() && cloth.shape != ClothShape::Mesh {
+                    tracing::warn!(
+                        "cloth {entity}: its `Mesh3d` gives way to the sheet's own mesh; use `Cloth::from_mesh()` to \
+                         make a cloth of it"
+                    );
+                }
                 if let Some(drawn) = meshes.own_mesh(&made.rest_shape, source) {
                     target.try_insert(drawn);
                 }
