@@ -23,6 +23,6 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(0.0, 2.1, 4.1), at: Vec3::new(0.0, 0.27, 0.2) };
+    let view = View { from: Vec3::new(0.0, 1.9, 3.5), at: Vec3::new(0.0, 0.3, 0.12) };
     window::run(Scene::Fabrics, &Cli::parse().options, "bevy_drape: fabrics", view)
 }

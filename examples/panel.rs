@@ -25,7 +25,7 @@ struct Cli {
 }
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(0.2, 1.5, 4.8), at: Vec3::new(0.05, 0.85, 0.0) };
+    let view = View { from: Vec3::new(0.1, 1.55, 5.7), at: Vec3::new(0.05, 0.85, 0.0) };
     window::run_with(Scene::Tuned, &Cli::parse().options, "bevy_drape: panel", view, |app| {
         app.add_plugins(ClothPanelPlugin);
     })

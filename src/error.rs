@@ -288,10 +288,11 @@ impl ClothError {
 pub(crate) struct Failures<'w, 's> {
     commands: Commands<'w, 's>,
     known: Query<'w, 's, &'static ClothFailure>,
+    names: Query<'w, 's, &'static Name>,
 }
 
 impl Failures<'_, '_> {
-    /// Logs an error and keeps it on the entity, once.
+    /// Logs an error, with the entity's name where it has one, and keeps it on the entity, once.
     pub fn report(&mut self, entity: Entity, error: ClothError) {
         // By the message, as an error may hold a NaN, which is not equal to itself.
         let message = error.to_string();
@@ -299,7 +300,10 @@ impl Failures<'_, '_> {
         if self.known.get(entity).is_ok_and(is_known) {
             return;
         }
-        tracing::error!("{message}");
+        match self.names.get(entity) {
+            Ok(name) => tracing::error!("{message} (it is called \"{name}\")"),
+            Err(_) => tracing::error!("{message}"),
+        }
         self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
             let mut others = known_errors(&mut entity);
             others.retain(|other| other.blame() != error.blame());

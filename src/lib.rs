@@ -56,7 +56,7 @@
 //!
 //! Nothing a game passes makes a cloth panic: what cannot be used is a [`ClothError`] that names
 //! the entity and says what to do, logged once and kept on the entity as [`ClothFailure`]. Other
-//! cloths go on.
+//! cloths go on. The log is Bevy's: `MinimalPlugins` are without it, so add its `LogPlugin` there.
 //!
 //! # What is guaranteed
 //!
@@ -168,7 +168,7 @@ pub mod prelude {
     };
 }
 
-/// The README's snippets compile.
-#[cfg(doctest)]
+/// The README's snippets compile, where there is a window to show one in.
+#[cfg(all(doctest, feature = "demo"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

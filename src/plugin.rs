@@ -1,4 +1,18 @@
 //! The whole data flow on one page.
+//!
+//! Where does something new go?
+//!
+//! | new | goes to | and |
+//! | --- | --- | --- |
+//! | a force of a game's own | nowhere: `ClothForces`, `PushCloth`, or a system between two stages of [`ClothSubstep`] | |
+//! | a force | `solver`: see *A new force* there | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
+//! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
+//! | a collider shape | `sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `serialize.rs`; for speed a `KnownShape` in `sdf` |
+//! | a setting, a number of the material | `solver/parameters.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `solver/plan.rs` if substeps depend on it |
+//! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
+//! | a component | its file in `cloth`, `register_type` and its system in `build` below, `lib.rs` | `ClothError` and its `Blame` in `error.rs`, for numbers that are out of range |
+//!
+//! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 
 use crate::{
     cloth::{

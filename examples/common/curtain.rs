@@ -11,18 +11,22 @@ const SIZE: Vec2 = Vec2::new(2.2, 1.9);
 const RINGS: u32 = 13;
 /// Parts of its width at which it is closed by itself, and within which it can be drawn.
 const DRAWN: f32 = 0.64;
-pub const RANGE: (f32, f32) = (0.2, 1.0);
+const RANGE: (f32, f32) = (0.2, 1.0);
 
 /// How far the curtain is drawn, as a part of its width, and how far it is to be.
 #[derive(Component)]
 pub struct Rail {
     now: f32,
-    pub wanted: f32,
+    wanted: f32,
 }
 
 impl Rail {
-    /// Width of the cloth when it is flat \[m\].
-    pub const WIDTH: f32 = SIZE.x;
+    /// Wants a ring at a place along the rail \[m\]. The first one is fixed.
+    pub fn draw_to(&mut self, ring: &Ring, x: f32) {
+        if ring.0 > 0.0 {
+            self.wanted = ((x / SIZE.x + 0.5) / ring.0).clamp(RANGE.0, RANGE.1);
+        }
+    }
 }
 
 /// A ring, and its part of the way along the curtain.
@@ -31,6 +35,8 @@ pub struct Ring(pub f32);
 
 /// Adds rail, rings and cloth.
 pub fn add_curtain(world: &mut World, particles: u32) {
+    // Rings are thin: what the mouse takes hold of is around them, and is not seen.
+    let handle = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(Sphere::new(0.045).mesh()));
     let rail = Cylinder::new(0.012, SIZE.x + 0.3).mesh().build();
     let rail = rail.rotated_by(Quat::from_rotation_z(90.0_f32.to_radians()));
     let rail = spawn_thing(world, rail, Vec3::Y * RAIL_HEIGHT, metal(BRASS));
@@ -44,7 +50,7 @@ pub fn add_curtain(world: &mut World, particles: u32) {
         let z = if number % 2 == 0 { 0.012 } else { -0.012 };
         let at = Vec3::new(place(RANGE.1, along), RAIL_HEIGHT - 0.015, z);
         let ring = spawn_thing(world, ring, at, metal(BRASS));
-        world.entity_mut(ring).insert(Ring(along));
+        world.entity_mut(ring).insert(Ring(along)).with_child(handle.clone());
         let vertex = (along * (particles - 1) as f32).round() as u32;
         pins = pins.and(ClothPins::vertices([vertex]).anchored_to(ring));
     }

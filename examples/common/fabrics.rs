@@ -16,10 +16,12 @@ const SIDE: f32 = 0.95;
 pub fn add_fabrics(world: &mut World, particles: u32) {
     for (number, (name, fabric)) in ClothMaterial::FABRICS.into_iter().enumerate() {
         let (column, row) = (number % 3, number / 3);
-        let place = Vec3::new(1.25 * (column as f32 - 1.0), 0.0, 1.3 * (row as f32 - 0.5));
+        let place = Vec3::new(1.1 * (column as f32 - 1.0), 0.0, 1.2 * (row as f32 - 0.5));
         let post = Cylinder::new(POST.0, POST.1);
         let middle = place + Vec3::Y * post.half_height;
-        spawn_solid(world, post.mesh().resolution(96).build(), middle, clay(IVORY), post);
+        // Drawn slightly smaller: its edge is sharper than the cloths are fine, and would show through.
+        let drawn = Cylinder::new(POST.0 - 0.004, POST.1 - 0.008).mesh().resolution(96).build();
+        spawn_solid(world, drawn, middle, clay(IVORY), post);
         let above = place + Vec3::Y * (POST.1 + 0.08);
         spawn_sheet(world, particles, SIDE, above, COLORS[number], fabric).insert(Name::new(name));
     }

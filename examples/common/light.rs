@@ -1,7 +1,7 @@
 //! Camera, sun and sky.
 
 use bevy::{
-    light::{CascadeShadowConfigBuilder, NotShadowCaster},
+    light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, NotShadowCaster},
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
 };
@@ -44,7 +44,8 @@ pub fn set_up_view(
         })),
         NotShadowCaster,
     ));
-    // A low sun from the left shows the folds.
+    // A low sun from the left shows the folds. Hems are narrow, and so is what their shadow is drawn by.
+    commands.insert_resource(DirectionalLightShadowMap { size: 4096 });
     commands.spawn((
         DirectionalLight { illuminance: 8500.0, shadow_maps_enabled: true, ..default() },
         CascadeShadowConfigBuilder { num_cascades: 1, maximum_distance: 9.0, ..default() }.build(),

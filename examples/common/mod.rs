@@ -30,6 +30,8 @@ mod picture;
 mod probe;
 pub mod report;
 pub mod repository;
+#[cfg(feature = "demo")]
+pub mod rings;
 mod sail;
 pub mod scene;
 mod slide;

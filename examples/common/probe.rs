@@ -45,7 +45,7 @@ fn wait(mut child: Child) -> Result<(), String> {
     let reason = text.lines().rfind(|line| !line.trim().is_empty());
     match (output.status.success(), reason) {
         (true, _) => Ok(()),
-        (false, Some(reason)) => Err(reason.to_owned()),
+        (false, Some(reason)) => Err(format!("{reason} ({})", output.status)),
         (false, None) => Err(output.status.to_string()),
     }
 }

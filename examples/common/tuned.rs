@@ -13,7 +13,7 @@ pub fn add_tuned(world: &mut World, particles: u32) {
             .with_gusts(Gusts { strength: 1.5, ..default() }),
     );
     let ball = Sphere::new(0.35);
-    let at = Vec3::new(0.75, 0.35, 0.3);
+    let at = Vec3::new(0.7, 0.35, 1.0);
     spawn_solid(world, ball.mesh().uv(96, 48), at, clay(IVORY), ball);
     let above = at + Vec3::Y * 0.5;
     spawn_sheet(world, particles, 1.2, above, CORAL, ClothMaterial::default())

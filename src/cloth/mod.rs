@@ -5,6 +5,7 @@ pub(crate) mod attachment;
 pub(crate) mod events;
 mod fabrics;
 pub(crate) mod following;
+mod forgotten;
 pub(crate) mod grab;
 mod gravity;
 pub(crate) mod grid;
@@ -73,6 +74,7 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(ClothMaterial, ClothSettings, ClothPins, ClothInterpolation, Transform, Visibility)]
+#[component(on_add = forgotten::ask_for_plugin)]
 pub struct Cloth {
     /// Where the rest shape comes from.
     pub shape: ClothShape,

@@ -88,7 +88,9 @@ pub(crate) fn ask_for_push(
     match cloths.get_mut(entity).map(|mut cloth| cloth.push(on, with)) {
         Ok(Ok(())) => failures.clear(entity, Blame::Push),
         Ok(Err(problem)) => failures.report(entity, ClothError::Push { entity, problem }),
-        Err(_) => tracing::warn!("{entity} is no running cloth, so that nothing was pushed"),
+        Err(_) => tracing::warn!(
+            "{entity} is no running cloth, so that nothing was pushed; a new one can be from its `ClothReady` on"
+        ),
     }
 }
 

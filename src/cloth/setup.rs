@@ -15,7 +15,7 @@ use crate::{
     solver::{ClothSolver, MassLumping, Pose, SolverError, Topology},
     step::ClothStep,
 };
-use bevy::{mesh::skinning::SkinnedMesh, prelude::*};
+use bevy::{mesh::skinning::SkinnedMesh, prelude::*, reflect::Typed};
 
 /// What a cloth is set up from.
 type Ingredients = (
@@ -83,6 +83,12 @@ pub(crate) fn set_up_cloths(
                 target.try_remove::<ClothFailure>();
                 if made.intake() != told {
                     tell_skipped(entity, &made);
+                }
+                if mesh3d.is_some() && own.is_none() && cloth.shape != ClothShape::Mesh {
+                    tracing::warn!(
+                        "cloth {entity}: its `Mesh3d` gives way to the sheet's own mesh; use `Cloth::from_mesh()` to \
+                         make a cloth of it"
+                    );
                 }
                 if let Some(drawn) = meshes.own_mesh(&made.rest_shape, source) {
                     target.try_insert(drawn);
@@ -387,8 +393,8 @@ fn tell(entity: Entity, blame: Blame, outcome: Result<(), ClothError>, failures:
 pub(crate) fn solver_error(entity: Entity, problem: SolverError) -> ClothError {
     match problem {
         SolverError::Parameter(problem) => {
-            let settings = ["substeps", "provot_passes", "max_speed", "max_push_speed"];
-            let of_settings = settings.contains(&problem.name);
+            let settings = ClothSettings::type_info().as_struct();
+            let of_settings = settings.is_ok_and(|it| it.field(problem.name).is_some());
             let component = if of_settings { "ClothSettings" } else { "ClothMaterial" };
             ClothError::Parameter { entity, component, problem }
         }

@@ -30,7 +30,10 @@ pub enum MeshProblem {
     )]
     Missing,
     /// The asset server gave up loading it.
-    #[error("its mesh failed to load: {0}; mend the file, then give the entity its `Mesh3d` anew")]
+    #[error(
+        "its mesh failed to load: {0}; mend its path or file, or add what loads such files (Bevy's feature `bevy_gltf`), then \
+         give the entity its `Mesh3d` anew"
+    )]
     LoadFailed(String),
     /// Its data went to the GPU and is no longer here.
     #[error(

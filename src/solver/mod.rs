@@ -37,6 +37,18 @@
 //! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
+//! | `study` | integrators to compare with |
+//!
+//! # A new force
+//!
+//! It has a file of its own, with a `Kernel` that adds to the accelerations `scratch.a`. `push` is the shortest to
+//! start from (a vector each particle), `air` one with a state, a law and settings. No compiler tells the rest:
+//!
+//! - `accelerate` calls it for sheets, `accumulate_graph_forces` for meshes;
+//! - `has_forces` knows of it: where gravity acts alone, the first stage is left out;
+//! - `begin_tick` counts it in the load that tethers are bounded for, if it may be as strong as gravity;
+//! - what is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
+//! - what it remembers between ticks is in `save`.
 
 mod access;
 mod air;

@@ -29,4 +29,5 @@ mod shapes;
 mod sleep;
 mod state;
 mod teleport;
+mod told;
 mod wind;

@@ -10,3 +10,4 @@ mod common;
 mod gizmos;
 mod panel;
 mod picking;
+mod rings;
