@@ -5,9 +5,11 @@
 
 #[path = "common/costs/mod.rs"]
 mod costs;
+#[path = "common/repository.rs"]
+mod repository;
 
 use clap::{Parser, ValueEnum};
-use costs::{Wrong, app, solver};
+use costs::{Wrong, app, fields, solver};
 use std::{error::Error, process::ExitCode};
 
 /// Measures what each optional part costs: medians of times taken in turns with and without it, on one
@@ -39,6 +41,8 @@ enum Part {
     Wind,
     /// Impulses, swept contact, soft pins.
     Contact,
+    /// Baked fields, and baking them.
+    Fields,
     /// The plugin around the solver.
     Plugin,
 }
@@ -67,6 +71,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Sleep => app::sleep(ticks, wrong),
             Part::Wind => solver::wind(side, ticks, wrong)?,
             Part::Contact => solver::contact(side, ticks, wrong)?,
+            Part::Fields => fields::fields(side, ticks, wrong)?,
             Part::Plugin => app::plugin(n, ticks, wrong),
         }
     }

@@ -32,32 +32,24 @@ fn place(coordinate: f32, last: f32) -> Place {
     Place { cell: (cell + ROUNDER).to_bits() - ROUNDER.to_bits(), fraction: inside - cell }
 }
 
-/// The eight nodes of a cell, named by their steps along x, y, z.
-#[derive(Clone, Copy)]
-struct Corners {
-    v000: f32,
-    v100: f32,
-    v010: f32,
-    v110: f32,
-    v001: f32,
-    v101: f32,
-    v011: f32,
-    v111: f32,
-}
+/// The eight nodes of a cell in pairs along x, as they lie in memory: those at steps (0, 0), (1, 0), (0, 1)
+/// and (1, 1) along y and z.
+type Corners = [[f32; 2]; 4];
 
 /// Distance, and the gradient times the cell size.
 ///
 /// The gradient is the interpolant's own, from the differences that the interpolation needs anyway.
 #[inline(always)]
 fn interpolate(c: Corners, fx: f32, fy: f32, fz: f32) -> (f32, [f32; 3]) {
-    let dx00 = c.v100 - c.v000;
-    let dx10 = c.v110 - c.v010;
-    let dx01 = c.v101 - c.v001;
-    let dx11 = c.v111 - c.v011;
-    let c00 = c.v000 + fx * dx00;
-    let c10 = c.v010 + fx * dx10;
-    let c01 = c.v001 + fx * dx01;
-    let c11 = c.v011 + fx * dx11;
+    let [[v000, v100], [v010, v110], [v001, v101], [v011, v111]] = c;
+    let dx00 = v100 - v000;
+    let dx10 = v110 - v010;
+    let dx01 = v101 - v001;
+    let dx11 = v111 - v011;
+    let c00 = v000 + fx * dx00;
+    let c10 = v010 + fx * dx10;
+    let c01 = v001 + fx * dx01;
+    let c11 = v011 + fx * dx11;
     let dx0 = dx00 + fy * (dx10 - dx00);
     let dx1 = dx01 + fy * (dx11 - dx01);
     let dy0 = c10 - c00;
@@ -73,8 +65,8 @@ struct Grid<'a> {
     origin: [f32; 3],
     inverse_cell: f32,
     last: [f32; 3],
-    row: usize,
-    slice: usize,
+    row: u32,
+    slice: u32,
     values: &'a [f32],
 }
 
@@ -86,8 +78,8 @@ impl<'a> Grid<'a> {
             origin: field.origin.to_array(),
             inverse_cell: 1.0 / field.cell_size,
             last: [(nx - 2) as f32, (ny - 2) as f32, (nz - 2) as f32],
-            row: nx as usize,
-            slice: nx as usize * ny as usize,
+            row: nx,
+            slice: nx * ny,
             values: &field.values,
         }
     }
@@ -97,21 +89,20 @@ impl<'a> Grid<'a> {
         place((coordinate - self.origin[axis]) * self.inverse_cell, self.last[axis])
     }
 
+    /// The first node of a cell. There are fewer than 2^32 nodes.
     #[inline(always)]
-    fn corners(&self, x: u32, y: u32, z: u32) -> Corners {
-        let first = x as usize + y as usize * self.row + z as usize * self.slice;
+    fn first(&self, x: u32, y: u32, z: u32) -> u32 {
+        x + y * self.row + z * self.slice
+    }
+
+    #[inline(always)]
+    fn corners(&self, first: u32) -> Corners {
+        // From 32 bits, so that sums of them are known not to overflow, nor to leave the slice below.
+        let (first, row, slice) = (first as usize, self.row as usize, self.slice as usize);
         // One check for the cell instead of eight.
-        let cell = &self.values[first..first + self.slice + self.row + 2];
-        Corners {
-            v000: cell[0],
-            v100: cell[1],
-            v010: cell[self.row],
-            v110: cell[self.row + 1],
-            v001: cell[self.slice],
-            v101: cell[self.slice + 1],
-            v011: cell[self.slice + self.row],
-            v111: cell[self.slice + self.row + 1],
-        }
+        let cell = &self.values[first..][..slice + row + 2];
+        let pair = |at: usize| [cell[at], cell[at + 1]];
+        [pair(0), pair(row), pair(slice), pair(slice + row)]
     }
 }
 
@@ -148,23 +139,44 @@ fn grid_end(field: &DistanceField) -> Vec3 {
 }
 
 /// Extends the border's `distance` and `normal` to a point outside; see [`DistanceField`]'s `sample`.
-#[cold]
-#[inline(never)]
-fn extend(field: &DistanceField, point: Vec3, distance: f32, normal: [f32; 3]) -> SdfSample {
+#[inline(always)]
+fn extend(
+    field: &DistanceField,
+    end: Vec3,
+    point: Vec3,
+    distance: f32,
+    normal: [f32; 3],
+) -> (f32, [f32; 3]) {
     // What rounding adds to a far distance is taken off again, so that it stays a lower bound.
     const ROUNDED_DOWN: f32 = 1.0 - 1.0 / (1 << 20) as f32;
-    if point.is_nan() {
-        return SdfSample { distance: f32::INFINITY, normal: Vec3::Y };
-    }
-    let beyond = point - point.max(field.origin).min(grid_end(field));
-    let from_grid = (beyond.length_squared() + distance * distance).sqrt();
-    let from_surface_box = (point - point.max(field.surface_min).min(field.surface_max)).length();
+    let beyond = beyond(point, field.origin, end);
+    let from_grid = (square(beyond) + distance * distance).sqrt();
+    let from_surface_box = square(self::beyond(point, field.surface_min, field.surface_max)).sqrt();
     let bound = if from_grid > from_surface_box { from_grid } else { from_surface_box };
 
     // Away from the surface point that the border's sample tells of.
-    let away = beyond + distance * Vec3::from_array(normal);
-    let (_, away) = length_and_direction(away.to_array(), [0.0, 1.0, 0.0]);
-    SdfSample { distance: ROUNDED_DOWN * bound, normal: Vec3::from_array(away) }
+    let along = |axis: usize| beyond[axis] + distance * normal[axis];
+    let (_, away) = length_and_direction([along(0), along(1), along(2)], [0.0, 1.0, 0.0]);
+    // A sum of numbers is none where any of them is not.
+    let is_nan = (point.x + point.y + point.z) != (point.x + point.y + point.z);
+    let pick = |lost: f32, found: f32| if is_nan { lost } else { found };
+    let away = [pick(0.0, away[0]), pick(1.0, away[1]), pick(0.0, away[2])];
+    (pick(f32::INFINITY, ROUNDED_DOWN * bound), away)
+}
+
+/// The way to a point from the nearest one of a box.
+#[inline(always)]
+fn beyond(point: Vec3, min: Vec3, max: Vec3) -> [f32; 3] {
+    let beyond = |at: f32, min: f32, max: f32| {
+        let inside = if at > min { at } else { min };
+        at - if inside < max { inside } else { max }
+    };
+    [beyond(point.x, min.x, max.x), beyond(point.y, min.y, max.y), beyond(point.z, min.z, max.z)]
+}
+
+#[inline(always)]
+fn square([x, y, z]: [f32; 3]) -> f32 {
+    x * x + y * y + z * z
 }
 
 /// Distance and normal at one point.
@@ -172,12 +184,15 @@ fn extend(field: &DistanceField, point: Vec3, distance: f32, normal: [f32; 3]) -
 pub(super) fn sample(field: &DistanceField, point: Vec3) -> SdfSample {
     let grid = Grid::new(field);
     let (x, y, z) = (grid.place(0, point.x), grid.place(1, point.y), grid.place(2, point.z));
-    let corners = grid.corners(x.cell, y.cell, z.cell);
+    let corners = grid.corners(grid.first(x.cell, y.cell, z.cell));
     let (distance, gradient) = interpolate(corners, x.fraction, y.fraction, z.fraction);
     let normal = direction(gradient, field.cell_size);
-    if is_outside(field, grid_end(field), point.x, point.y, point.z) {
-        return extend(field, point, distance, normal);
-    }
+    let end = grid_end(field);
+    let (distance, normal) = if is_outside(field, end, point.x, point.y, point.z) {
+        extend(field, end, point, distance, normal)
+    } else {
+        (distance, normal)
+    };
     SdfSample { distance, normal: Vec3::from_array(normal) }
 }
 
@@ -189,7 +204,7 @@ pub(super) fn distance(field: &DistanceField, point: Vec3) -> f32 {
 
 /// Cells and corners of a block of points.
 struct Gathered {
-    corners: [[f32; LANES]; 8],
+    corners: [[[f32; 2]; LANES]; 4],
     fraction: [[f32; LANES]; 3],
     any_outside: bool,
 }
@@ -199,8 +214,11 @@ fn gather(field: &DistanceField, points: &PointBlock) -> Gathered {
     let grid = Grid::new(field);
     let end = grid_end(field);
     let mut cell = [[0_u32; LANES]; 3];
-    let mut gathered =
-        Gathered { corners: [[0.0; LANES]; 8], fraction: [[0.0; LANES]; 3], any_outside: false };
+    let mut gathered = Gathered {
+        corners: [[[0.0; 2]; LANES]; 4],
+        fraction: [[0.0; LANES]; 3],
+        any_outside: false,
+    };
     for (axis, coordinates) in [&points.x, &points.y, &points.z].into_iter().enumerate() {
         for (i, &coordinate) in coordinates.iter().enumerate() {
             let place = grid.place(axis, coordinate);
@@ -213,17 +231,14 @@ fn gather(field: &DistanceField, points: &PointBlock) -> Gathered {
         outside |= u32::from(is_outside(field, end, points.x[i], points.y[i], points.z[i]));
     }
     gathered.any_outside = outside != 0;
-    let [x, y, z] = cell;
-    for (i, ((x, y), z)) in x.into_iter().zip(y).zip(z).enumerate() {
-        let corners = grid.corners(x, y, z);
-        gathered.corners[0][i] = corners.v000;
-        gathered.corners[1][i] = corners.v100;
-        gathered.corners[2][i] = corners.v010;
-        gathered.corners[3][i] = corners.v110;
-        gathered.corners[4][i] = corners.v001;
-        gathered.corners[5][i] = corners.v101;
-        gathered.corners[6][i] = corners.v011;
-        gathered.corners[7][i] = corners.v111;
+    let mut first = [0_u32; LANES];
+    for (i, first) in first.iter_mut().enumerate() {
+        *first = grid.first(cell[0][i], cell[1][i], cell[2][i]);
+    }
+    for (i, first) in first.into_iter().enumerate() {
+        for (to, pair) in gathered.corners.iter_mut().zip(grid.corners(first)) {
+            to[i] = pair;
+        }
     }
     gathered
 }
@@ -231,17 +246,7 @@ fn gather(field: &DistanceField, points: &PointBlock) -> Gathered {
 impl Gathered {
     #[inline(always)]
     fn interpolate(&self, i: usize) -> (f32, [f32; 3]) {
-        let c = &self.corners;
-        let corners = Corners {
-            v000: c[0][i],
-            v100: c[1][i],
-            v010: c[2][i],
-            v110: c[3][i],
-            v001: c[4][i],
-            v101: c[5][i],
-            v011: c[6][i],
-            v111: c[7][i],
-        };
+        let corners = self.corners.each_ref().map(|pairs| pairs[i]);
         interpolate(corners, self.fraction[0][i], self.fraction[1][i], self.fraction[2][i])
     }
 }
@@ -275,17 +280,17 @@ pub fn field_distance_block(field: &DistanceField, points: &PointBlock, out: &mu
     }
 }
 
-/// Extends the lanes that are outside the grid.
-#[cold]
-#[inline(never)]
+/// Extends the lanes that are outside the grid. All are worked out: a block is often wider than a grid's margin.
+#[inline(always)]
 fn extend_lanes(field: &DistanceField, points: &PointBlock, out: &mut SampleBlock) {
     let end = grid_end(field);
     for i in 0..LANES {
-        let point = points.point(i);
-        if is_outside(field, end, point.x, point.y, point.z) {
-            let normal = [out.nx[i], out.ny[i], out.nz[i]];
-            let sample = extend(field, point, out.distance[i], normal);
-            out.set(i, sample.distance, sample.normal.to_array());
-        }
+        let point = Vec3::new(points.x[i], points.y[i], points.z[i]);
+        let (distance, normal) = (out.distance[i], [out.nx[i], out.ny[i], out.nz[i]]);
+        let (far, away) = extend(field, end, point, distance, normal);
+        let outside = is_outside(field, end, point.x, point.y, point.z);
+        let pick = |far: f32, near: f32| if outside { far } else { near };
+        let normal = [pick(away[0], normal[0]), pick(away[1], normal[1]), pick(away[2], normal[2])];
+        out.set(i, pick(far, distance), normal);
     }
 }

@@ -18,7 +18,7 @@ const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// A cloth of 2 m and what surrounds it.
 #[derive(Clone)]
-struct Scene<'a> {
+pub struct Scene<'a> {
     cloth: ClothSolver,
     pins: Vec<PinMotion>,
     colliders: &'a [Collider<'a>],
@@ -27,7 +27,7 @@ struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    fn new(topology: Topology, rigidity: f32) -> Result<Self, Box<dyn Error>> {
+    pub fn new(topology: Topology, rigidity: f32) -> Result<Self, Box<dyn Error>> {
         let material = Material {
             area_density: 0.2,
             thread_stiffness: 2000.0,
@@ -49,6 +49,11 @@ impl<'a> Scene<'a> {
         let cloth = ClothSolver::new(topology, &start, material, settings)?;
         let (wind, colliders) = (Wind::default(), &[][..]);
         Ok(Self { cloth, pins: Vec::new(), colliders, wind, ticks: 0 })
+    }
+
+    /// The same, among these.
+    pub fn among(self, colliders: &'a [Collider<'a>]) -> Self {
+        Self { colliders, ..self }
     }
 
     /// The same, held by the corners of the first row.
@@ -82,7 +87,7 @@ impl<'a> Scene<'a> {
 }
 
 /// Times two scenes, which must go well, and to the same bits where they have to be `same`.
-fn compare(
+pub fn compare(
     name: &str,
     rounds: usize,
     (without, with): (&Scene, Scene),
@@ -207,7 +212,7 @@ pub fn contact(n: usize, rounds: usize, wrong: &mut Wrong) -> Result<(), Box<dyn
         ([Collider::new(&ball, place)], [Collider::new(&ball, place).measured()]);
     let unswept = [Collider::new(&unswept, place)];
     let free = Scene::new(lattice.clone().into(), 0.0)?;
-    let on = |colliders| Scene { colliders, ..free.clone() };
+    let on = |colliders| free.clone().among(colliders);
     heading("contact and pins, us a tick, draped on a ball", "without", "with");
     // Friction holds it on the ball for so long.
     let few = rounds.min(90);
