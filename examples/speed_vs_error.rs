@@ -28,7 +28,7 @@ mod speed;
 
 use repository::repository;
 use speed::{
-    Extent, Outcome, Results, Scene, machine::Machine, peers, plot, readme, scenes, tables,
+    Extent, Outcome, Results, Runs, Scene, machine::Machine, peers, plot, readme, scenes, tables,
 };
 
 /// Measures speed against error, scene by scene.
@@ -110,7 +110,8 @@ fn report(options: &Options) -> Outcome<()> {
     readme::check(&all)
 }
 
-/// Runs all jobs of the scenes asked for behind a progress bar.
+/// Runs all jobs of the scenes asked for behind a progress bar: all of them once, then all again. What else a
+/// machine does comes and goes over minutes, and so meets a run or two of each job, not all runs of a few.
 fn measure(options: &Options, extent: Extent) -> Outcome<Vec<Results<'static>>> {
     let asked = |(name, _): &&(&str, _)| {
         options.scenes.is_empty() || options.scenes.iter().any(|scene| scene == name)
@@ -124,17 +125,26 @@ fn measure(options: &Options, extent: Extent) -> Outcome<Vec<Results<'static>>> 
         .map(|(name, build)| {
             bar.set_message(format!("{name}: its reference"));
             let scene = build(extent)?;
-            bar.inc_length(scene.jobs.len() as u64);
+            bar.inc_length((scene.jobs.len() * extent.runs.max(1)) as u64);
             Ok((*name, scene))
         })
         .collect::<Outcome<_>>()?;
-    for (name, scene) in built {
-        let mut points = Vec::new();
-        for job in &scene.jobs {
-            bar.set_message(format!("{name}: {}", job.method));
-            points.push(speed::measure(job, extent)?);
-            bar.inc(1);
+    let mut runs: Vec<Vec<Runs<'_>>> =
+        built.iter().map(|(_, scene)| scene.jobs.iter().map(Runs::new).collect()).collect();
+    for _ in 0..extent.runs.max(1) {
+        for ((name, scene), runs) in built.iter().zip(&mut runs) {
+            for (job, runs) in scene.jobs.iter().zip(runs) {
+                bar.set_message(format!("{name}: {}", job.method));
+                if !runs.is_done() {
+                    runs.once()?;
+                }
+                bar.inc(1);
+            }
         }
+    }
+    let points: Vec<Vec<_>> =
+        runs.into_iter().map(|runs| runs.into_iter().map(Runs::point).collect()).collect();
+    for ((_, scene), points) in built.into_iter().zip(points) {
         let results = Results { scene, points };
         bar.suspend(|| tables::print(&results));
         all.push(results);

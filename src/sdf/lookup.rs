@@ -158,7 +158,7 @@ fn extend(
     let along = |axis: usize| beyond[axis] + distance * normal[axis];
     let (_, away) = length_and_direction([along(0), along(1), along(2)], [0.0, 1.0, 0.0]);
     // A sum of numbers is none where any of them is not.
-    let is_nan = (point.x + point.y + point.z) != (point.x + point.y + point.z);
+    let is_nan = (point.x + point.y + point.z).is_nan();
     let pick = |lost: f32, found: f32| if is_nan { lost } else { found };
     let away = [pick(0.0, away[0]), pick(1.0, away[1]), pick(0.0, away[2])];
     (pick(f32::INFINITY, ROUNDED_DOWN * bound), away)

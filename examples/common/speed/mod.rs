@@ -68,7 +68,7 @@ pub struct Job<'a> {
 }
 
 /// What one run of a job came to.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Measured {
     /// Time of each frame of 1/60 s \[ms\].
     pub frames: Vec<f64>,
@@ -130,42 +130,58 @@ pub struct Results<'a> {
     pub points: Vec<Point>,
 }
 
-/// Runs a job, several times unless it takes long; the runs must come to the same errors.
-pub fn measure(job: &Job<'_>, extent: Extent) -> Outcome<Point> {
-    const LONG: f64 = 1500.0;
-    let mut medians = Vec::new();
-    let mut first: Option<Measured> = None;
-    let mut spent = 0.0;
-    for _ in 0..extent.runs.max(1) {
-        let run = (job.run)().map_err(|error| format!("{}, {}: {error}", job.method, job.knob))?;
-        spent += run.frames.iter().sum::<f64>();
+/// The runs of a job so far.
+pub struct Runs<'a> {
+    job: &'a Job<'a>,
+    /// Median frame and 99th percentile of each \[ms\].
+    times: Vec<(f64, f64)>,
+    first: Option<Measured>,
+    /// Milliseconds that they took.
+    spent: f64,
+}
+
+impl<'a> Runs<'a> {
+    pub fn new(job: &'a Job<'a>) -> Self {
+        Self { job, times: Vec::new(), first: None, spent: 0.0 }
+    }
+
+    /// Whether no more runs are needed: what takes long is run less often.
+    pub fn is_done(&self) -> bool {
+        const LONG: f64 = 1500.0;
+        self.spent > LONG || self.first.as_ref().is_some_and(|first| first.varies)
+    }
+
+    /// Runs it once more, which must come to the same errors.
+    pub fn once(&mut self) -> Outcome<()> {
+        let Job { method, knob, run, .. } = self.job;
+        let run = run().map_err(|error| format!("{method}, {knob}: {error}"))?;
+        self.spent += run.frames.iter().sum::<f64>();
         let mut frames = run.frames.clone();
         frames.sort_by(f64::total_cmp);
         let quantile = |part: f64| {
             let at = (part * frames.len() as f64) as usize;
             frames.get(at.min(frames.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
         };
-        medians.push((quantile(0.5), quantile(0.99)));
-        if let Some(before) = &first {
-            let same =
-                |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-            if !before.errors.iter().zip(&run.errors).all(same) {
-                return Err(
-                    format!("{}, {}: another run, other errors", job.method, job.knob).into()
-                );
-            }
+        self.times.push((quantile(0.5), quantile(0.99)));
+        let first =
+            self.first.get_or_insert_with(|| Measured { frames: Vec::new(), ..run.clone() });
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+        if !first.errors.iter().zip(&run.errors).all(same) {
+            return Err(format!("{method}, {knob}: another run, other errors").into());
         }
-        let once = run.varies;
-        first.get_or_insert(run);
-        if once || spent > LONG {
-            break;
-        }
+        Ok(())
     }
-    let Measured { errors, work, failed, .. } = first.unwrap_or_default();
-    medians.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (median, p99) = medians[medians.len() / 2];
-    let (least, most) = (medians[0].0, medians[medians.len() - 1].0);
-    let each = if work > 0 { median * 1e6 / work as f64 } else { f64::NAN };
-    let time = Times { median, p99, least, most, each };
-    Ok(Point { method: job.method.clone(), n: job.n, knob: job.knob.clone(), time, errors, failed })
+
+    /// What they came to; there is one at least.
+    pub fn point(mut self) -> Point {
+        let Measured { errors, work, failed, .. } = self.first.unwrap_or_default();
+        self.times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let none = (f64::NAN, f64::NAN);
+        let (median, p99) = self.times.get(self.times.len() / 2).copied().unwrap_or(none);
+        let [least, most] = [self.times.first(), self.times.last()].map(|t| t.unwrap_or(&none).0);
+        let each = if work > 0 { median * 1e6 / work as f64 } else { f64::NAN };
+        let time = Times { median, p99, least, most, each };
+        let Job { method, n, knob, .. } = self.job;
+        Point { method: method.clone(), n: *n, knob: knob.clone(), time, errors, failed }
+    }
 }
