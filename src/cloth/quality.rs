@@ -20,7 +20,7 @@ pub enum ClothQuality {
     /// within 1 % in the report's HANG and DRAPE; what hangs from single points, or is struck, may stretch beyond
     /// its limit for some frames.
     Game,
-    /// 32 substeps in a tick: some four times the time of `Game`, a third of its error in motion, a quarter of its
+    /// 32 substeps in a tick: some four times the time of `Game`, a third of its error in motion, a third of its
     /// strain or less.
     Accurate,
     /// Explicit springs by Verlet's method, with as many substeps as the material needs: of second order, and

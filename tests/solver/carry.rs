@@ -4,9 +4,7 @@
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::{
     ClothMaterial,
-    solver::{
-        ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Pose, StepInput,
-    },
+    solver::{ClothSolver, Collider, FormChoice, MassLumping, Material, Pose},
 };
 
 use super::common::*;
@@ -35,17 +33,9 @@ fn a_touch_moves_nothing_but_what_is_touched() {
     let reach = 0.05 + solver.material().thickness - 1e-4;
     let at = before[N * N - N / 2] + Vec3::Z * reach;
     let colliders = [Collider::new(&ball, Pose::from_translation(at))];
-    let pins = [before[0], before[N - 1]].map(PinMotion::still);
-    let input = StepInput {
-        dt: TICK,
-        gravity: GRAVITY,
-        pins: &pins,
-        colliders: &colliders,
-        ..StepInput::default()
-    };
     let (mut touched, mut off) = (0, 0.0_f32);
     for _ in 0..64 {
-        touched += solver.tick(&input).unwrap().contact_count;
+        touched += run(&mut solver, 1, GRAVITY, &colliders).contact_count;
         let now = positions(&solver);
         off = now.iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(off, f32::max);
     }
