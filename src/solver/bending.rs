@@ -129,56 +129,66 @@ impl Moments {
 }
 
 /// The hinges of both families, for the forces of a row of particles.
+#[derive(Clone, Copy)]
 pub(super) struct Bend<'a> {
     pub hinges: &'a [Hinges; 2],
     /// Flexural rigidity \[N m\].
     pub rigidity: f32,
     pub layout: Layout,
     pub x: &'a Soa,
-    pub moments: &'a mut Moments,
 }
 
 impl Bend<'_> {
-    /// Works out the moments that a row needs. Rows are taken in their order, from the first.
+    /// Begins with a row: works out the moments that it and the row before have in common with it.
     #[inline(always)]
-    pub fn begin_row(&mut self, row: usize) {
+    pub fn begin(&self, moments: &mut Moments, row: usize) {
         if self.is_even() {
             return;
         }
         if row == 0 {
             // Before the first row there are no hinges.
-            self.moments.warp.clear();
-            self.bend_warp(0);
+            moments.warp.clear();
+        } else {
+            self.bend_warp(moments, row - 1);
+        }
+        self.bend_warp(moments, row);
+    }
+
+    /// Works out the moments that a row needs. Rows are taken in their order.
+    #[inline(always)]
+    pub fn begin_row(&self, moments: &mut Moments, row: usize) {
+        if self.is_even() {
+            return;
         }
         for column in (0..self.layout.columns).step_by(LANES) {
-            let moments = self.moments_at(&self.hinges[0], self.layout.slot(row, column));
-            moments.store(&mut self.moments.weft, LANES + column);
+            let found = self.moments_at(&self.hinges[0], self.layout.slot(row, column));
+            found.store(&mut moments.weft, LANES + column);
         }
-        self.bend_warp(row + 1);
+        self.bend_warp(moments, row + 1);
     }
 
     #[inline(always)]
-    fn bend_warp(&mut self, row: usize) {
-        let at = self.moments.warp_row(row);
+    fn bend_warp(&self, moments: &mut Moments, row: usize) {
+        let at = moments.warp_row(row);
         for column in (0..self.layout.columns).step_by(LANES) {
-            let moments = self.moments_at(&self.hinges[1], self.layout.slot(row, column));
-            moments.store(&mut self.moments.warp, at + column);
+            let found = self.moments_at(&self.hinges[1], self.layout.slot(row, column));
+            found.store(&mut moments.warp, at + column);
         }
     }
 
     /// Forces on a block of the row: each particle is the middle of a hinge along both of its threads,
     /// and an end of those of its neighbours.
     #[inline(always)]
-    pub fn forces(&self, row: usize, column: usize) -> Block3 {
+    pub fn forces(&self, moments: &Moments, row: usize, column: usize) -> Block3 {
         let slot = self.layout.slot(row, column);
         if let [Some(weft), Some(warp)] = [self.hinges[0].even, self.hinges[1].even] {
             return self.even_forces(slot, [weft, warp]);
         }
         let at = LANES + column;
-        let weft = hinge_forces(&self.hinges[0], slot, &self.moments.weft, [at - 1, at, at + 1]);
+        let weft = hinge_forces(&self.hinges[0], slot, &moments.weft, [at - 1, at, at + 1]);
         // One row before the first stands where the third does.
-        let rows = [row + 2, row, row + 1].map(|row| self.moments.warp_row(row) + column);
-        let warp = hinge_forces(&self.hinges[1], slot, &self.moments.warp, rows);
+        let rows = [row + 2, row, row + 1].map(|row| moments.warp_row(row) + column);
+        let warp = hinge_forces(&self.hinges[1], slot, &moments.warp, rows);
         let mut force = Block3::ZERO;
         for i in 0..LANES {
             force.set(i, weft.at(i) + warp.at(i));

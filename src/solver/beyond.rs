@@ -1,12 +1,14 @@
 //! Whether any spring is beyond the strain limit: one look in the order of memory, where holding springs to
 //! it takes a pass for each colour. Where none is, nothing has to be held.
 
-use super::isa::Kernel;
+use super::bands::{Band, Cut};
+use super::isa::{Isa, Kernel};
 use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use super::lattice::Lattice;
 
 /// Looks for a spring that is longer than it may be at the substep's end.
 pub(super) struct IsAnyBeyond<'a> {
+    pub band: Band,
     pub lattice: &'a Lattice,
     /// 1 + max strain.
     pub limit: f32,
@@ -23,7 +25,7 @@ impl Kernel for IsAnyBeyond<'_> {
     fn run(self) -> bool {
         let Self { lattice, shear, .. } = self;
         let layout = lattice.layout;
-        for row in 0..layout.rows {
+        for row in self.band.rows.clone() {
             let mut excess = Block::ZERO;
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
@@ -47,6 +49,23 @@ impl Kernel for IsAnyBeyond<'_> {
             }
         }
         false
+    }
+}
+
+impl Cut for IsAnyBeyond<'_> {
+    type Output = bool;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, ..self }, Self { band: below, ..self })
+    }
+
+    fn run(self, isa: Isa) -> bool {
+        isa.run(self)
     }
 }
 

@@ -21,7 +21,7 @@ use bevy::math::Vec3;
 
 use super::ClothSolver;
 use super::integrate::Add;
-use super::lanes::Soa;
+use super::lanes::{PartMut, Soa};
 use super::parameters::Integrator;
 use super::plan::Form;
 use super::state::State;
@@ -39,9 +39,9 @@ pub(super) enum Carry<'a> {
     /// Nothing.
     No,
     /// From where the particles are to be before them \[m\].
-    Begin(&'a mut Soa),
+    Begin(PartMut<'a>),
     /// The same, with a part of the last substep's.
-    GoOn(&'a mut Soa, f32),
+    GoOn(PartMut<'a>, f32),
 }
 
 impl<'a> Carry<'a> {
@@ -49,8 +49,23 @@ impl<'a> Carry<'a> {
     pub fn new(notes: bool, part: Option<f32>, pull: &'a mut Soa) -> Self {
         match part {
             _ if !notes => Self::No,
-            Some(part) => Self::GoOn(pull, part),
-            None => Self::Begin(pull),
+            Some(part) => Self::GoOn(pull.part_mut(), part),
+            None => Self::Begin(pull.part_mut()),
+        }
+    }
+
+    /// What is before a slot, and the rest.
+    pub fn cut(self, slot: usize) -> (Self, Self) {
+        match self {
+            Self::No => (Self::No, Self::No),
+            Self::Begin(pull) => {
+                let (above, below) = pull.cut(slot);
+                (Self::Begin(above), Self::Begin(below))
+            }
+            Self::GoOn(pull, part) => {
+                let (above, below) = pull.cut(slot);
+                (Self::GoOn(above, part), Self::GoOn(below, part))
+            }
         }
     }
 }

@@ -5,8 +5,9 @@
 
 use bevy::math::Vec3;
 
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::bands::{self, Band, Cut};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
 
 /// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
@@ -16,11 +17,66 @@ pub(super) const LEAST_DIVISOR: f32 = 1e-12;
 
 /// Moves the ends of springs towards their target lengths.
 pub(super) struct CorrectSprings<'a> {
+    pub band: Band,
     pub lattice: &'a Lattice,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
     pub d: &'a mut Soa,
     pub rule: Rule,
+}
+
+impl CorrectSprings<'_> {
+    /// Corrects all of the rule's springs, batch by batch.
+    pub fn run(self, isa: Isa) {
+        let Self { band, lattice, inverse_mass, x, d, rule } = self;
+        let mut correct = |batch| {
+            let (band, d) = (band.clone(), d.part_mut());
+            bands::run(isa, CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch });
+        };
+        let shear = match rule {
+            Rule::Shear { .. } => true,
+            Rule::Limit { shear, .. } => {
+                correct(Batch::WithinPairs);
+                correct(Batch::BetweenPairs);
+                shear
+            }
+        };
+        if shear {
+            correct(Batch::AcrossPairs);
+            correct(Batch::AcrossBetween);
+        }
+    }
+}
+
+/// Springs that no spring of another band shares a particle with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Batch {
+    /// Weft springs, then the warp springs of pairs of rows.
+    WithinPairs,
+    /// The warp springs from each pair of rows to the next.
+    BetweenPairs,
+    /// The shear springs of pairs of rows.
+    AcrossPairs,
+    /// Those from each pair to the next.
+    AcrossBetween,
+}
+
+impl Batch {
+    /// Where its first pair of rows begins, after an even row.
+    fn offset(self) -> usize {
+        usize::from(matches!(self, Self::BetweenPairs | Self::AcrossBetween))
+    }
+}
+
+/// Corrects the springs of a batch.
+struct CorrectBatch<'a> {
+    band: Band,
+    lattice: &'a Lattice,
+    inverse_mass: &'a [f32],
+    x: &'a Soa,
+    d: PartMut<'a>,
+    rule: Rule,
+    batch: Batch,
 }
 
 /// How far springs are corrected.
@@ -44,25 +100,44 @@ pub(super) enum Rule {
     },
 }
 
-impl Kernel for CorrectSprings<'_> {
+impl Kernel for CorrectBatch<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
-        match self.rule {
-            Rule::Shear { compliance, limit } => self.diagonals(|spring| {
+        match (self.rule, self.batch) {
+            (Rule::Limit { limit, .. }, Batch::WithinPairs) => {
+                self.weft(limit);
+                self.warp(limit);
+            }
+            (Rule::Limit { limit, .. }, Batch::BetweenPairs) => self.warp(limit),
+            (Rule::Limit { limit, .. }, _) => {
+                self.diagonals(|spring| larger(spring.pull_to(limit), 0.0));
+            }
+            (Rule::Shear { compliance, limit }, _) => self.diagonals(|spring| {
                 let elastic = (spring.length - spring.rest)
                     / (spring.inverse_masses + spring.factor * compliance);
                 larger(elastic, spring.pull_to(limit))
             }),
-            Rule::Limit { limit, shear } => {
-                self.weft(limit);
-                self.warp(limit);
-                if shear {
-                    self.diagonals(|spring| larger(spring.pull_to(limit), 0.0));
-                }
-            }
         }
+    }
+}
+
+impl Cut for CorrectBatch<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (d, d_below) = self.d.cut(self.band.slot(row + self.batch.offset()));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
     }
 }
 
@@ -87,41 +162,44 @@ impl Spring {
     }
 }
 
-impl CorrectSprings<'_> {
-    /// Shear springs: every second row, both diagonals, then the rows between.
+impl CorrectBatch<'_> {
+    /// The first rows of the batch's pairs.
+    #[inline(always)]
+    fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
+        let Band { layout, rows, .. } = &self.band;
+        (rows.start + self.batch.offset()..rows.end.min(layout.rows - 1)).step_by(2)
+    }
+
+    /// Shear springs: of each pair of rows, both diagonals.
     #[inline(always)]
     fn diagonals(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
         let lattice = self.lattice;
         let layout = lattice.layout;
-        for parity in 0..2 {
-            for row in (parity..layout.rows - 1).step_by(2) {
-                for column in (0..layout.columns - 1).step_by(LANES) {
-                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
-                    let factor = Block::load(&lattice.diagonal.compliance, a);
-                    let rest = Block::load(&lattice.diagonal.rest, a);
-                    self.pair(a, b + 1, rest, factor, law);
-                }
-                for column in (0..layout.columns - 1).step_by(LANES) {
-                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
-                    let factor = Block::load(&lattice.diagonal.compliance, a);
-                    let rest = Block::load(&lattice.antidiagonal_rest, a);
-                    self.pair(a + 1, b, rest, factor, law);
-                }
+        for row in self.pairs() {
+            for column in (0..layout.columns - 1).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let factor = Block::load(&lattice.diagonal.compliance, a);
+                let rest = Block::load(&lattice.diagonal.rest, a);
+                self.pair(a, b + 1, rest, factor, law);
+            }
+            for column in (0..layout.columns - 1).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let factor = Block::load(&lattice.diagonal.compliance, a);
+                let rest = Block::load(&lattice.antidiagonal_rest, a);
+                self.pair(a + 1, b, rest, factor, law);
             }
         }
     }
 
-    /// Warp springs: from every second row, then from the rows between.
+    /// Warp springs of each pair of rows.
     #[inline(always)]
     fn warp(&mut self, limit: f32) {
         let layout = self.lattice.layout;
-        for parity in 0..2 {
-            for row in (parity..layout.rows - 1).step_by(2) {
-                for column in (0..layout.columns).step_by(LANES) {
-                    let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
-                    let rest = Block::load(&self.lattice.warp.rest, a);
-                    self.pair(a, b, rest, Block::ZERO, |spring| larger(spring.pull_to(limit), 0.0));
-                }
+        for row in self.pairs() {
+            for column in (0..layout.columns).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let rest = Block::load(&self.lattice.warp.rest, a);
+                self.pair(a, b, rest, Block::ZERO, |spring| larger(spring.pull_to(limit), 0.0));
             }
         }
     }
@@ -138,7 +216,7 @@ impl CorrectSprings<'_> {
         law: impl Fn(Spring) -> f32,
     ) {
         let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
-        let (mut dp, mut dq) = (Block3::load(self.d, p), Block3::load(self.d, q));
+        let (mut dp, mut dq) = (Block3::load(&self.d, p), Block3::load(&self.d, q));
         let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
         for i in 0..LANES {
             let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
@@ -149,8 +227,8 @@ impl CorrectSprings<'_> {
             dp.set(i, dp.at(i) + pull * wp.0[i]);
             dq.set(i, dq.at(i) - pull * wq.0[i]);
         }
-        dp.store(self.d, p);
-        dq.store(self.d, q);
+        dp.store(&mut self.d, p);
+        dq.store(&mut self.d, q);
     }
 
     /// Weft springs: of even columns, then of odd ones. Neighbours lie in one block, so that each
@@ -158,7 +236,7 @@ impl CorrectSprings<'_> {
     #[inline(always)]
     fn weft(&mut self, limit: f32) {
         for parity in 0..2 {
-            for row in 0..self.lattice.layout.rows {
+            for row in self.band.rows.clone() {
                 self.weft_row(row, parity, limit);
             }
         }
@@ -171,12 +249,15 @@ impl CorrectSprings<'_> {
         let mut before = Vec3::ZERO;
         for column in (0..self.lattice.layout.columns).step_by(LANES) {
             let slot = self.lattice.layout.slot(row, column);
-            let x = Block3::load_sum(self.x, self.d, slot);
-            let mut d = Block3::load(self.d, slot);
-            let mut left = Block3::load_sum(self.x, self.d, slot - 1);
+            let x = Block3::load_sum(self.x, &self.d, slot);
+            let mut d = Block3::load(&self.d, slot);
+            let mut left = Block3::ZERO;
             left.set(0, before);
+            for i in 1..LANES {
+                left.set(i, x.at(i - 1));
+            }
             before = x.at(LANES - 1);
-            let right = Block3::load_sum(self.x, self.d, slot + 1);
+            let right = Block3::load_sum(self.x, &self.d, slot + 1);
             let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
             let w = Block::load(self.inverse_mass, slot);
             let other = (
@@ -195,7 +276,7 @@ impl CorrectSprings<'_> {
                 let divisor = larger(w.0[i] + other, LEAST_DIVISOR) * length;
                 d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
             }
-            d.store(self.d, slot);
+            d.store(&mut self.d, slot);
         }
     }
 }

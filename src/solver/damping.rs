@@ -1,8 +1,9 @@
 //! Damping of a lattice's springs.
 
+use super::bands::{Band, Cut, Rooms};
 use super::forces::LEAST_LENGTH;
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
 use super::parameters::DampingForm;
 use super::rows::{SpringForce, SpringRows, Springs};
@@ -10,9 +11,10 @@ use super::rows::{SpringForce, SpringRows, Springs};
 /// Works out the damping force `D`, `F_i = C (v_j - v_i)` for each spring or its part along the spring,
 /// of velocities given as displacements.
 pub(super) struct AddDamping<'a> {
+    pub band: Band,
     pub springs: DampedSprings<'a>,
     pub d: &'a Soa,
-    pub rows: &'a mut SpringRows,
+    pub rows: &'a Rooms<SpringRows>,
     pub target: DampingTarget<'a>,
 }
 
@@ -40,10 +42,10 @@ pub(super) enum DampingTarget<'a> {
         /// Accelerations without damping.
         a: &'a Soa,
         /// The predicted displacements.
-        predicted: &'a mut Soa,
+        predicted: PartMut<'a>,
     },
     /// Accelerations: `a + D w`.
-    Accelerations(&'a mut Soa),
+    Accelerations(PartMut<'a>),
 }
 
 impl Kernel for AddDamping<'_> {
@@ -51,18 +53,20 @@ impl Kernel for AddDamping<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let layout = self.springs.lattice.layout;
-        self.rows.begin();
-        for row in 0..layout.rows {
+        let Band { layout, rows, .. } = self.band.clone();
+        let springs = self.springs;
+        let mut room = self.rows.take();
+        springs.begin(&mut room, rows.start, self.d);
+        for row in rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 let w = Block::load(self.springs.inverse_mass, slot);
                 let d = Block3::load(self.d, slot);
-                let force = self.springs.force(self.rows, row, column, self.d);
+                let force = springs.force(&mut room, row, column, self.d);
                 let mut out = Block3::ZERO;
                 match &mut self.target {
                     DampingTarget::Predict { keep, gain, a, predicted } => {
-                        let a = Block3::load(a, slot);
+                        let a = Block3::load(*a, slot);
                         for i in 0..LANES {
                             let damped = a.at(i) + force.at(i) * w.0[i];
                             out.set(i, d.at(i) * *keep + damped * *gain);
@@ -82,16 +86,66 @@ impl Kernel for AddDamping<'_> {
     }
 }
 
+impl Cut for AddDamping<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (target, target_below) = self.target.cut(self.band.slot(row));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, target, ..self }, Self { band: below, target: target_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
+
+impl DampingTarget<'_> {
+    /// What is before a slot, and the rest.
+    fn cut(self, slot: usize) -> (Self, Self) {
+        match self {
+            Self::Predict { keep, gain, a, predicted } => {
+                let (predicted, below) = predicted.cut(slot);
+                let below = Self::Predict { keep, gain, a, predicted: below };
+                (Self::Predict { keep, gain, a, predicted }, below)
+            }
+            Self::Accelerations(a) => {
+                let (a, below) = a.cut(slot);
+                (Self::Accelerations(a), Self::Accelerations(below))
+            }
+        }
+    }
+}
+
 impl DampedSprings<'_> {
     /// Damping of a block, of displacements `d`.
     #[inline(always)]
     fn force(&self, rows: &mut SpringRows, row: usize, column: usize, d: &Soa) -> Block3 {
-        let shear = if self.shear { self.damping } else { 0.0 };
-        let springs = Springs { lattice: self.lattice, thread: self.damping, shear };
         match self.form {
-            DampingForm::Relative => rows.gather(&springs, row, column, &Relative { d }),
-            DampingForm::Axial => rows.gather(&springs, row, column, &Axial { x: self.x, d }),
+            DampingForm::Relative => rows.gather(&self.springs(), row, column, &Relative { d }),
+            DampingForm::Axial => {
+                rows.gather(&self.springs(), row, column, &Axial { x: self.x, d })
+            }
         }
+    }
+
+    /// Begins with a row.
+    #[inline(always)]
+    fn begin(&self, rows: &mut SpringRows, row: usize, d: &Soa) {
+        match self.form {
+            DampingForm::Relative => rows.begin(&self.springs(), row, &Relative { d }),
+            DampingForm::Axial => rows.begin(&self.springs(), row, &Axial { x: self.x, d }),
+        }
+    }
+
+    #[inline(always)]
+    fn springs(&self) -> Springs<'_> {
+        let shear = if self.shear { self.damping } else { 0.0 };
+        Springs { lattice: self.lattice, thread: self.damping, shear }
     }
 }
 

@@ -2,9 +2,10 @@
 
 use bevy::math::Vec3;
 
-use super::bending::Bend;
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::bands::{Band, Cut, Rooms};
+use super::bending::{Bend, Moments};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::{Family, Lattice, Layout};
 use super::rows::{SpringForce, SpringRows, Springs};
 
@@ -31,6 +32,7 @@ impl SpringConstants {
 /// Sets every acceleration to gravity plus what springs and hinges pull: on particle i, a spring's
 /// `F_i = k (|d| - L) d / |d|` with `d = x_j - x_i`.
 pub(super) struct AccumulateForces<'a> {
+    pub band: Band,
     pub lattice: &'a Lattice,
     pub constants: SpringConstants,
     /// The hinges of both families, where they have any rigidity.
@@ -38,8 +40,9 @@ pub(super) struct AccumulateForces<'a> {
     pub gravity: Vec3,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
-    pub rows: &'a mut SpringRows,
-    pub a: &'a mut Soa,
+    pub a: PartMut<'a>,
+    pub rows: &'a Rooms<SpringRows>,
+    pub moments: &'a Rooms<Moments>,
 }
 
 impl Kernel for AccumulateForces<'_> {
@@ -47,23 +50,27 @@ impl Kernel for AccumulateForces<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let layout = self.lattice.layout;
+        let Band { layout, rows, .. } = self.band.clone();
         let pulls = !self.constants.is_zero();
+        let (mut springs, mut moments) = (self.rows.take(), self.moments.take());
         if pulls {
-            self.rows.begin();
+            springs.begin(&self.springs(), rows.start, &Elastic { x: self.x });
         }
-        for row in 0..layout.rows {
-            if let Some(bend) = &mut self.bend {
-                bend.begin_row(row);
+        if let Some(bend) = &self.bend {
+            bend.begin(&mut moments, rows.start);
+        }
+        for row in rows {
+            if let Some(bend) = &self.bend {
+                bend.begin_row(&mut moments, row);
             }
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 let mut force = Block3::ZERO;
                 if pulls {
-                    force = self.force(row, column);
+                    force = self.force(&mut springs, row, column);
                 }
                 if let Some(bend) = &self.bend {
-                    let bending = bend.forces(row, column);
+                    let bending = bend.forces(&moments, row, column);
                     for i in 0..LANES {
                         force.set(i, force.at(i) + bending.at(i));
                     }
@@ -74,19 +81,42 @@ impl Kernel for AccumulateForces<'_> {
                     let g = if w.0[i] > 0.0 { self.gravity } else { Vec3::ZERO };
                     a.set(i, force.at(i) * w.0[i] + g);
                 }
-                a.store(self.a, slot);
+                a.store(&mut self.a, slot);
             }
         }
     }
 }
 
-impl AccumulateForces<'_> {
+impl Cut for AccumulateForces<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (a, a_below) = self.a.cut(self.band.slot(row));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, a, ..self }, Self { band: below, a: a_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
+
+impl<'a> AccumulateForces<'a> {
+    fn springs(&self) -> Springs<'a> {
+        let SpringConstants { thread, shear, .. } = self.constants;
+        Springs { lattice: self.lattice, thread, shear }
+    }
+
     /// Springs of a block, and the halves that those before it have stored for it.
     #[inline(always)]
-    fn force(&mut self, row: usize, column: usize) -> Block3 {
-        let SpringConstants { thread, shear, flexion } = self.constants;
-        let springs = Springs { lattice: self.lattice, thread, shear };
-        let mut force = self.rows.gather(&springs, row, column, &Elastic { x: self.x });
+    fn force(&self, room: &mut SpringRows, row: usize, column: usize) -> Block3 {
+        let flexion = self.constants.flexion;
+        let springs = self.springs();
+        let mut force = room.gather(&springs, row, column, &Elastic { x: self.x });
         if flexion > 0.0 {
             let Layout { stride, .. } = self.lattice.layout;
             let slot = self.lattice.layout.slot(row, column);

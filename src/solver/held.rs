@@ -1,5 +1,7 @@
 //! What depends on which particles are held: inverse masses, tethers, clamped hinges.
 
+use bevy::math::Vec3;
+
 use super::bending::Hinges;
 use super::graph::Strengths;
 use super::lanes::Array;
@@ -14,6 +16,8 @@ pub(super) struct Held {
     pub particles: Vec<u32>,
     /// Their slots.
     pub slots: Vec<usize>,
+    /// Where they are at the substep's end, relative to the origin \[m\].
+    pub places: Vec<Vec3>,
     /// 1 / mass \[1/kg\]; 0 where held and beside the sheet.
     pub inverse_mass: Array,
     /// The same in the transposed layout of a lattice.
@@ -42,6 +46,7 @@ impl Held {
             strengths: topology.as_graph().map(|graph| Strengths::new(graph, &held)),
             hung: 0.0,
             particles,
+            places: vec![Vec3::ZERO; slots.len()],
             slots,
             inverse_mass: Array::zeros(layout.len()),
             inverse_mass_transposed: Array::zeros(transposed),

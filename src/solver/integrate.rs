@@ -6,9 +6,10 @@
 
 use bevy::math::{Vec3, ops};
 
+use super::bands::{Band, Cut};
 use super::carry::Carry;
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa};
 use super::lattice::Layout;
 
 /// Where the accelerations of a substep come from.
@@ -22,7 +23,7 @@ pub(super) enum Acceleration<'a> {
 
 /// Sets the displacements of a substep, for every particle that is not held.
 pub(super) struct Integrate<'a> {
-    pub layout: Layout,
+    pub band: Band,
     pub acceleration: Acceleration<'a>,
     /// Part of the last displacement that goes on.
     pub keep: f32,
@@ -31,7 +32,7 @@ pub(super) struct Integrate<'a> {
     /// Displacement that no particle exceeds \[m\].
     pub longest: f32,
     pub inverse_mass: &'a [f32],
-    pub d: &'a mut Soa,
+    pub d: PartMut<'a>,
     pub carry: Carry<'a>,
 }
 
@@ -62,9 +63,10 @@ impl Kernel for Integrate<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
+        let Band { layout, rows, .. } = self.band.clone();
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
                 let carried = self.carried(slot);
                 match self.acceleration {
                     Acceleration::Uniform(a) => {
@@ -78,6 +80,27 @@ impl Kernel for Integrate<'_> {
                 }
             }
         }
+    }
+}
+
+impl Cut for Integrate<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (above, below) = self.band.cut(row);
+        let (d, d_below) = self.d.cut(slot);
+        let (carry, carry_below) = self.carry.cut(slot);
+        let below = Self { band: below, d: d_below, carry: carry_below, ..self };
+        (Self { band: above, d, carry, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
     }
 }
 
@@ -99,7 +122,7 @@ impl Integrate<'_> {
     fn advance(&mut self, slot: usize, carried: &Block3, gained: impl Fn(usize) -> Vec3) {
         let longest = self.longest * self.longest;
         let w = Block::load(self.inverse_mass, slot);
-        let mut d = Block3::load(self.d, slot);
+        let mut d = Block3::load(&self.d, slot);
         for i in 0..LANES {
             let new = d.at(i) * self.keep + gained(i) + carried.at(i);
             let square = new.dot(new);
@@ -107,7 +130,7 @@ impl Integrate<'_> {
             let scale = if w.0[i] > 0.0 { scale } else { 0.0 };
             d.set(i, new * scale);
         }
-        d.store(self.d, slot);
+        d.store(&mut self.d, slot);
         if let Carry::Begin(pull) | Carry::GoOn(pull, _) = &mut self.carry {
             let mut before = Block3::ZERO;
             for i in 0..LANES {
@@ -120,11 +143,11 @@ impl Integrate<'_> {
 
 /// Ends a substep: adds the displacements to the positions.
 pub(super) struct Displace<'a> {
-    pub layout: Layout,
-    pub x: &'a mut Soa,
+    pub band: Band,
+    pub x: PartMut<'a>,
     pub d: &'a Soa,
     /// Pulls that have been noted from before the corrections on.
-    pub pull: Option<&'a mut Soa>,
+    pub pull: Option<PartMut<'a>>,
 }
 
 impl Kernel for Displace<'_> {
@@ -132,15 +155,37 @@ impl Kernel for Displace<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
-                Block3::load_sum(self.x, self.d, slot).store(self.x, slot);
+        let Band { layout, rows, .. } = self.band;
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                Block3::load_sum(&self.x, self.d, slot).store(&mut self.x, slot);
                 if let Some(pull) = &mut self.pull {
                     Block3::load_sum(pull, self.d, slot).store(pull, slot);
                 }
             }
         }
+    }
+}
+
+impl Cut for Displace<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (above, below) = self.band.cut(row);
+        let (x, x_below) = self.x.cut(slot);
+        let (pull, pull_below) = PartMut::cut_any(self.pull, slot);
+        let below = Self { band: below, x: x_below, pull: pull_below, ..self };
+        (Self { band: above, x, pull, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
     }
 }
 

@@ -83,24 +83,24 @@ impl Block3 {
     }
 
     #[inline(always)]
-    pub fn load(from: &Soa, at: usize) -> Self {
-        Self {
-            x: Block::load(&from.x, at),
-            y: Block::load(&from.y, at),
-            z: Block::load(&from.z, at),
-        }
+    pub fn load(from: &impl Slots, at: usize) -> Self {
+        let [x, y, z] = from.axes();
+        let at = at - from.first();
+        Self { x: Block::load(x, at), y: Block::load(y, at), z: Block::load(z, at) }
     }
 
     #[inline(always)]
-    pub fn store(self, to: &mut Soa, at: usize) {
-        self.x.store(&mut to.x, at);
-        self.y.store(&mut to.y, at);
-        self.z.store(&mut to.z, at);
+    pub fn store(self, to: &mut impl SlotsMut, at: usize) {
+        let at = at - to.first();
+        let [x, y, z] = to.axes_mut();
+        self.x.store(x, at);
+        self.y.store(y, at);
+        self.z.store(z, at);
     }
 
     /// The sums of two arrays: positions and what they are displaced by.
     #[inline(always)]
-    pub fn load_sum(a: &Soa, b: &Soa, at: usize) -> Self {
+    pub fn load_sum(a: &impl Slots, b: &impl Slots, at: usize) -> Self {
         let (mut out, b) = (Self::load(a, at), Self::load(b, at));
         for i in 0..LANES {
             out.set(i, out.at(i) + b.at(i));
@@ -175,16 +175,19 @@ impl Soa {
         }
     }
 
+    /// All of it, to be cut into parts.
+    pub fn part_mut(&mut self) -> PartMut<'_> {
+        PartMut { first: 0, x: &mut self.x, y: &mut self.y, z: &mut self.z }
+    }
+
     #[inline(always)]
     pub fn get(&self, at: usize) -> Vec3 {
-        Vec3::new(self.x[at], self.y[at], self.z[at])
+        Slots::get(self, at)
     }
 
     #[inline(always)]
     pub fn set(&mut self, at: usize, value: Vec3) {
-        self.x[at] = value.x;
-        self.y[at] = value.y;
-        self.z[at] = value.z;
+        SlotsMut::set(self, at, value);
     }
 
     /// Takes over the values of `other`, which has the same length.
@@ -192,6 +195,125 @@ impl Soa {
         self.x.copy_from_slice(&other.x);
         self.y.copy_from_slice(&other.y);
         self.z.copy_from_slice(&other.z);
+    }
+}
+
+/// A vector for each of some neighbouring slots.
+pub(super) trait Slots {
+    /// The first of them.
+    fn first(&self) -> usize;
+    /// Coordinates, from that of the first slot on.
+    fn axes(&self) -> [&[f32]; 3];
+
+    /// The vector of a slot.
+    #[inline(always)]
+    fn get(&self, slot: usize) -> Vec3 {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes();
+        Vec3::new(x[at], y[at], z[at])
+    }
+}
+
+/// [`Slots`] that can be written.
+pub(super) trait SlotsMut: Slots {
+    /// See [`Slots::axes`].
+    fn axes_mut(&mut self) -> [&mut [f32]; 3];
+
+    /// Sets the vector of a slot.
+    #[inline(always)]
+    fn set(&mut self, slot: usize, value: Vec3) {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes_mut();
+        (x[at], y[at], z[at]) = value.into();
+    }
+}
+
+impl Slots for Soa {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+}
+
+impl SlotsMut for Soa {
+    #[inline(always)]
+    fn axes_mut(&mut self) -> [&mut [f32]; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
+    }
+}
+
+/// A part of a [`Soa`] that is written while others write the rest.
+#[derive(Debug)]
+pub(super) struct PartMut<'a> {
+    first: usize,
+    x: &'a mut [f32],
+    y: &'a mut [f32],
+    z: &'a mut [f32],
+}
+
+/// A part of a [`Soa`], or a copy of one, under the slots that it has there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part<'a> {
+    pub first: usize,
+    pub axes: [&'a [f32]; 3],
+}
+
+impl Slots for Part<'_> {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        self.first
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        self.axes
+    }
+}
+
+impl PartMut<'_> {
+    /// To be read.
+    #[inline(always)]
+    pub fn part(&self) -> Part<'_> {
+        Part { first: self.first, axes: [self.x, self.y, self.z] }
+    }
+
+    /// What is before a slot, and the rest.
+    pub fn cut(self, slot: usize) -> (Self, Self) {
+        let at = slot - self.first;
+        let (x, below_x) = self.x.split_at_mut(at);
+        let (y, below_y) = self.y.split_at_mut(at);
+        let (z, below_z) = self.z.split_at_mut(at);
+        let below = Self { first: slot, x: below_x, y: below_y, z: below_z };
+        (Self { first: self.first, x, y, z }, below)
+    }
+
+    /// The same of a part that may not be there.
+    pub fn cut_any(part: Option<Self>, slot: usize) -> (Option<Self>, Option<Self>) {
+        part.map(|part| part.cut(slot)).unzip()
+    }
+}
+
+impl Slots for PartMut<'_> {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        self.first
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl SlotsMut for PartMut<'_> {
+    #[inline(always)]
+    fn axes_mut(&mut self) -> [&mut [f32]; 3] {
+        [self.x, self.y, self.z]
     }
 }
 

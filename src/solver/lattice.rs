@@ -87,8 +87,8 @@ pub(crate) struct Layout {
 
 impl Layout {
     fn new(rows: usize, columns: usize) -> Self {
-        // Two columns of padding: the right neighbours of one row, the left ones of the next.
-        let stride = (columns + 2).next_multiple_of(LANES);
+        // A block of padding at least, of which neighbours of a row's blocks are part and the next row is not.
+        let stride = columns.next_multiple_of(LANES) + LANES;
         let first = PAD_ROWS * stride;
         let len = (rows.next_multiple_of(LANES) + 2 * PAD_ROWS) * stride + LANES;
         Self { rows, columns, stride, first, len }

@@ -2,9 +2,10 @@
 
 use bevy::math::Vec3;
 
-use super::isa::Kernel;
+use super::bands::{Band, Cut, Merge};
+use super::isa::{Isa, Kernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
-use super::lattice::{Lattice, Layout};
+use super::lattice::Lattice;
 use super::topology::Topology;
 
 /// Lengths of structural springs against their rest lengths.
@@ -55,7 +56,7 @@ pub(super) struct Survey {
 
 /// Takes a [`Survey`].
 pub(super) struct TakeSurvey<'a> {
-    pub layout: Layout,
+    pub band: Band,
     /// The lattice whose springs are looked at.
     pub lattice: Option<&'a Lattice>,
     pub x: &'a Soa,
@@ -68,9 +69,9 @@ impl Kernel for TakeSurvey<'_> {
 
     #[inline(always)]
     fn run(self) -> Survey {
-        let layout = self.layout;
+        let layout = self.band.layout;
         let mut totals = Totals::at(self.x.get(layout.slot(0, 0)));
-        for row in 0..layout.rows {
+        for row in self.band.rows.clone() {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 self.look_at_particles(slot, layout.columns - column, &mut totals);
@@ -82,6 +83,35 @@ impl Kernel for TakeSurvey<'_> {
             }
         }
         totals.survey()
+    }
+}
+
+impl Cut for TakeSurvey<'_> {
+    type Output = Survey;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, ..self }, Self { band: below, ..self })
+    }
+
+    fn run(self, isa: Isa) -> Survey {
+        isa.run(self)
+    }
+}
+
+impl Merge for Survey {
+    fn merge(self, below: Self) -> Self {
+        Self {
+            finite: self.finite && below.finite,
+            moved: larger(self.moved, below.moved),
+            max_strain: larger(self.max_strain, below.max_strain),
+            min: self.min.min(below.min),
+            max: self.max.max(below.max),
+        }
     }
 }
 

@@ -52,6 +52,7 @@
 
 mod access;
 mod air;
+mod bands;
 mod bending;
 mod beyond;
 mod carry;
@@ -85,7 +86,9 @@ mod tethers;
 mod threads;
 mod topology;
 mod transpose;
+mod warp;
 mod ways;
+mod weft;
 mod weights;
 mod wind;
 
@@ -114,6 +117,7 @@ pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
 pub(crate) use soft::check_soft_pin;
 
 use air::{Push, Surface};
+use bands::Bands;
 use bending::Bend;
 use beyond::IsAnyBeyond;
 use carry::Carry;
@@ -129,7 +133,9 @@ use plan::Bound;
 use shear::{CorrectShear, ShearRule};
 use state::{Scratch, State};
 use tethers::PullTethers;
-use threads::{Lines, Reach, SolveWarp, SolveWeft};
+use threads::{Lines, Reach};
+use warp::{PutBack, SolveWarp, SolveWarpApart};
+use weft::SolveWeft;
 use wind::Place;
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
@@ -139,6 +145,9 @@ pub struct ClothSolver {
     material: Material,
     settings: Settings,
     isa: Isa,
+    bands: Bands,
+    /// Whether threads share a large sheet.
+    shares: bool,
     held: Held,
     soft: Vec<soft::Spring>,
     /// Forces from outside, once there were any.
@@ -171,6 +180,13 @@ impl ClothSolver {
     /// [`SolverError`] for input that cannot be used, and nothing is done; or
     /// [`SolverError::Diverged`].
     pub fn tick(&mut self, input: &StepInput<'_>) -> Result<TickReport, SolverError> {
+        if self.shares && self.bands.is_large() {
+            return bands::inside(|| self.take_tick(input));
+        }
+        self.take_tick(input)
+    }
+
+    fn take_tick(&mut self, input: &StepInput<'_>) -> Result<TickReport, SolverError> {
         let substeps = self.begin_tick(input)?;
         for _ in 0..substeps {
             self.accumulate_forces(input);
@@ -191,6 +207,7 @@ impl ClothSolver {
         if self.air.is_some() {
             input.wind.validate()?;
         }
+        self.share_out();
         if input.dt != self.plan.tick {
             self.plan_ticks(input.dt);
         }
@@ -240,16 +257,19 @@ impl ClothSolver {
         let layout = lattice.layout;
         let Scratch { a, moments, rows, .. } = &mut self.scratch;
         let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
-        self.isa.run(AccumulateForces {
+        let forces = AccumulateForces {
+            band: self.bands.rows.clone(),
             lattice,
             constants: plan.explicit,
-            bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x, moments }),
+            bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x }),
             gravity: input.gravity,
             inverse_mass: &self.held.inverse_mass,
             x,
+            a: a.part_mut(),
             rows,
-            a,
-        });
+            moments,
+        };
+        bands::run(self.isa, forces);
         if let Some(pushes) = &self.pushes {
             pushes.add(self.isa, layout, &self.held.inverse_mass, &mut self.scratch.a);
         }
@@ -265,6 +285,7 @@ impl ClothSolver {
         let half = self.half_kick();
         let Topology::Lattice(lattice) = &self.topology else { return };
         let Scratch { a, b, rows, .. } = &mut self.scratch;
+        let rows = &*rows;
         let state = &self.state;
         let springs = DampedSprings {
             lattice,
@@ -275,10 +296,13 @@ impl ClothSolver {
             x: &state.x,
         };
         let gain = half.gain * state.unit;
-        let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted: b };
-        self.isa.run(AddDamping { springs, d: &state.d, rows, target });
-        let target = DampingTarget::Accelerations(a);
-        self.isa.run(AddDamping { springs, d: b, rows, target });
+        let band = &self.bands.rows;
+        let predicted = b.part_mut();
+        let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted };
+        let damping = AddDamping { band: band.clone(), springs, d: &state.d, rows, target };
+        bands::run(self.isa, damping);
+        let target = DampingTarget::Accelerations(a.part_mut());
+        bands::run(self.isa, AddDamping { band: band.clone(), springs, d: b, rows, target });
     }
 
     /// From the middle of the last substep to its end.
@@ -343,16 +367,17 @@ impl ClothSolver {
         self.state.response = kick.gain * plan.step;
         let part = self.carried();
         let State { d, pull, unit, response, .. } = &mut self.state;
-        self.isa.run(Integrate {
-            layout: self.topology.layout(),
+        let integrate = Integrate {
+            band: self.bands.rows.clone(),
             acceleration,
             keep: kick.decay * (plan.step / *unit),
             gain: *response,
             longest: self.settings.max_speed * plan.step,
             inverse_mass: &self.held.inverse_mass,
-            d,
+            d: d.part_mut(),
             carry: Carry::new(self.scratch.carries, part, pull),
-        });
+        };
+        bands::run(self.isa, integrate);
         self.state.last_step = plan.step;
     }
 
@@ -398,14 +423,23 @@ impl ClothSolver {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let limit = self.limit();
             match &self.topology {
-                Topology::Lattice(lattice) if self.state.carries => self.isa.run(CorrectShear {
-                    lattice,
-                    inverse_mass: &self.held.inverse_mass,
-                    rule: ShearRule { compliance, limit, crowd: lattice.crowd },
-                    x: &self.state.x,
-                    d: &mut self.state.d,
-                    pulls: &mut self.scratch.row_pulls,
-                }),
+                Topology::Lattice(lattice) if self.state.carries => {
+                    let Scratch { seams, row_pulls, .. } = &mut self.scratch;
+                    if self.bands.rows.count() > 1 {
+                        seams.copy(&self.state.d);
+                    }
+                    let shear = CorrectShear {
+                        band: self.bands.rows.clone(),
+                        lattice,
+                        inverse_mass: &self.held.inverse_mass,
+                        rule: ShearRule { compliance, limit, crowd: lattice.crowd },
+                        x: &self.state.x,
+                        d: self.state.d.part_mut(),
+                        seams,
+                        rooms: row_pulls,
+                    };
+                    bands::run(self.isa, shear);
+                }
                 _ => self.correct_springs(Rule::Shear { compliance, limit }),
             }
         }
@@ -429,7 +463,8 @@ impl ClothSolver {
     fn is_any_beyond(&self, limit: f32, shear: bool) -> bool {
         let Topology::Lattice(lattice) = &self.topology else { return true };
         let State { x, d, .. } = &self.state;
-        self.isa.run(IsAnyBeyond { lattice, limit, shear, x, d })
+        let band = self.bands.rows.clone();
+        bands::run(self.isa, IsAnyBeyond { band, lattice, limit, shear, x, d })
     }
 
     /// Longest that a spring may be, in rest lengths.
@@ -442,13 +477,15 @@ impl ClothSolver {
             room.correct_springs(self.isa, graph, rule);
         }
         let Topology::Lattice(lattice) = &self.topology else { return };
-        self.isa.run(CorrectSprings {
+        let springs = CorrectSprings {
+            band: self.bands.rows.clone(),
             lattice,
             inverse_mass: &self.held.inverse_mass,
             x: &self.state.x,
             d: &mut self.state.d,
             rule,
-        });
+        };
+        springs.run(self.isa);
     }
 
     /// Weft threads, then warp threads. Tells whether any spring came to them beyond its limit: where
@@ -464,42 +501,73 @@ impl ClothSolver {
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
             return room.solve_chains(isa, graph, reach);
         }
-        let Topology::Lattice(lattice) = &self.topology else { return false };
-        let layout = lattice.layout;
-        let State { x, d, .. } = &mut self.state;
-        let Scratch { strip, line, .. } = &mut self.scratch;
-        let weft = Lines {
-            layout: layout.transposed(),
-            springs: &lattice.weft_transposed,
-            reach,
-            inverse_mass: &self.held.inverse_mass_transposed,
-            line,
-        };
-        let weft_beyond = isa.run_transposing(SolveWeft { layout, lines: weft, x, d, strip });
-        let warp = Lines {
-            layout,
-            springs: &lattice.warp,
-            reach,
-            inverse_mass: &self.held.inverse_mass,
-            line,
-        };
-        let warp_beyond = isa.run(SolveWarp { layout, lines: warp, x, d });
+        let weft_beyond = self.solve_weft(reach);
+        let warp_beyond = self.solve_warp(reach);
         weft_beyond || warp_beyond
+    }
+
+    fn solve_weft(&mut self, reach: Reach) -> bool {
+        let Topology::Lattice(lattice) = &self.topology else { return false };
+        let weft = SolveWeft {
+            band: self.bands.rows.clone(),
+            lines: lattice.layout.transposed(),
+            springs: &lattice.weft_transposed,
+            inverse_mass: &self.held.inverse_mass_transposed,
+            reach,
+            x: &self.state.x,
+            d: self.state.d.part_mut(),
+            rooms: &self.scratch.threads,
+        };
+        bands::run(self.isa, weft)
+    }
+
+    fn solve_warp(&mut self, reach: Reach) -> bool {
+        let Topology::Lattice(lattice) = &self.topology else { return false };
+        let Bands { rows, columns, .. } = &self.bands;
+        let State { x, d, .. } = &mut self.state;
+        let Scratch { threads: rooms, apart, .. } = &mut self.scratch;
+        let (layout, springs) = (lattice.layout, &lattice.warp);
+        let inverse_mass = &self.held.inverse_mass;
+        if columns.count() == 1 {
+            let line = &mut rooms.take().line;
+            let lines = Lines { layout, springs, reach, inverse_mass, line };
+            return self.isa.run(SolveWarp { layout, lines, x, d });
+        }
+        let warp = SolveWarpApart {
+            band: columns.clone(),
+            layout,
+            springs,
+            inverse_mass,
+            reach,
+            x,
+            d,
+            apart: apart.part_mut(),
+            rooms,
+        };
+        let beyond = bands::run(self.isa, warp);
+        bands::run(self.isa, PutBack { band: rows.clone(), apart, d: d.part_mut() });
+        beyond
     }
 
     fn pull_tethers(&mut self) {
         if !self.settings.tethers {
             return;
         }
+        let State { x, d, .. } = &mut self.state;
+        for (place, &slot) in self.held.places.iter_mut().zip(&self.held.slots) {
+            *place = x.get(slot) + d.get(slot);
+        }
         for set in &self.held.tethers {
-            self.isa.run(PullTethers {
-                layout: self.topology.layout(),
+            let pull = PullTethers {
+                band: self.bands.rows.clone(),
                 set,
+                pins: &self.held.places,
                 ease: self.tether_ease,
                 inverse_mass: &self.held.inverse_mass,
-                x: &self.state.x,
-                d: &mut self.state.d,
-            });
+                x,
+                d: d.part_mut(),
+            };
+            bands::run(self.isa, pull);
         }
     }
 
@@ -508,8 +576,8 @@ impl ClothSolver {
         if input.colliders.is_empty() {
             self.contact_count = 0;
         } else {
-            self.contact_count = self.isa.run(ResolveContacts {
-                layout: self.topology.layout(),
+            let contacts = ResolveContacts {
+                bands: &self.bands,
                 colliders: input.colliders,
                 origin: self.state.origin,
                 span: self.span(),
@@ -526,12 +594,14 @@ impl ClothSolver {
                 d: &mut self.state.d,
                 pull: self.scratch.carries.then_some(&mut self.state.pull),
                 room: &mut self.scratch.contact,
-            });
+            };
+            self.contact_count = contacts.run(self.isa);
         }
         self.end_carrying();
         let State { x, d, pull, carries, .. } = &mut self.state;
-        let pull = carries.then_some(pull);
-        self.isa.run(Displace { layout: self.topology.layout(), x, d, pull });
+        let pull = carries.then(|| pull.part_mut());
+        let band = self.bands.rows.clone();
+        bands::run(self.isa, Displace { band, x: x.part_mut(), d, pull });
         if self.settings.integrator != Integrator::Verlet {
             self.end_study();
         }
@@ -569,13 +639,14 @@ impl ClothSolver {
     }
 
     fn take_survey(&self) -> Survey {
-        let mut survey = self.isa.run(TakeSurvey {
-            layout: self.topology.layout(),
+        let survey = TakeSurvey {
+            band: self.bands.rows.clone(),
             lattice: self.topology.as_lattice().map(|lattice| &**lattice),
             x: &self.state.x,
             d: &self.state.d,
             start: &self.state.start,
-        });
+        };
+        let mut survey = bands::run(self.isa, survey);
         if let Topology::Graph(graph) = &self.topology {
             survey.max_strain = graph::largest_strain(self.isa, graph, &self.state.x);
         }

@@ -50,11 +50,17 @@ impl SpringRows {
         }
     }
 
-    /// Before the first row there are no springs.
+    /// Begins with a row: works out the springs that come to it from the row before. Before the first there are
+    /// none.
     #[inline(always)]
-    pub fn begin(&mut self) {
+    pub fn begin<F: SpringForce>(&mut self, springs: &Springs<'_>, row: usize, law: &F) {
         for springs in [&mut self.warp, &mut self.diagonal, &mut self.antidiagonal] {
             springs.clear();
+        }
+        if row > 0 {
+            for column in (0..springs.lattice.layout.columns).step_by(LANES) {
+                self.gather(springs, row - 1, column, law);
+            }
         }
     }
 

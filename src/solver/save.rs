@@ -128,6 +128,8 @@ impl ClothSolver {
         let Self {
             // What the state is put back into has these.
             topology,
+            bands: _,
+            shares: _,
             material: _,
             settings: _,
             isa: _,

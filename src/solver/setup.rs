@@ -4,6 +4,7 @@ use bevy::math::Vec3;
 
 use super::ClothSolver;
 use super::air::{Air, Surface};
+use super::bands::Bands;
 use super::error::SolverError;
 use super::held::Held;
 use super::input::is_near;
@@ -50,6 +51,8 @@ impl ClothSolver {
             plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
             scratch: Scratch::new(&topology),
             isa: Isa::detect(),
+            bands: Bands::new(topology.layout(), false),
+            shares: true,
             tethered_under: None,
             tether_ease: 1.0,
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
@@ -86,6 +89,7 @@ impl ClothSolver {
         let positions: Vec<_> = (0..topology.particle_count()).map(|i| self.position(i)).collect();
         let mut solver = Self::new(topology, &positions, self.material, settings)?;
         solver.isa = self.isa;
+        solver.shares = self.shares;
         // Particles lie in memory as they did. To the bit: far from the world's origin, positions in
         // the world would be rounded.
         solver.state = self.state.clone();
@@ -173,6 +177,20 @@ impl ClothSolver {
     /// Forces an instruction set: same bits, other speed. The widest is taken by default.
     pub fn set_isa(&mut self, isa: Isa) {
         self.isa = isa;
+    }
+
+    /// Says whether all threads of rayon's pool share the work on a large sheet, as they do by default: same
+    /// bits, other speed.
+    pub fn set_shared(&mut self, shares: bool) {
+        self.shares = shares;
+    }
+
+    /// Cuts a large sheet where there is more than one thread to share it.
+    pub(super) fn share_out(&mut self) {
+        if self.bands.is_large() {
+            let shared = self.shares && rayon::current_num_threads() > 1;
+            self.bands = Bands::new(self.topology.layout(), shared);
+        }
     }
 
     /// Works out again what follows from rest shape, pins, material and settings.

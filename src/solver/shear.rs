@@ -7,9 +7,10 @@
 
 use bevy::math::Vec3;
 
+use super::bands::{Band, Cut, Rooms, Seams};
 use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH};
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, Part, PartMut, Soa, larger};
 use super::lattice::Lattice;
 
 /// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no
@@ -44,13 +45,15 @@ impl ShearRule {
 
 /// Corrects the shear springs of a lattice.
 pub(super) struct CorrectShear<'a> {
+    pub band: Band,
     pub lattice: &'a Lattice,
     pub inverse_mass: &'a [f32],
     pub rule: ShearRule,
     pub x: &'a Soa,
-    pub d: &'a mut Soa,
-    /// Room for the pulls on a row.
-    pub pulls: &'a mut RowPulls,
+    pub d: PartMut<'a>,
+    /// Displacements on both sides of the cuts, before any is corrected.
+    pub seams: &'a Seams,
+    pub rooms: &'a Rooms<RowPulls>,
 }
 
 /// Pulls of the springs from one row to the next, by column from [`LANES`] on.
@@ -75,51 +78,110 @@ impl Kernel for CorrectShear<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        self.pulls.right.clear();
-        self.pulls.left.clear();
-        for row in 0..self.lattice.layout.rows {
+        let Band { layout, rows, .. } = self.band.clone();
+        let mut pulls = self.rooms.take();
+        pulls.right.clear();
+        pulls.left.clear();
+        if rows.start > 0 {
+            self.pull_from_above(&mut pulls, rows.start);
+        }
+        for row in rows.clone() {
+            // What is below the last row has been corrected by now, perhaps.
+            let below =
+                (row + 1 == rows.end && rows.end < layout.rows).then(|| self.seams.row(rows.end));
             // The pull before a block is gone from its place once the block before has been there.
             let mut before = Vec3::ZERO;
-            for column in (0..self.lattice.layout.columns).step_by(LANES) {
-                self.correct(row, column, &mut before);
+            for column in (0..layout.columns).step_by(LANES) {
+                self.correct(&mut pulls, [row, column], below, &mut before);
             }
         }
     }
 }
 
+impl Cut for CorrectShear<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (d, d_below) = self.d.cut(self.band.slot(row));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
+
 impl CorrectShear<'_> {
-    /// Corrects a block of a row, of which those before are corrected already: nothing looks at them any
-    /// more.
+    /// Works out the pulls between the row before the band and its first.
     #[inline(always)]
-    fn correct(&mut self, row: usize, column: usize, before: &mut Vec3) {
+    fn pull_from_above(&self, pulls: &mut RowPulls, first: usize) {
+        let (above, below) = (self.seams.row(first - 1), self.seams.row(first));
+        for column in (0..self.lattice.layout.columns).step_by(LANES) {
+            let [right, left] = self.pulls(first - 1, column, &above, &below);
+            right.store(&mut pulls.right, LANES + column);
+            left.store(&mut pulls.left, LANES + column);
+        }
+    }
+
+    /// Corrects a block of a row, of which those before are corrected already: nothing looks at them any
+    /// more. `below` is the next row, where it is not of this band.
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        pulls: &mut RowPulls,
+        [row, column]: [usize; 2],
+        below: Option<Part<'_>>,
+        before: &mut Vec3,
+    ) {
         let (slot, place) = (self.lattice.layout.slot(row, column), LANES + column);
-        let mut above_right = Block3::load(&self.pulls.right, place - 1);
-        let above_left = Block3::load(&self.pulls.left, place + 1);
+        let mut above_right = Block3::load(&pulls.right, place - 1);
+        let above_left = Block3::load(&pulls.left, place + 1);
         above_right.set(0, *before);
-        *before = self.pulls.right.get(place + LANES - 1);
-        let diagonal = &self.lattice.diagonal;
-        let below = slot + self.lattice.layout.stride;
-        let rest = Block::load(&diagonal.rest, slot);
-        let factor = Block::load(&diagonal.compliance, slot);
-        let right = self.pull(slot, below + 1, &rest, &factor);
-        let rest = Block::load(&self.lattice.antidiagonal_rest, slot - 1);
-        let factor = Block::load(&diagonal.compliance, slot - 1);
-        let left = self.pull(slot, below - 1, &rest, &factor);
+        *before = pulls.right.get(place + LANES - 1);
+        let own = self.d.part();
+        let [right, left] = self.pulls(row, column, &own, &below.unwrap_or(own));
         let w = Block::load(self.inverse_mass, slot);
-        let mut d = Block3::load(self.d, slot);
+        let mut d = Block3::load(&self.d, slot);
         for i in 0..LANES {
             let pull = right.at(i) + left.at(i) - above_right.at(i) - above_left.at(i);
             d.set(i, d.at(i) + pull * w.0[i]);
         }
-        d.store(self.d, slot);
-        right.store(&mut self.pulls.right, place);
-        left.store(&mut self.pulls.left, place);
+        d.store(&mut self.d, slot);
+        right.store(&mut pulls.right, place);
+        left.store(&mut pulls.left, place);
+    }
+
+    /// Pulls on a block of the springs to the next row, to the right and to the left, from the displacements of
+    /// both rows.
+    #[inline(always)]
+    fn pulls(&self, row: usize, column: usize, own: &Part<'_>, next: &Part<'_>) -> [Block3; 2] {
+        let slot = self.lattice.layout.slot(row, column);
+        let below = slot + self.lattice.layout.stride;
+        let diagonal = &self.lattice.diagonal;
+        let rest = Block::load(&diagonal.rest, slot);
+        let factor = Block::load(&diagonal.compliance, slot);
+        let right = self.pull([slot, below + 1], [own, next], &rest, &factor);
+        let rest = Block::load(&self.lattice.antidiagonal_rest, slot - 1);
+        let factor = Block::load(&diagonal.compliance, slot - 1);
+        let left = self.pull([slot, below - 1], [own, next], &rest, &factor);
+        [right, left]
     }
 
     /// Pulls of springs between particles from `p` and from `q`, on the first of them.
     #[inline(always)]
-    fn pull(&self, p: usize, q: usize, rest: &Block, factor: &Block) -> Block3 {
-        let (xp, xq) = (Block3::load_sum(self.x, self.d, p), Block3::load_sum(self.x, self.d, q));
+    fn pull(
+        &self,
+        [p, q]: [usize; 2],
+        [dp, dq]: [&Part<'_>; 2],
+        rest: &Block,
+        factor: &Block,
+    ) -> Block3 {
+        let (xp, xq) = (Block3::load_sum(self.x, dp, p), Block3::load_sum(self.x, dq, q));
         let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
         let mut pull = Block3::ZERO;
         for i in 0..LANES {

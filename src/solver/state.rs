@@ -2,6 +2,7 @@
 
 use bevy::math::Vec3;
 
+use super::bands::{Band, Bands, Rooms, Seams};
 use super::bending::Moments;
 use super::contact::ContactRoom;
 use super::graph::Room;
@@ -10,6 +11,7 @@ use super::lattice::Layout;
 use super::rows::SpringRows;
 use super::shear::RowPulls;
 use super::study::Study;
+use super::threads;
 use super::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -93,17 +95,19 @@ pub(crate) struct Scratch {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
     /// Forces of a lattice's springs, while a row is worked on.
-    pub rows: SpringRows,
+    pub rows: Rooms<SpringRows>,
     /// Moments of the hinges.
-    pub moments: Moments,
+    pub moments: Rooms<Moments>,
+    /// Pulls of a lattice's shear springs.
+    pub row_pulls: Rooms<RowPulls>,
+    /// What a lattice's threads are solved in.
+    pub threads: Rooms<threads::Room>,
+    /// Displacements of the rows on both sides of each cut.
+    pub seams: Seams,
+    /// Displacements of columns, where they are solved apart from each other.
+    pub apart: Soa,
     /// Displacements predicted for the damping.
     pub b: Soa,
-    /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
-    pub strip: Soa,
-    /// Pulls of a lattice's shear springs.
-    pub row_pulls: RowPulls,
-    /// The unknowns of a block of threads.
-    pub line: Line,
     /// What only a graph's stages work in.
     pub graph: Option<Room>,
     /// What the integrators for study work in, where one is chosen.
@@ -144,19 +148,23 @@ impl Scratch {
         let len = layout.len();
         // What only a lattice's threads and hinges work in.
         let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
-        let longest = woven.rows.max(woven.columns) * LANES;
+        let bands = Bands::new(woven, true);
+        let count = bands.rows.count();
+        let is_apart = bands.columns.count() > 1;
+        let apart = if is_apart { woven.columns.next_multiple_of(LANES) * woven.rows } else { 0 };
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
-            rows: SpringRows::new(woven),
-            moments: Moments::new(woven),
-            strip: Soa::zeros(woven.columns.next_multiple_of(LANES) * LANES),
-            row_pulls: RowPulls::new(woven.columns),
-            line: Line::new(longest),
+            rows: Rooms::new(count, || SpringRows::new(woven)),
+            moments: Rooms::new(count, || Moments::new(woven)),
+            row_pulls: Rooms::new(count, || RowPulls::new(woven.columns)),
+            threads: Rooms::new(bands.most(), || threads::Room::new(woven)),
+            apart: Soa::zeros(apart),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,
             carries: false,
-            contact: ContactRoom::new(layout),
+            contact: ContactRoom::new(&Band::all(layout)),
+            seams: Seams::new(bands.rows),
         }
     }
 }

@@ -10,6 +10,7 @@
 use bevy::math::Vec3;
 
 use super::ClothSolver;
+use super::bands;
 use super::carry::Carry;
 use super::input::StepInput;
 use super::integrate::{Acceleration, Add, Integrate};
@@ -82,16 +83,17 @@ impl ClothSolver {
         let h = self.plan.step;
         let (add, inverse_mass) = (self.adding(), &self.held.inverse_mass);
         let d = &mut self.state.d;
-        self.isa.run(Integrate {
-            layout: add.layout,
+        let integrate = Integrate {
+            band: self.bands.rows.clone(),
             acceleration: Acceleration::Uniform(Vec3::ZERO),
             keep: h / self.state.unit,
             gain: 0.0,
             longest: self.settings.max_speed * h,
             inverse_mass,
-            d,
+            d: d.part_mut(),
             carry: Carry::No,
-        });
+        };
+        bands::run(self.isa, integrate);
         if let (Integrator::Midpoint, Some(study)) = (self.settings.integrator, &self.scratch.study)
         {
             add.run(0.5 * h * h, inverse_mass, &study.first, d);

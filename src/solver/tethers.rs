@@ -12,10 +12,11 @@
 
 use bevy::math::{Vec3, ops};
 
+use super::bands::{Band, Cut};
 use super::graph::Graph;
 use super::input::PinMotion;
-use super::isa::Kernel;
-use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::{Lattice, Layout};
 use super::parameters::Material;
 use super::topology::Topology;
@@ -38,7 +39,7 @@ const MOST_EASE: f32 = 1e6;
 /// The tethers of one group of neighbouring pins, or to the n-th nearest group where there are many.
 #[derive(Clone, Debug)]
 pub(super) struct TetherSet {
-    /// The slot of the pin that each particle is tied to; one entry where all share a pin.
+    /// Which of the cloth's pins each particle is tied to; one entry where all share a pin.
     pins: Vec<u32>,
     /// Distance to the pin along the cloth, however it shears less \[m\]; 0 for held particles.
     straight: Vec<f32>,
@@ -224,9 +225,12 @@ impl Reach {
             self.straight[pin] = 0.0;
             self.along_threads[pin] = 0.0;
         }
-        let pins = if let [only] = group { vec![*only as u32] } else { self.nearest };
+        let mut nearest = if let [only] = group { vec![*only as u32] } else { self.nearest };
+        for pin in &mut nearest {
+            *pin = place_of[*pin as usize] as u32;
+        }
         TetherSet {
-            pins,
+            pins: nearest,
             straight: self.straight,
             along_threads: self.along_threads,
             limit: Array::zeros(layout.len()),
@@ -303,13 +307,15 @@ fn nearest_others(sets: Vec<TetherSet>) -> Vec<Between> {
 
 /// Brings back what is further from its pin than its tether allows.
 pub(super) struct PullTethers<'a> {
-    pub layout: Layout,
+    pub band: Band,
     pub set: &'a TetherSet,
+    /// Where the cloth's pins are at the substep's end, relative to the origin \[m\].
+    pub pins: &'a [Vec3],
     /// What the bounds are multiplied by, at least 1.
     pub ease: f32,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
-    pub d: &'a mut Soa,
+    pub d: PartMut<'a>,
 }
 
 impl Kernel for PullTethers<'_> {
@@ -318,16 +324,17 @@ impl Kernel for PullTethers<'_> {
     #[inline(always)]
     fn run(mut self) {
         let shared = match self.set.pins[..] {
-            [only] => Some(self.x.get(only as usize) + self.d.get(only as usize)),
+            [only] => Some(self.pins[only as usize]),
             _ => None,
         };
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
+        let Band { layout, rows, .. } = self.band.clone();
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
                 match shared {
                     Some(pin) => self.pull(slot, |_| pin),
                     None => {
-                        let pins = gather(self.x, self.d, &self.set.pins[slot..slot + LANES]);
+                        let pins = gather(self.pins, &self.set.pins[slot..slot + LANES]);
                         self.pull(slot, |i| pins.at(i));
                     }
                 }
@@ -336,11 +343,29 @@ impl Kernel for PullTethers<'_> {
     }
 }
 
+impl Cut for PullTethers<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (d, d_below) = self.d.cut(self.band.slot(row));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
+
 impl PullTethers<'_> {
     #[inline(always)]
     fn pull(&mut self, slot: usize, pin: impl Fn(usize) -> Vec3) {
         let x = Block3::load(self.x, slot);
-        let mut d = Block3::load(self.d, slot);
+        let mut d = Block3::load(&self.d, slot);
         let limit = Block::load(&self.set.limit, slot);
         let w = Block::load(self.inverse_mass, slot);
         let mut ways = Block3::ZERO;
@@ -363,15 +388,15 @@ impl PullTethers<'_> {
                 if w.0[i] > 0.0 { larger(distance - limit.0[i] * self.ease, 0.0) } else { 0.0 };
             d.set(i, d.at(i) - way * (excess / larger(distance, LEAST_DISTANCE)));
         }
-        d.store(self.d, slot);
+        d.store(&mut self.d, slot);
     }
 }
 
 #[inline(always)]
-fn gather(x: &Soa, d: &Soa, slots: &[u32]) -> Block3 {
+fn gather(from: &[Vec3], pins: &[u32]) -> Block3 {
     let mut out = Block3::ZERO;
-    for (lane, &slot) in slots.iter().enumerate() {
-        out.set(lane, x.get(slot as usize) + d.get(slot as usize));
+    for (lane, &pin) in pins.iter().enumerate() {
+        out.set(lane, from[pin as usize]);
     }
     out
 }

@@ -10,12 +10,10 @@
 //! What is solved for is each tension over the spring's length, with each equation times that length: springs
 //! then stand in it as they are, and none has to be divided by its length for a direction.
 
-use super::isa::{Kernel, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
 use super::taut::{Threads, ease};
-use super::transpose::Transpose;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
 /// held at both ends has one constraint too many; this keeps its matrix far enough from singular
@@ -25,23 +23,23 @@ const LEAST_COMPLIANCE: f32 = 1e-5;
 /// collapsed spring has no direction and is left alone.
 const LEAST_PIVOT: f32 = 1e-30;
 
-/// Solves all warp threads, a column a lane.
-pub(super) struct SolveWarp<'a> {
-    pub layout: Layout,
-    pub lines: Lines<'a>,
-    pub x: &'a Soa,
-    pub d: &'a mut Soa,
+/// What a band of threads is solved in.
+#[derive(Clone, Debug)]
+pub(super) struct Room {
+    /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
+    pub strip: Soa,
+    /// The unknowns of [`LANES`] threads.
+    pub line: Line,
 }
 
-/// Solves all weft threads, a row a lane: [`LANES`] rows at a time are turned into a strip of columns
-/// that stays in the nearest cache.
-pub(super) struct SolveWeft<'a> {
-    pub layout: Layout,
-    pub lines: Lines<'a>,
-    pub x: &'a Soa,
-    pub d: &'a mut Soa,
-    /// Positions of a strip, then its corrections.
-    pub strip: &'a mut Soa,
+impl Room {
+    /// Room for either direction's threads.
+    pub fn new(layout: Layout) -> Self {
+        Self {
+            strip: Soa::zeros(layout.columns.next_multiple_of(LANES) * LANES),
+            line: Line::new(layout.rows.max(layout.columns) * LANES),
+        }
+    }
 }
 
 /// What the threads of one direction are made of, in the layout whose rows they run across.
@@ -54,114 +52,8 @@ pub(super) struct Lines<'a> {
     pub line: &'a mut Line,
 }
 
-/// Tells whether any spring was longer than its limit before it was corrected.
-impl Kernel for SolveWarp<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(mut self) -> bool {
-        let mut excess = Block::ZERO;
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let first = self.layout.slot(0, column);
-            let stride = self.layout.stride;
-            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
-            self.lines.eliminate(column, &ends, &mut excess);
-            self.lines.substitute(column, &mut ends);
-        }
-        excess.largest() > 0.0
-    }
-}
-
-/// Tells the same as [`SolveWarp`].
-impl TransposingKernel for SolveWeft<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(mut self, transpose: impl Transpose) -> bool {
-        let mut excess = Block::ZERO;
-        for row in (0..self.layout.rows).step_by(LANES) {
-            self.fill_strip(transpose, row);
-            let mut ends = Strip(self.strip);
-            self.lines.eliminate(row, &ends, &mut excess);
-            self.lines.substitute(row, &mut ends);
-            self.add_strip(transpose, row);
-        }
-        excess.largest() > 0.0
-    }
-}
-
-impl SolveWeft<'_> {
-    #[inline(always)]
-    fn fill_strip(&mut self, t: impl Transpose, row: usize) {
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let slot = self.layout.slot(row, column);
-            let (x, d, strip) = (self.x, &*self.d, &mut *self.strip);
-            fill_tile(t, &x.x, &d.x, slot, self.layout.stride, &mut strip.x, column * LANES);
-            fill_tile(t, &x.y, &d.y, slot, self.layout.stride, &mut strip.y, column * LANES);
-            fill_tile(t, &x.z, &d.z, slot, self.layout.stride, &mut strip.z, column * LANES);
-        }
-    }
-
-    #[inline(always)]
-    fn add_strip(&mut self, t: impl Transpose, row: usize) {
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let slot = self.layout.slot(row, column);
-            let (d, strip) = (&mut *self.d, &*self.strip);
-            add_tile(t, &strip.x, column * LANES, &mut d.x, slot, self.layout.stride);
-            add_tile(t, &strip.y, column * LANES, &mut d.y, slot, self.layout.stride);
-            add_tile(t, &strip.z, column * LANES, &mut d.z, slot, self.layout.stride);
-        }
-    }
-}
-
-/// Writes the sums of two arrays in a tile to a strip.
-#[inline(always)]
-fn fill_tile(
-    t: impl Transpose,
-    x: &[f32],
-    d: &[f32],
-    slot: usize,
-    stride: usize,
-    strip: &mut [f32],
-    at: usize,
-) {
-    let mut tile = [Block::ZERO; LANES];
-    for (i, line) in tile.iter_mut().enumerate() {
-        let (x, d) = (Block::load(x, slot + i * stride), Block::load(d, slot + i * stride));
-        for j in 0..LANES {
-            line.0[j] = x.0[j] + d.0[j];
-        }
-    }
-    for (j, line) in t.tile(&tile).into_iter().enumerate() {
-        line.store(strip, at + j * LANES);
-    }
-}
-
-/// Adds a part of a strip to a tile.
-#[inline(always)]
-fn add_tile(
-    t: impl Transpose,
-    strip: &[f32],
-    at: usize,
-    d: &mut [f32],
-    slot: usize,
-    stride: usize,
-) {
-    let mut tile = [Block::ZERO; LANES];
-    for (j, line) in tile.iter_mut().enumerate() {
-        *line = Block::load(strip, at + j * LANES);
-    }
-    for (i, line) in t.tile(&tile).into_iter().enumerate() {
-        let mut new = Block::load(d, slot + i * stride);
-        for j in 0..LANES {
-            new.0[j] += line.0[j];
-        }
-        new.store(d, slot + i * stride);
-    }
-}
-
 /// Where the particles of [`LANES`] threads are, and where their corrections go.
-trait Ends {
+pub(super) trait Ends {
     /// Positions of the particles at a place along the threads.
     fn positions(&self, place: usize) -> Block3;
     /// Takes their corrections.
@@ -170,61 +62,14 @@ trait Ends {
     fn correct_more(&mut self, place: usize, correction: Block3);
 }
 
-/// Rows of the sheet.
-struct InPlace<'a> {
-    x: &'a Soa,
-    d: &'a mut Soa,
-    first: usize,
-    stride: usize,
-}
-
-impl Ends for InPlace<'_> {
-    #[inline(always)]
-    fn positions(&self, place: usize) -> Block3 {
-        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
-    }
-
-    #[inline(always)]
-    fn correct(&mut self, place: usize, correction: Block3) {
-        let slot = self.first + place * self.stride;
-        let mut d = Block3::load(self.d, slot);
-        for i in 0..LANES {
-            d.set(i, d.at(i) + correction.at(i));
-        }
-        d.store(self.d, slot);
-    }
-
-    #[inline(always)]
-    fn correct_more(&mut self, place: usize, correction: Block3) {
-        self.correct(place, correction);
-    }
-}
-
-/// A strip of columns, whose positions give way to their corrections.
-struct Strip<'a>(&'a mut Soa);
-
-impl Ends for Strip<'_> {
-    #[inline(always)]
-    fn positions(&self, place: usize) -> Block3 {
-        Block3::load(self.0, place * LANES)
-    }
-
-    #[inline(always)]
-    fn correct(&mut self, place: usize, correction: Block3) {
-        correction.store(self.0, place * LANES);
-    }
-
-    #[inline(always)]
-    fn correct_more(&mut self, place: usize, correction: Block3) {
-        let mut sum = Block3::load(self.0, place * LANES);
-        for i in 0..LANES {
-            sum.set(i, sum.at(i) + correction.at(i));
-        }
-        sum.store(self.0, place * LANES);
-    }
-}
-
 impl Lines<'_> {
+    /// Solves and corrects the threads from one on.
+    #[inline(always)]
+    pub fn solve(&mut self, thread: usize, ends: &mut impl Ends, excess: &mut Block) {
+        self.eliminate(thread, ends, excess);
+        self.substitute(thread, ends);
+    }
+
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
     fn eliminate(&mut self, thread: usize, ends: &impl Ends, excess: &mut Block) {

@@ -23,6 +23,7 @@ mod motion;
 mod push;
 mod refusals;
 mod seams;
+mod shared;
 mod soft;
 mod spring;
 mod stability;

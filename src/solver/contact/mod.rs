@@ -16,9 +16,9 @@ mod sweep;
 
 use bevy::math::Vec3;
 
-use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
-use super::lattice::Layout;
+use super::bands::{self, Band, Bands, Cut, Merge};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use crate::sdf::{PointBlock, SampleBlock};
 
 pub use collider::{Collider, ColliderMotion, Pose};
@@ -27,7 +27,7 @@ pub(super) use room::ContactRoom;
 
 use collider::Motion;
 use loads::Loads;
-use room::Awake;
+use room::{Awake, Known};
 use sweep::Sweep;
 
 /// Least way of sliding that has a direction \[m\].
@@ -54,6 +54,12 @@ struct Tally {
     left: Block,
 }
 
+impl Default for Tally {
+    fn default() -> Self {
+        Self { given: Block3::ZERO, forgotten: Block3::ZERO, left: Block::ZERO }
+    }
+}
+
 /// What a cloth is to colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skin {
@@ -73,7 +79,7 @@ pub(super) struct Skin {
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
-    pub layout: Layout,
+    pub bands: &'a Bands,
     pub colliders: &'a [Collider<'a>],
     pub origin: Vec3,
     pub span: Span,
@@ -86,83 +92,63 @@ pub(super) struct ResolveContacts<'a> {
     pub room: &'a mut ContactRoom,
 }
 
-impl Kernel for ResolveContacts<'_> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn run(mut self) -> u32 {
-        let way = self.furthest_way();
+impl ResolveContacts<'_> {
+    /// Meets one collider after the other.
+    pub fn run(mut self, isa: Isa) -> u32 {
+        let way =
+            bands::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
         let Skin { epsilon, layers, .. } = self.skin;
+        let layout = self.bands.rows.layout;
         self.room.begin_substep();
-        self.room.wake(way, epsilon, layers, self.x, self.layout, self.origin, self.colliders);
+        self.room.wake(isa, way, epsilon, layers, self.x, layout, self.origin, self.colliders);
         let mut touching = 0;
         for k in 0..self.room.awake.len() {
-            touching += self.meet(k, way);
+            touching += self.meet(isa, k, way);
         }
         touching
-    }
-}
-
-impl ResolveContacts<'_> {
-    /// How far any particle goes in this substep \[m\].
-    #[inline(always)]
-    fn furthest_way(&self) -> f32 {
-        let mut most = Block::ZERO;
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let d = Block3::load(self.d, self.layout.slot(row, column));
-                for i in 0..LANES {
-                    most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
-                }
-            }
-        }
-        most.largest().sqrt()
     }
 
     /// Holds all particles out of one collider, and returns how many touched it. `way` is what the
     /// fastest particle goes in this substep \[m\].
-    #[inline(always)]
-    fn meet(&mut self, k: usize, way: f32) -> u32 {
-        let Awake { collider, first, gone } = self.room.awake[k];
+    fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
+        let room = &mut *self.room;
+        let Awake { collider, first, gone } = room.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
         let motion = Motion::new(collider_now, self.origin, self.skin.friction, from, to);
-        self.room.awake[k].gone = gone + motion.reach;
+        room.awake[k].gone = gone + motion.reach;
         // Particles that another collider has pushed have gone further.
-        let way = way + self.room.pushed + motion.reach;
-        let gone = (self.room.gone + self.room.pushed + gone + motion.reach) * ROUNDED_UP;
-        let slow = self.skin.epsilon + motion.fast;
-        let mut touching = 0;
-        let mut tally = Tally { given: Block3::ZERO, forgotten: Block3::ZERO, left: Block::ZERO };
-        let mut deepest = 0.0;
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
-                let known = first + slot / LANES;
-                if self.room.until[known] > gone {
-                    continue;
-                }
-                if way > slow {
-                    let sweep = Sweep { motion: &motion, epsilon: self.skin.epsilon };
-                    if sweep.block(slot, self.inverse_mass, self.x, self.d, &mut tally.given) {
-                        self.room.struck = true;
-                    }
-                }
-                let (gap, count) = self.resolve(slot, collider, &motion, &mut tally);
-                touching += count;
-                self.room.until[known] = gone + larger(gap, 0.0);
-                deepest = larger(-gap, deepest);
-            }
-        }
-        self.room.pushed += deepest;
-        if tally.left.largest() > 0.0 {
-            self.calm(first, gone, &motion, deepest);
-        }
+        let way = way + room.pushed + motion.reach;
+        let gone = (room.gone + room.pushed + gone + motion.reach) * ROUNDED_UP;
+        let met = bands::run(
+            isa,
+            MeetCollider {
+                band: self.bands.sums.clone(),
+                motion: &motion,
+                skin: self.skin,
+                is_fast: way > self.skin.epsilon + motion.fast,
+                gone,
+                inverse_mass: self.inverse_mass,
+                x: self.x.part_mut(),
+                d: self.d.part_mut(),
+                pull: self.pull.as_deref_mut().map(Soa::part_mut),
+                until: Known::all(&mut room.until[first..]),
+                loads_before: &room.loads_before,
+                pressed: &mut room.pressed,
+            },
+        );
+        room.struck |= met.struck;
+        room.note_pressed(motion.measured.then_some(collider));
+        room.pushed += met.deepest;
+        let Tally { given, forgotten, left } = &met.tally;
         if motion.measured {
-            self.room.impulses[collider] += sum(&tally.given) / self.skin.step;
-            self.room.forgotten[collider] += sum(&tally.forgotten) / self.skin.step;
+            room.impulses[collider] += sum(given) / self.skin.step;
+            room.forgotten[collider] += sum(forgotten) / self.skin.step;
         }
-        touching
+        if left.largest() > 0.0 {
+            self.calm(first, gone, &motion, met.deepest);
+        }
+        met.touching
     }
 
     /// While particles are so deep inside that they take more than a substep to come out, what is as
@@ -174,9 +160,10 @@ impl ResolveContacts<'_> {
         self.room.loads.clear();
         self.room.struck = true;
         let most = self.skin.most_push;
-        for row in 0..self.layout.rows {
-            for column in (0..self.layout.columns).step_by(LANES) {
-                let slot = self.layout.slot(row, column);
+        let layout = self.bands.rows.layout;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
                 // What is known may be less than the distance, and depends on where the world's origin is.
                 if self.room.until[first + slot / LANES] > gone + CALMED * deepest
                     || self.gap(slot, motion) > CALMED * deepest
@@ -211,19 +198,181 @@ impl ResolveContacts<'_> {
             least.min(distance * motion.after.scale - self.skin.epsilon)
         })
     }
+}
 
+/// The square of how far any particle goes in a substep \[m2\].
+struct FurthestWay<'a> {
+    band: Band,
+    d: &'a Soa,
+}
+
+/// The larger of two is what both come to.
+struct Most(f32);
+
+impl Merge for Most {
+    fn merge(self, below: Self) -> Self {
+        Self(larger(self.0, below.0))
+    }
+}
+
+impl Kernel for FurthestWay<'_> {
+    type Output = Most;
+
+    #[inline(always)]
+    fn run(self) -> Most {
+        let Band { layout, rows, .. } = self.band;
+        let mut most = Block::ZERO;
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let d = Block3::load(self.d, layout.slot(row, column));
+                for i in 0..LANES {
+                    most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
+                }
+            }
+        }
+        Most(most.largest())
+    }
+}
+
+impl Cut for FurthestWay<'_> {
+    type Output = Most;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, ..self }, Self { band: below, ..self })
+    }
+
+    fn run(self, isa: Isa) -> Most {
+        isa.run(self)
+    }
+}
+
+/// Holds the particles of a band out of one collider.
+struct MeetCollider<'a> {
+    band: Band,
+    motion: &'a Motion<'a>,
+    skin: Skin,
+    /// Whether any particle may pass the collider's surface by more than epsilon.
+    is_fast: bool,
+    /// The way that has been gone, as `until` counts it \[m\].
+    gone: f32,
+    inverse_mass: &'a [f32],
+    x: PartMut<'a>,
+    d: PartMut<'a>,
+    /// See [`ResolveContacts`].
+    pull: Option<PartMut<'a>>,
+    until: Known<'a>,
+    loads_before: &'a Loads,
+    /// Particles pressed by as much as makes a load, for each band.
+    pressed: &'a mut [Vec<usize>],
+}
+
+/// What a band comes to.
+#[derive(Default)]
+struct Met {
+    touching: u32,
+    tally: Tally,
+    /// How far any particle was pushed \[m\].
+    deepest: f32,
+    /// Whether what was fast was stopped.
+    struck: bool,
+}
+
+impl Merge for Met {
+    fn merge(self, below: Self) -> Self {
+        Self {
+            touching: self.touching + below.touching,
+            tally: self.tally.merge(below.tally),
+            deepest: larger(self.deepest, below.deepest),
+            struck: self.struck || below.struck,
+        }
+    }
+}
+
+impl Merge for Tally {
+    fn merge(mut self, below: Self) -> Self {
+        for i in 0..LANES {
+            self.given.set(i, self.given.at(i) + below.given.at(i));
+            self.forgotten.set(i, self.forgotten.at(i) + below.forgotten.at(i));
+            self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
+        }
+        self
+    }
+}
+
+impl Kernel for MeetCollider<'_> {
+    type Output = Met;
+
+    #[inline(always)]
+    fn run(mut self) -> Met {
+        let Band { layout, rows, .. } = self.band.clone();
+        let mut met = Met::default();
+        self.pressed[0].clear();
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                if *self.until.of(slot) > self.gone {
+                    continue;
+                }
+                if self.is_fast {
+                    let sweep = Sweep { motion: self.motion, epsilon: self.skin.epsilon };
+                    let given = &mut met.tally.given;
+                    met.struck |= sweep.block(slot, self.inverse_mass, &self.x, &mut self.d, given);
+                }
+                let (gap, count) = self.resolve(slot, &mut met.tally);
+                met.touching += count;
+                *self.until.of(slot) = self.gone + larger(gap, 0.0);
+                met.deepest = larger(-gap, met.deepest);
+            }
+        }
+        met
+    }
+}
+
+impl Cut for MeetCollider<'_> {
+    type Output = Met;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (above, below) = self.band.cut(row);
+        let (x, x_below) = self.x.cut(slot);
+        let (d, d_below) = self.d.cut(slot);
+        let (pull, pull_below) = PartMut::cut_any(self.pull, slot);
+        let (until, until_below) = self.until.cut(slot);
+        let (pressed, pressed_below) = self.pressed.split_at_mut(above.count());
+        let below = Self {
+            band: below,
+            x: x_below,
+            d: d_below,
+            pull: pull_below,
+            until: until_below,
+            pressed: pressed_below,
+            ..self
+        };
+        (Self { band: above, x, d, pull, until, pressed, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) -> Met {
+        isa.run(self)
+    }
+}
+
+impl MeetCollider<'_> {
     /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
     /// particle was pushed) and the contacts.
     #[inline(always)]
-    fn resolve(
-        &mut self,
-        slot: usize,
-        collider: usize,
-        motion: &Motion<'_>,
-        tally: &mut Tally,
-    ) -> (f32, u32) {
+    fn resolve(&mut self, slot: usize, tally: &mut Tally) -> (f32, u32) {
+        let motion = self.motion;
         let w = Block::load(self.inverse_mass, slot);
-        let x = Block3::load_sum(self.x, self.d, slot);
+        let x = Block3::load_sum(&self.x, &self.d, slot);
         let mut points = PointBlock::default();
         for i in 0..LANES {
             let local = motion.after.to_local(x.at(i));
@@ -247,9 +396,9 @@ impl ResolveContacts<'_> {
             return (nearest, 0);
         }
         let surface = surface_displacements(&points, &x, motion);
-        let load = self.push_out(slot, &depth, &samples, &surface, motion, tally);
+        let load = self.push_out(slot, &depth, &samples, &surface, tally);
         if load.largest() > Loads::least_of_all(self.skin.least_load) {
-            self.note_loads(slot, &load, motion.measured.then_some(collider));
+            self.note_pressed(slot, &load);
         }
         (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
     }
@@ -263,12 +412,12 @@ impl ResolveContacts<'_> {
         depth: &Block,
         samples: &SampleBlock,
         surface: &Block3,
-        motion: &Motion<'_>,
         tally: &mut Tally,
     ) -> Block {
+        let motion = self.motion;
         let mut load = Block::ZERO;
         let w = Block::load(self.inverse_mass, slot);
-        let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+        let (mut x, mut d) = (Block3::load(&self.x, slot), Block3::load(&self.d, slot));
         let before = d;
         for i in 0..LANES {
             let normal =
@@ -301,8 +450,8 @@ impl ResolveContacts<'_> {
                 tally.given.set(i, tally.given.at(i) - part);
             }
         }
-        d.store(self.d, slot);
-        x.store(self.x, slot);
+        d.store(&mut self.d, slot);
+        x.store(&mut self.x, slot);
         self.forget_pulls(slot, depth, &before, motion.measured.then_some(tally));
         load
     }
@@ -318,7 +467,7 @@ impl ResolveContacts<'_> {
         tally: Option<&mut Tally>,
     ) {
         let Some(pull) = &mut self.pull else { return };
-        let d = Block3::load(self.d, slot);
+        let d = Block3::load(&self.d, slot);
         let noted = Block3::load(pull, slot);
         let mut kept = noted;
         for i in 0..LANES {
@@ -336,13 +485,12 @@ impl ResolveContacts<'_> {
         }
     }
 
-    /// Notes the particles of a block that bear a load.
+    /// Notes the particles of a block that are pressed by as much as makes a load.
     #[inline(never)]
-    fn note_loads(&mut self, slot: usize, load: &Block, given_to: Option<usize>) {
+    fn note_pressed(&mut self, slot: usize, load: &Block) {
         for (slot, &load) in (slot..).zip(&load.0) {
-            let ContactRoom { loads, loads_before, .. } = &mut *self.room;
-            if load > loads_before.least(slot, self.skin.least_load) {
-                loads.add(slot, given_to, loads_before);
+            if load > self.loads_before.least(slot, self.skin.least_load) {
+                self.pressed[0].push(slot);
             }
         }
     }

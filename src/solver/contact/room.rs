@@ -7,7 +7,8 @@
 
 use bevy::math::{Vec3, bounding::Aabb3d};
 
-use super::super::isa::Kernel;
+use super::super::bands::Band;
+use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
 use super::{Collider, Loads};
@@ -48,6 +49,34 @@ pub(in crate::solver) struct ContactRoom {
     /// Particles that bear a load, and those that did in the substep before.
     pub loads: Loads,
     pub loads_before: Loads,
+    /// Particles that the present collider presses by as much as makes a load, for each band.
+    pub pressed: Vec<Vec<usize>>,
+}
+
+/// The ways at which the blocks of a band may touch a collider \[m\].
+pub(in crate::solver) struct Known<'a> {
+    first: usize,
+    until: &'a mut [f32],
+}
+
+impl<'a> Known<'a> {
+    /// Those of all blocks, from the first slot on.
+    pub fn all(until: &'a mut [f32]) -> Self {
+        Self { first: 0, until }
+    }
+
+    /// What is before a slot, and the rest.
+    pub fn cut(self, slot: usize) -> (Self, Self) {
+        let block = slot / LANES;
+        let (until, below) = self.until.split_at_mut(block - self.first);
+        (Self { first: self.first, until }, Self { first: block, until: below })
+    }
+
+    /// The way of a slot's block.
+    #[inline(always)]
+    pub fn of(&mut self, slot: usize) -> &mut f32 {
+        &mut self.until[slot / LANES - self.first]
+    }
 }
 
 /// A collider that the cloth may have come to.
@@ -62,7 +91,8 @@ pub(in crate::solver) struct Awake {
 }
 
 impl ContactRoom {
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(band: &Band) -> Self {
+        let layout = band.layout;
         let blocks = layout.len() / LANES;
         Self {
             blocks,
@@ -80,6 +110,14 @@ impl ContactRoom {
             owed: Vec::new(),
             loads: Loads::new(layout.len()),
             loads_before: Loads::new(layout.len()),
+            pressed: vec![Vec::with_capacity(band.most_slots()); band.count()],
+        }
+    }
+
+    /// Takes the particles that a collider pressed among those that bear a load.
+    pub fn note_pressed(&mut self, given_to: Option<usize>) {
+        for &slot in self.pressed.iter().flatten() {
+            self.loads.add(slot, given_to, &self.loads_before);
         }
     }
 
@@ -141,6 +179,7 @@ impl ContactRoom {
     /// and more than a few.
     pub fn wake(
         &mut self,
+        isa: Isa,
         way: f32,
         epsilon: f32,
         layers: u32,
@@ -175,7 +214,7 @@ impl ContactRoom {
             if let Some(bounds) = &collider.motion.bounds() {
                 let held = epsilon + self.slack;
                 let until = &mut self.until[first..];
-                BlockGaps { layout, x, origin, bounds, held, before, until }.run();
+                isa.run(BlockGaps { layout, x, origin, bounds, held, before, until });
             }
             self.awake.insert(place, Awake { collider: index, first, gone: 0.0 });
             place += 1;

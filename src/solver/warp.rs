@@ -1,0 +1,204 @@
+//! Warp threads: a column a lane, as the rows lie.
+//!
+//! Cores cannot share the rows of a large sheet by columns. There each works on a band of columns and puts what it
+//! comes to apart, from where it is put back by rows.
+
+use super::bands::{Band, Cut, Rooms};
+use super::isa::{Isa, Kernel};
+use super::lanes::{Block, Block3, LANES, PartMut, Soa};
+use super::lattice::{Family, Layout};
+use super::threads::{Ends, Lines, Reach, Room};
+
+/// Solves all warp threads.
+pub(super) struct SolveWarp<'a> {
+    pub layout: Layout,
+    pub lines: Lines<'a>,
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
+}
+
+/// Tells whether any spring was longer than its limit before it was corrected.
+impl Kernel for SolveWarp<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(mut self) -> bool {
+        let mut excess = Block::ZERO;
+        for column in (0..self.layout.columns).step_by(LANES) {
+            let (first, stride) = (self.layout.slot(0, column), self.layout.stride);
+            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
+            self.lines.solve(column, &mut ends, &mut excess);
+        }
+        excess.largest() > 0.0
+    }
+}
+
+/// Rows of the sheet.
+struct InPlace<'a> {
+    x: &'a Soa,
+    d: &'a mut Soa,
+    first: usize,
+    stride: usize,
+}
+
+impl Ends for InPlace<'_> {
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        let slot = self.first + place * self.stride;
+        let mut d = Block3::load(self.d, slot);
+        for i in 0..LANES {
+            d.set(i, d.at(i) + correction.at(i));
+        }
+        d.store(self.d, slot);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        self.correct(place, correction);
+    }
+}
+
+/// Solves the warp threads of a band of columns.
+pub(super) struct SolveWarpApart<'a> {
+    /// In the transposed layout, whose rows are the columns.
+    pub band: Band,
+    pub layout: Layout,
+    pub springs: &'a Family,
+    pub inverse_mass: &'a [f32],
+    pub reach: Reach,
+    pub x: &'a Soa,
+    pub d: &'a Soa,
+    /// What displacements become: bundle by bundle of [`LANES`] columns, and in each row by row.
+    pub apart: PartMut<'a>,
+    pub rooms: &'a Rooms<Room>,
+}
+
+/// Where a bundle of columns begins, and each of its rows.
+fn place_apart(layout: Layout, row: usize, column: usize) -> usize {
+    column * layout.rows + row * LANES
+}
+
+/// Tells the same as [`SolveWarp`].
+impl Kernel for SolveWarpApart<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { band, layout, springs, inverse_mass, reach, x, d, mut apart, rooms } = self;
+        let line = &mut rooms.take().line;
+        let mut lines = Lines { layout, springs, reach, inverse_mass, line };
+        let mut excess = Block::ZERO;
+        for column in band.rows.step_by(LANES) {
+            let mut ends = Apart {
+                x,
+                d,
+                first: layout.slot(0, column),
+                stride: layout.stride,
+                to: &mut apart,
+                first_to: place_apart(layout, 0, column),
+            };
+            lines.solve(column, &mut ends, &mut excess);
+        }
+        excess.largest() > 0.0
+    }
+}
+
+impl Cut for SolveWarpApart<'_> {
+    type Output = bool;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, column: usize) -> (Self, Self) {
+        let (apart, apart_after) = self.apart.cut(place_apart(self.layout, 0, column));
+        let (before, after) = self.band.cut(column);
+        let after = Self { band: after, apart: apart_after, ..self };
+        (Self { band: before, apart, ..self }, after)
+    }
+
+    fn run(self, isa: Isa) -> bool {
+        isa.run(self)
+    }
+}
+
+/// Rows of the sheet, whose displacements are put apart.
+struct Apart<'a, 'b> {
+    x: &'a Soa,
+    d: &'a Soa,
+    first: usize,
+    stride: usize,
+    to: &'b mut PartMut<'a>,
+    first_to: usize,
+}
+
+impl Ends for Apart<'_, '_> {
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        let mut d = Block3::load(self.d, self.first + place * self.stride);
+        for i in 0..LANES {
+            d.set(i, d.at(i) + correction.at(i));
+        }
+        d.store(self.to, self.first_to + place * LANES);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        let at = self.first_to + place * LANES;
+        let mut d = Block3::load(self.to, at);
+        for i in 0..LANES {
+            d.set(i, d.at(i) + correction.at(i));
+        }
+        d.store(self.to, at);
+    }
+}
+
+/// Puts displacements back that [`SolveWarpApart`] has put apart.
+pub(super) struct PutBack<'a> {
+    pub band: Band,
+    pub apart: &'a Soa,
+    pub d: PartMut<'a>,
+}
+
+impl Kernel for PutBack<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let Band { layout, rows, .. } = self.band;
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let d = Block3::load(self.apart, place_apart(layout, row, column));
+                d.store(&mut self.d, layout.slot(row, column));
+            }
+        }
+    }
+}
+
+impl Cut for PutBack<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (d, d_below) = self.d.cut(self.band.slot(row));
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
