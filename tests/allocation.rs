@@ -155,3 +155,23 @@ fn a_tick_and_its_stages_do_not_allocate() {
         }
     }
 }
+
+#[test]
+fn sharing_a_large_sheet_does_not_allocate() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let counts = || pool.broadcast(|_| COUNT.with(Cell::get));
+    let ball = Sphere::new(0.3);
+    let colliders = [Collider::new(&ball, Pose::from_translation(Vec3::Y * -0.3))];
+    for form in [FormChoice::Springs, FormChoice::Threads] {
+        let sheet = Lattice::sheet(Vec2::ONE, 210, 210, MassLumping::Lumped).unwrap();
+        let (mut solver, pins) = busy(Arc::new(sheet).into(), form, Bending::default());
+        let gravity = Vec3::NEG_Y * 9.81;
+        let (dt, pins, colliders) = (1.0 / 64.0, &pins[..], &colliders[..]);
+        let input = StepInput { dt, gravity, pins, colliders, ..StepInput::default() };
+        // Of its own queues the pool makes more where it has to.
+        pool.install(|| solver.tick(&input)).unwrap();
+        let before = counts();
+        pool.install(|| (0..8).for_each(|_| assert!(solver.tick(&input).is_ok())));
+        assert_eq!(counts(), before, "{form:?}");
+    }
+}

@@ -29,6 +29,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
     let mut app = App::new();
     let pools = TaskPoolOptions::with_num_threads(threads);
+    // Where large cloths are shared out. An app before this one has set it up, perhaps.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     app.add_plugins((
         MinimalPlugins.set(TaskPoolPlugin { task_pool_options: pools }),
         AssetPlugin::default(),

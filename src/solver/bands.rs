@@ -12,9 +12,13 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use super::isa::Isa;
 use super::lanes::{LANES, Part, Soa};
 use super::lattice::Layout;
+use super::plan::Form;
 
 /// Particles of a sheet at least that is cut: fewer are done sooner than handed over.
 const LEAST_CUT: usize = 12_000;
+/// The same of a sheet of whole threads. Warp is solved by columns, all else by rows, so that most of its particles
+/// change cores twice in a substep.
+const LEAST_WOVEN: usize = 40_000;
 /// Particles of a band at least.
 const LEAST_BAND: usize = 4_096;
 /// Bands at most. Each has room of its own.
@@ -45,7 +49,7 @@ impl Band {
 
     /// All rows in one piece.
     pub fn uncut(layout: Layout) -> Self {
-        let each = layout.rows.next_multiple_of(LANES);
+        let each = layout.rows.next_multiple_of(LANES).max(LANES);
         Self { layout, rows: 0..layout.rows, each, shared: false }
     }
 
@@ -89,16 +93,20 @@ pub(super) struct Bands {
 }
 
 impl Bands {
+    /// Whether cores can share a sheet to any profit.
+    pub fn pays(layout: Layout, form: Form) -> bool {
+        let least = match form {
+            Form::Threads => LEAST_WOVEN,
+            Form::Springs => LEAST_CUT,
+        };
+        layout.rows * layout.columns >= least
+    }
+
     /// For all cores, or for one. What lies in one row is never cut.
     pub fn new(layout: Layout, shared: bool) -> Self {
         let cut = if shared { Band::all } else { Band::uncut };
         let (rows, columns) = (cut(layout), cut(layout.transposed()));
         Self { rows, columns, sums: Band { shared, ..Band::all(layout) } }
-    }
-
-    /// Whether there is anything to share.
-    pub fn is_large(&self) -> bool {
-        self.sums.count() > 1
     }
 
     /// Bands at most, of rows or of columns.

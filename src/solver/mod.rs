@@ -8,7 +8,7 @@
 //! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
-//!    limit; tethers to the pins (`threads`, `constraint`, `tethers`);
+//!    limit; tethers to the pins (`threads`, `weft`, `warp`, `constraint`, `tethers`);
 //! 4. [`collide`](ClothSolver::collide): particles are held epsilon outside the colliders (`contact`).
 //!
 //! Between the second stage and the end of the fourth a particle is at `x + d`: where it was when the
@@ -37,6 +37,7 @@
 //! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
+//! | `bands` | large sheets cut into bands of rows, which threads share |
 //! | `study` | integrators to compare with |
 //!
 //! # A new force
@@ -180,7 +181,7 @@ impl ClothSolver {
     /// [`SolverError`] for input that cannot be used, and nothing is done; or
     /// [`SolverError::Diverged`].
     pub fn tick(&mut self, input: &StepInput<'_>) -> Result<TickReport, SolverError> {
-        if self.shares && self.bands.is_large() {
+        if self.is_to_share() {
             return bands::inside(|| self.take_tick(input));
         }
         self.take_tick(input)
@@ -207,10 +208,10 @@ impl ClothSolver {
         if self.air.is_some() {
             input.wind.validate()?;
         }
-        self.share_out();
         if input.dt != self.plan.tick {
             self.plan_ticks(input.dt);
         }
+        self.share_out();
         if self.surveyed_before {
             self.survey_anew();
         }

@@ -185,12 +185,17 @@ impl ClothSolver {
         self.shares = shares;
     }
 
-    /// Cuts a large sheet where there is more than one thread to share it.
+    /// Whether this is a large sheet that is to be shared.
+    pub(super) fn is_to_share(&self) -> bool {
+        self.shares
+            && self.topology.as_lattice().is_some()
+            && Bands::pays(self.topology.layout(), self.plan.form)
+    }
+
+    /// Cuts it where there is more than one thread to share it.
     pub(super) fn share_out(&mut self) {
-        if self.bands.is_large() {
-            let shared = self.shares && rayon::current_num_threads() > 1;
-            self.bands = Bands::new(self.topology.layout(), shared);
-        }
+        let shared = self.is_to_share() && rayon::current_num_threads() > 1;
+        self.bands = Bands::new(self.topology.layout(), shared);
     }
 
     /// Works out again what follows from rest shape, pins, material and settings.

@@ -112,6 +112,7 @@ fn cloth(case: &Case, n: usize, isa: Isa) -> ClothSolver {
         cloth.set_pins(&[0, n as u32 - 1]).unwrap();
     }
     cloth.set_isa(isa);
+    cloth.set_shared(false);
     cloth
 }
 

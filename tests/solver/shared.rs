@@ -11,8 +11,9 @@ use std::sync::Arc;
 
 use super::common::*;
 
-/// Rows and columns: more than 12,000 particles, bands that end within a strip, blocks that end within a row.
-const SIZE: [usize; 2] = [149, 103];
+/// Rows and columns: enough for sheets of threads to be shared, bands that end within a strip, blocks that end within a
+/// row.
+const SIZE: [usize; 2] = [293, 141];
 const TICKS: i32 = 10;
 
 fn pool(threads: usize) -> ThreadPool {

@@ -150,7 +150,7 @@ pub fn rms(a: &[DVec3], b: &[DVec3]) -> f64 {
     (sum / a.len().max(1) as f64).sqrt()
 }
 
-/// A cloth, over any of the two topologies, that starts at rest where it is.
+/// A cloth, over any of the two topologies, that starts at rest where it is; on one core.
 pub fn cloth(
     sheet: &super::scenes::Sheet,
     method: &Method,
@@ -158,7 +158,9 @@ pub fn cloth(
     settings: Settings,
 ) -> Outcome<ClothSolver> {
     let topology = sheet.topology(method.graph, settings.lumping)?;
-    Ok(ClothSolver::new(topology, &sheet.start(), material, settings)?)
+    let mut cloth = ClothSolver::new(topology, &sheet.start(), material, settings)?;
+    cloth.set_shared(false);
+    Ok(cloth)
 }
 
 /// Numbers from -1 to 1 that are the same everywhere (an LCG of Knuth's).

@@ -8,6 +8,7 @@ use bevy::{
     time::TimeUpdateStrategy,
 };
 use bevy_drape::{prelude::*, solver::MassLumping};
+use rayon::ThreadPoolBuilder;
 
 use super::super::run::{self, Method, Run, cloth};
 use super::super::{Extent, Job, Measured, Metric, Outcome, Scene};
@@ -19,7 +20,7 @@ const CROWD: usize = 100;
 const SIDE: u32 = 32;
 
 /// A cloth of `n` x `n` particles that hangs; its particles are as far apart whatever their number.
-fn size(n: usize) -> Outcome<Measured> {
+fn hanging(n: usize) -> Outcome<Run<'static>> {
     let side = n as f64 / 64.0;
     let material = run::material(side / (n - 1) as f64);
     let material = bevy_drape::solver::Material { damping: 0.0, max_strain: 10.0, ..material };
@@ -27,10 +28,38 @@ fn size(n: usize) -> Outcome<Measured> {
     let settings = method.settings(SUBSTEPS, MassLumping::Lumped);
     let mut cloth = cloth(&Sheet::upright(n, side), &method, material, settings)?;
     cloth.set_pins(&(0..n as u32).collect::<Vec<_>>())?;
-    let mut run = Run::new(cloth, &[]);
-    let particles = n * n;
-    run.frames((4_000_000 / particles).clamp(12, 400));
+    Ok(Run::new(cloth, &[]))
+}
+
+fn frames(n: usize) -> usize {
+    (4_000_000 / (n * n)).clamp(12, 400)
+}
+
+fn size(n: usize) -> Outcome<Measured> {
+    let mut run = hanging(n)?;
+    run.frames(frames(n));
     Ok(Measured { errors: vec![f64::NAN], varies: true, ..run.measured(Vec::new()) })
+}
+
+/// The same, with its rows shared by so many threads; efficiency is against one.
+fn shared(n: usize, threads: usize) -> Outcome<Measured> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let (mut one, mut all) = (hanging(n)?, hanging(n)?);
+    all.cloth.set_shared(true);
+    // In turns, as others use the machine too.
+    for _ in 0..frames(n) {
+        one.frame();
+        pool.install(|| all.frame());
+    }
+    let (one, all) = (one.measured(Vec::new()), all.measured(Vec::new()));
+    let part = median(&one.frames) / median(&all.frames) / threads as f64;
+    Ok(Measured { errors: vec![100.0 * part], varies: true, ..all })
+}
+
+fn median(times: &[f64]) -> f64 {
+    let mut times = times.to_vec();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
 }
 
 /// Median milliseconds of an update of an app of 100 cloths, with so many threads for them: what the option
@@ -66,15 +95,14 @@ pub fn crowd(threads: usize) -> f64 {
     app.finish();
     app.cleanup();
     (0..30).for_each(|_| app.update());
-    let mut times: Vec<_> = (0..120)
+    let times: Vec<_> = (0..120)
         .map(|_| {
             let before = Instant::now();
             app.update();
             before.elapsed().as_secs_f64() * 1e3
         })
         .collect();
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    median(&times)
 }
 
 /// The same in a process of its own, as an app's threads are there once for all.
@@ -115,6 +143,14 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
     let mut threads = 1;
     while threads <= cores {
         let count = threads;
+        for &n in sides.iter().filter(|&&n| threads > 1 && n >= 128) {
+            jobs.push(Job {
+                method: format!("one cloth of {} particles, {count} threads", n * n),
+                n,
+                knob: format!("{SUBSTEPS} substeps"),
+                run: Box::new(move || shared(n, count)),
+            });
+        }
         jobs.push(Job {
             method: format!("{CROWD} cloths of {SIDE} x {SIDE}, {count} threads"),
             n: SIDE as usize,
@@ -127,8 +163,8 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
         name: "scaling",
         title: "Particles and threads",
         about: format!(
-            "One thread: a sheet that hangs from its upper row, {SUBSTEPS} substeps, particles 1/64 m apart. Many threads: {CROWD} cloths in \
-             a Bevy app, an update of 1/64 s; efficiency is the time on one thread over the time on so many and their number."
+            "A sheet that hangs from its upper row, {SUBSTEPS} substeps, particles 1/64 m apart, on one thread and shared by many; {CROWD} cloths in \
+             a Bevy app, an update of 1/64 s. Efficiency is the time on one thread over the time on so many and their number."
         ),
         errors: vec![Metric::new("efficiency", "%")],
         jobs,

@@ -1,0 +1,337 @@
+//! A band of particles meets one collider.
+
+use bevy::math::Vec3;
+
+use super::super::bands::{Band, Cut, Merge};
+use super::super::isa::{Isa, Kernel};
+use super::super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
+use super::collider::Motion;
+use super::loads::Loads;
+use super::room::Known;
+use super::sweep::Sweep;
+use super::{LEAST_SLIDING, Skin};
+use crate::sdf::{PointBlock, SampleBlock};
+
+/// What the particles that met a collider in a substep came to, a lane each.
+pub(super) struct Tally {
+    /// Momentum that they gave it, times the substep \[kg m\].
+    pub given: Block3,
+    /// Pulls that they will not follow in the next substep, times their masses \[kg m\].
+    pub forgotten: Block3,
+    /// How far they are still inside, as they may come out no faster \[m\].
+    pub left: Block,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self { given: Block3::ZERO, forgotten: Block3::ZERO, left: Block::ZERO }
+    }
+}
+
+/// The square of how far any particle goes in a substep \[m2\].
+pub(super) struct FurthestWay<'a> {
+    pub band: Band,
+    pub d: &'a Soa,
+}
+
+/// The larger of two is what both come to.
+pub(super) struct Most(pub f32);
+
+impl Merge for Most {
+    fn merge(self, below: Self) -> Self {
+        Self(larger(self.0, below.0))
+    }
+}
+
+impl Kernel for FurthestWay<'_> {
+    type Output = Most;
+
+    #[inline(always)]
+    fn run(self) -> Most {
+        let Band { layout, rows, .. } = self.band;
+        let mut most = Block::ZERO;
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let d = Block3::load(self.d, layout.slot(row, column));
+                for i in 0..LANES {
+                    most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
+                }
+            }
+        }
+        Most(most.largest())
+    }
+}
+
+impl Cut for FurthestWay<'_> {
+    type Output = Most;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (above, below) = self.band.cut(row);
+        (Self { band: above, ..self }, Self { band: below, ..self })
+    }
+
+    fn run(self, isa: Isa) -> Most {
+        isa.run(self)
+    }
+}
+
+/// Holds the particles of a band out of one collider.
+pub(super) struct MeetCollider<'a> {
+    pub band: Band,
+    pub motion: &'a Motion<'a>,
+    pub skin: Skin,
+    /// Whether any particle may pass the collider's surface by more than epsilon.
+    pub is_fast: bool,
+    /// The way that has been gone, as `until` counts it \[m\].
+    pub gone: f32,
+    pub inverse_mass: &'a [f32],
+    pub x: PartMut<'a>,
+    pub d: PartMut<'a>,
+    /// See [`ResolveContacts`].
+    pub pull: Option<PartMut<'a>>,
+    pub until: Known<'a>,
+    pub loads_before: &'a Loads,
+    /// Particles pressed by as much as makes a load, for each band.
+    pub pressed: &'a mut [Vec<usize>],
+}
+
+/// What a band comes to.
+#[derive(Default)]
+pub(super) struct Met {
+    pub touching: u32,
+    pub tally: Tally,
+    /// How far any particle was pushed \[m\].
+    pub deepest: f32,
+    /// Whether what was fast was stopped.
+    pub struck: bool,
+}
+
+impl Merge for Met {
+    fn merge(self, below: Self) -> Self {
+        Self {
+            touching: self.touching + below.touching,
+            tally: self.tally.merge(below.tally),
+            deepest: larger(self.deepest, below.deepest),
+            struck: self.struck || below.struck,
+        }
+    }
+}
+
+impl Merge for Tally {
+    fn merge(mut self, below: Self) -> Self {
+        for i in 0..LANES {
+            self.given.set(i, self.given.at(i) + below.given.at(i));
+            self.forgotten.set(i, self.forgotten.at(i) + below.forgotten.at(i));
+            self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
+        }
+        self
+    }
+}
+
+impl Kernel for MeetCollider<'_> {
+    type Output = Met;
+
+    #[inline(always)]
+    fn run(mut self) -> Met {
+        let Band { layout, rows, .. } = self.band.clone();
+        let mut met = Met::default();
+        self.pressed[0].clear();
+        for row in rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                if *self.until.of(slot) > self.gone {
+                    continue;
+                }
+                if self.is_fast {
+                    let sweep = Sweep { motion: self.motion, epsilon: self.skin.epsilon };
+                    let given = &mut met.tally.given;
+                    met.struck |= sweep.block(slot, self.inverse_mass, &self.x, &mut self.d, given);
+                }
+                let (gap, count) = self.resolve(slot, &mut met.tally);
+                met.touching += count;
+                *self.until.of(slot) = self.gone + larger(gap, 0.0);
+                met.deepest = larger(-gap, met.deepest);
+            }
+        }
+        met
+    }
+}
+
+impl Cut for MeetCollider<'_> {
+    type Output = Met;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (above, below) = self.band.cut(row);
+        let (x, x_below) = self.x.cut(slot);
+        let (d, d_below) = self.d.cut(slot);
+        let (pull, pull_below) = PartMut::cut_any(self.pull, slot);
+        let (until, until_below) = self.until.cut(slot);
+        let (pressed, pressed_below) = self.pressed.split_at_mut(above.count());
+        let below = Self {
+            band: below,
+            x: x_below,
+            d: d_below,
+            pull: pull_below,
+            until: until_below,
+            pressed: pressed_below,
+            ..self
+        };
+        (Self { band: above, x, d, pull, until, pressed, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) -> Met {
+        isa.run(self)
+    }
+}
+
+impl MeetCollider<'_> {
+    /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
+    /// particle was pushed) and the contacts.
+    #[inline(always)]
+    fn resolve(&mut self, slot: usize, tally: &mut Tally) -> (f32, u32) {
+        let motion = self.motion;
+        let w = Block::load(self.inverse_mass, slot);
+        let x = Block3::load_sum(&self.x, &self.d, slot);
+        let mut points = PointBlock::default();
+        for i in 0..LANES {
+            let local = motion.after.to_local(x.at(i));
+            (points.x[i], points.y[i], points.z[i]) = (local.x, local.y, local.z);
+        }
+        let mut samples = SampleBlock::default();
+        match motion.known {
+            Some(shape) => shape.sample_block(&points, &mut samples),
+            None => motion.shape.sample_block(&points, &mut samples),
+        }
+        let mut depth = Block::ZERO;
+        let mut gap = Block::ZERO;
+        for i in 0..LANES {
+            let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
+            gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
+            depth.0[i] = larger(-gap.0[i], 0.0);
+        }
+        let least = gap.smallest();
+        let nearest = least - motion.overestimate;
+        if least >= 0.0 {
+            return (nearest, 0);
+        }
+        let surface = surface_displacements(&points, &x, motion);
+        let load = self.push_out(slot, &depth, &samples, &surface, tally);
+        if load.largest() > Loads::least_of_all(self.skin.least_load) {
+            self.note_pressed(slot, &load);
+        }
+        (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
+    }
+
+    /// Moves particles out by their depth, and takes approach and friction from their displacements.
+    /// Returns the approach that was undone.
+    #[inline(always)]
+    fn push_out(
+        &mut self,
+        slot: usize,
+        depth: &Block,
+        samples: &SampleBlock,
+        surface: &Block3,
+        tally: &mut Tally,
+    ) -> Block {
+        let motion = self.motion;
+        let mut load = Block::ZERO;
+        let w = Block::load(self.inverse_mass, slot);
+        let (mut x, mut d) = (Block3::load(&self.x, slot), Block3::load(&self.d, slot));
+        let before = d;
+        for i in 0..LANES {
+            let normal =
+                motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
+            let relative = d.at(i) - surface.at(i);
+            let approach = relative.dot(normal);
+            // What the push undoes of the approach belongs to the substep. The rest is a displacement
+            // without velocity: being pushed out gives no speed.
+            let push = depth.0[i];
+            let undone = larger(if push < -approach { push } else { -approach }, 0.0);
+            let rest = push - undone;
+            load.0[i] = undone;
+            let tangential = relative - normal * approach;
+            let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
+            let part = motion.friction * undone / sliding;
+            let braked = tangential * if part < 1.0 { part } else { 1.0 };
+            let touching = push > 0.0;
+            // Deep inside that takes more than a substep, at the speed allowed.
+            let allowed = larger(self.skin.most_push - larger(approach, 0.0), 0.0);
+            let moved = if rest < allowed { rest } else { allowed };
+            tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
+            let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
+            let into_x = if touching { normal * moved } else { Vec3::ZERO };
+            d.set(i, d.at(i) + into_d);
+            x.set(i, x.at(i) + into_x);
+            if motion.measured {
+                // Beside the sheet and where held, w is zero and nothing touches.
+                let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+                let part = if touching { into_d * mass } else { Vec3::ZERO };
+                tally.given.set(i, tally.given.at(i) - part);
+            }
+        }
+        d.store(&mut self.d, slot);
+        x.store(&mut self.x, slot);
+        self.forget_pulls(slot, depth, &before, motion.measured.then_some(tally));
+        load
+    }
+
+    /// What is pressed onto a collider does not follow all of what pulls it, and the collider bears the rest.
+    /// Neither is what it is to expect once more. `before` are its displacements before contact.
+    #[inline(always)]
+    fn forget_pulls(
+        &mut self,
+        slot: usize,
+        depth: &Block,
+        before: &Block3,
+        tally: Option<&mut Tally>,
+    ) {
+        let Some(pull) = &mut self.pull else { return };
+        let d = Block3::load(&self.d, slot);
+        let noted = Block3::load(pull, slot);
+        let mut kept = noted;
+        for i in 0..LANES {
+            // The substep's end adds the displacement.
+            kept.set(i, if depth.0[i] > 0.0 { -d.at(i) } else { noted.at(i) });
+        }
+        kept.store(pull, slot);
+        let Some(tally) = tally else { return };
+        let w = Block::load(self.inverse_mass, slot);
+        for i in 0..LANES {
+            let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+            let mass = if depth.0[i] > 0.0 { mass } else { 0.0 };
+            let forgotten = (noted.at(i) + before.at(i)) * mass;
+            tally.forgotten.set(i, tally.forgotten.at(i) + forgotten);
+        }
+    }
+
+    /// Notes the particles of a block that are pressed by as much as makes a load.
+    #[inline(never)]
+    fn note_pressed(&mut self, slot: usize, load: &Block) {
+        for (slot, &load) in (slot..).zip(&load.0) {
+            if load > self.loads_before.least(slot, self.skin.least_load) {
+                self.pressed[0].push(slot);
+            }
+        }
+    }
+}
+
+/// How far the collider moves at the particles in the substep \[m\].
+#[inline(always)]
+fn surface_displacements(local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
+    let mut surface = Block3::ZERO;
+    if motion.moves {
+        for i in 0..LANES {
+            surface.set(i, x.at(i) - motion.before.to_world(local.point(i)));
+        }
+    }
+    surface
+}
