@@ -282,6 +282,12 @@ impl PartMut<'_> {
         Part { first: self.first, axes: [self.x, self.y, self.z] }
     }
 
+    /// The same part, for a while: what holds it need not be passed on.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> PartMut<'_> {
+        PartMut { first: self.first, x: self.x, y: self.y, z: self.z }
+    }
+
     /// What is before a slot, and the rest.
     pub fn cut(self, slot: usize) -> (Self, Self) {
         let at = slot - self.first;

@@ -149,7 +149,8 @@ impl Kernel for MeetCollider<'_> {
                 if self.is_fast {
                     let sweep = Sweep { motion: self.motion, epsilon: self.skin.epsilon };
                     let given = &mut met.tally.given;
-                    met.struck |= sweep.block(slot, self.inverse_mass, &self.x, &mut self.d, given);
+                    let (x, d) = (self.x.part(), self.d.reborrow());
+                    met.struck |= sweep.block(slot, self.inverse_mass, x, d, given);
                 }
                 let (gap, count) = self.resolve(slot, &mut met.tally);
                 met.touching += count;
@@ -226,7 +227,13 @@ impl MeetCollider<'_> {
         let surface = surface_displacements(&points, &x, motion);
         let load = self.push_out(slot, &depth, &samples, &surface, tally);
         if load.largest() > Loads::least_of_all(self.skin.least_load) {
-            self.note_pressed(slot, &load);
+            note_pressed(
+                slot,
+                &load,
+                self.skin.least_load,
+                self.loads_before,
+                &mut self.pressed[0],
+            );
         }
         (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
     }
@@ -312,14 +319,14 @@ impl MeetCollider<'_> {
             tally.forgotten.set(i, tally.forgotten.at(i) + forgotten);
         }
     }
+}
 
-    /// Notes the particles of a block that are pressed by as much as makes a load.
-    #[inline(never)]
-    fn note_pressed(&mut self, slot: usize, load: &Block) {
-        for (slot, &load) in (slot..).zip(&load.0) {
-            if load > self.loads_before.least(slot, self.skin.least_load) {
-                self.pressed[0].push(slot);
-            }
+/// Notes the particles of a block that are pressed by as much as makes a load.
+#[inline(never)]
+fn note_pressed(slot: usize, load: &Block, least: f32, before: &Loads, pressed: &mut Vec<usize>) {
+    for (slot, &load) in (slot..).zip(&load.0) {
+        if load > before.least(slot, least) {
+            pressed.push(slot);
         }
     }
 }

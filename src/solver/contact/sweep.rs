@@ -7,7 +7,7 @@
 
 use bevy::math::Vec3;
 
-use super::super::lanes::{LANES, PartMut, Slots, SlotsMut};
+use super::super::lanes::{LANES, Part, PartMut, Slots, SlotsMut};
 use super::collider::Motion;
 
 /// Places looked at on a way at most; no solid thinner than this part of it is met for certain.
@@ -45,8 +45,8 @@ impl Sweep<'_> {
         &self,
         slot: usize,
         inverse_mass: &[f32],
-        x: &PartMut<'_>,
-        d: &mut PartMut<'_>,
+        x: Part<'_>,
+        mut d: PartMut<'_>,
         given: &mut super::Block3,
     ) -> bool {
         let mut met = false;
