@@ -162,8 +162,9 @@ impl Seams {
     /// Where the copy of a row begins.
     fn place(&self, row: usize) -> usize {
         // The last row before a cut comes before the first one after it.
-        (2 * ((row + 1) / self.band.each) - 1 - usize::from((row + 1) % self.band.each == 0))
-            * self.width
+        let each = self.band.each;
+        let is_before = usize::from((row + 1).is_multiple_of(each));
+        (2 * ((row + 1) / each) - 1 - is_before) * self.width
     }
 }
 
