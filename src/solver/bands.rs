@@ -211,6 +211,45 @@ pub(super) trait Cut: Sized + Send {
     fn run(self, isa: Isa) -> Self::Output;
 }
 
+/// What a kernel writes by slots.
+pub(super) trait CutAt: Sized {
+    /// What is before a slot, and the rest.
+    fn cut(self, slot: usize) -> (Self, Self);
+}
+
+impl<T: CutAt> CutAt for Option<T> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        self.map(|part| part.cut(slot)).unzip()
+    }
+}
+
+/// Makes a kernel with a `band` one that can be cut, with these of its fields. What else it has, both halves share.
+macro_rules! cut_between_rows {
+    ($kernel:ident $(, $part:ident)*) => {
+        impl $crate::solver::bands::Cut for $kernel<'_> {
+            type Output = <Self as $crate::solver::isa::Kernel>::Output;
+
+            fn band(&self) -> &$crate::solver::bands::Band {
+                &self.band
+            }
+
+            fn cut(self, row: usize) -> (Self, Self) {
+                $(let $part = $crate::solver::bands::CutAt::cut(self.$part, self.band.slot(row));)*
+                let (above, below) = self.band.cut(row);
+                (
+                    Self { band: above, $($part: $part.0,)* ..self },
+                    Self { band: below, $($part: $part.1,)* ..self },
+                )
+            }
+
+            fn run(self, isa: $crate::solver::isa::Isa) -> Self::Output {
+                isa.run(self)
+            }
+        }
+    };
+}
+pub(super) use cut_between_rows;
+
 /// What bands find out.
 pub(super) trait Merge: Send {
     /// What a band and those below it have found.

@@ -1,8 +1,8 @@
 //! Whether any spring is beyond the strain limit: one look in the order of memory, where holding springs to
 //! it takes a pass for each colour. Where none is, nothing has to be held.
 
-use super::bands::{Band, Cut};
-use super::isa::{Isa, Kernel};
+use super::bands::{Band, cut_between_rows};
+use super::isa::Kernel;
 use super::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use super::lattice::Lattice;
 
@@ -52,22 +52,7 @@ impl Kernel for IsAnyBeyond<'_> {
     }
 }
 
-impl Cut for IsAnyBeyond<'_> {
-    type Output = bool;
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, ..self }, Self { band: below, ..self })
-    }
-
-    fn run(self, isa: Isa) -> bool {
-        isa.run(self)
-    }
-}
+cut_between_rows!(IsAnyBeyond);
 
 impl IsAnyBeyond<'_> {
     /// Where particles are at the substep's end.

@@ -20,6 +20,7 @@
 use bevy::math::Vec3;
 
 use super::ClothSolver;
+use super::bands::CutAt;
 use super::integrate::Add;
 use super::lanes::{PartMut, Soa};
 use super::parameters::Integrator;
@@ -53,9 +54,10 @@ impl<'a> Carry<'a> {
             None => Self::Begin(pull.part_mut()),
         }
     }
+}
 
-    /// What is before a slot, and the rest.
-    pub fn cut(self, slot: usize) -> (Self, Self) {
+impl CutAt for Carry<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
         match self {
             Self::No => (Self::No, Self::No),
             Self::Begin(pull) => {

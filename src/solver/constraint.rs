@@ -5,7 +5,7 @@
 
 use bevy::math::Vec3;
 
-use super::bands::{self, Band, Cut};
+use super::bands::{self, Band, Cut, CutAt};
 use super::isa::{Isa, Kernel};
 use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;

@@ -1,8 +1,8 @@
 //! Damping of a lattice's springs.
 
-use super::bands::{Band, Cut, Rooms};
+use super::bands::{Band, CutAt, Rooms, cut_between_rows};
 use super::forces::LEAST_LENGTH;
-use super::isa::{Isa, Kernel};
+use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
 use super::parameters::DampingForm;
@@ -86,26 +86,9 @@ impl Kernel for AddDamping<'_> {
     }
 }
 
-impl Cut for AddDamping<'_> {
-    type Output = ();
+cut_between_rows!(AddDamping, target);
 
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (target, target_below) = self.target.cut(self.band.slot(row));
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, target, ..self }, Self { band: below, target: target_below, ..self })
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
-
-impl DampingTarget<'_> {
-    /// What is before a slot, and the rest.
+impl CutAt for DampingTarget<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         match self {
             Self::Predict { keep, gain, a, predicted } => {

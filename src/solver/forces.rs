@@ -2,9 +2,9 @@
 
 use bevy::math::Vec3;
 
-use super::bands::{Band, Cut, Rooms};
+use super::bands::{Band, Rooms, cut_between_rows};
 use super::bending::{Bend, Moments};
-use super::isa::{Isa, Kernel};
+use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::{Family, Lattice, Layout};
 use super::rows::{SpringForce, SpringRows, Springs};
@@ -87,23 +87,7 @@ impl Kernel for AccumulateForces<'_> {
     }
 }
 
-impl Cut for AccumulateForces<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (a, a_below) = self.a.cut(self.band.slot(row));
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, a, ..self }, Self { band: below, a: a_below, ..self })
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(AccumulateForces, a);
 
 impl<'a> AccumulateForces<'a> {
     fn springs(&self) -> Springs<'a> {

@@ -6,9 +6,9 @@
 
 use bevy::math::{Vec3, ops};
 
-use super::bands::{Band, Cut};
+use super::bands::{Band, cut_between_rows};
 use super::carry::Carry;
-use super::isa::{Isa, Kernel};
+use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, PartMut, Soa};
 use super::lattice::Layout;
 
@@ -83,26 +83,7 @@ impl Kernel for Integrate<'_> {
     }
 }
 
-impl Cut for Integrate<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let slot = self.band.slot(row);
-        let (above, below) = self.band.cut(row);
-        let (d, d_below) = self.d.cut(slot);
-        let (carry, carry_below) = self.carry.cut(slot);
-        let below = Self { band: below, d: d_below, carry: carry_below, ..self };
-        (Self { band: above, d, carry, ..self }, below)
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(Integrate, d, carry);
 
 impl Integrate<'_> {
     /// What goes on of the last substep's pulls.
@@ -168,26 +149,7 @@ impl Kernel for Displace<'_> {
     }
 }
 
-impl Cut for Displace<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let slot = self.band.slot(row);
-        let (above, below) = self.band.cut(row);
-        let (x, x_below) = self.x.cut(slot);
-        let (pull, pull_below) = PartMut::cut_any(self.pull, slot);
-        let below = Self { band: below, x: x_below, pull: pull_below, ..self };
-        (Self { band: above, x, pull, ..self }, below)
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(Displace, x, pull);
 
 /// Adds a part of one vector of each free particle to another.
 pub(super) struct Add<'a> {

@@ -9,6 +9,8 @@ use core::ops::{Deref, DerefMut};
 
 use bevy::math::Vec3;
 
+use super::bands::CutAt;
+
 /// Particles in a block. Rows are padded to a whole number of blocks.
 pub const LANES: usize = 16;
 
@@ -287,20 +289,16 @@ impl PartMut<'_> {
     pub fn reborrow(&mut self) -> PartMut<'_> {
         PartMut { first: self.first, x: self.x, y: self.y, z: self.z }
     }
+}
 
-    /// What is before a slot, and the rest.
-    pub fn cut(self, slot: usize) -> (Self, Self) {
+impl CutAt for PartMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
         let at = slot - self.first;
         let (x, below_x) = self.x.split_at_mut(at);
         let (y, below_y) = self.y.split_at_mut(at);
         let (z, below_z) = self.z.split_at_mut(at);
         let below = Self { first: slot, x: below_x, y: below_y, z: below_z };
         (Self { first: self.first, x, y, z }, below)
-    }
-
-    /// The same of a part that may not be there.
-    pub fn cut_any(part: Option<Self>, slot: usize) -> (Option<Self>, Option<Self>) {
-        part.map(|part| part.cut(slot)).unzip()
     }
 }
 

@@ -2,8 +2,8 @@
 
 use bevy::math::Vec3;
 
-use super::bands::{Band, Cut, Merge};
-use super::isa::{Isa, Kernel};
+use super::bands::{Band, Merge, cut_between_rows};
+use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::lattice::Lattice;
 use super::topology::Topology;
@@ -86,22 +86,7 @@ impl Kernel for TakeSurvey<'_> {
     }
 }
 
-impl Cut for TakeSurvey<'_> {
-    type Output = Survey;
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, ..self }, Self { band: below, ..self })
-    }
-
-    fn run(self, isa: Isa) -> Survey {
-        isa.run(self)
-    }
-}
+cut_between_rows!(TakeSurvey);
 
 impl Merge for Survey {
     fn merge(self, below: Self) -> Self {

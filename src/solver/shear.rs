@@ -7,9 +7,9 @@
 
 use bevy::math::Vec3;
 
-use super::bands::{Band, Cut, Rooms, Seams};
+use super::bands::{Band, Rooms, Seams, cut_between_rows};
 use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH};
-use super::isa::{Isa, Kernel};
+use super::isa::Kernel;
 use super::lanes::{Block, Block3, LANES, Part, PartMut, Soa, larger};
 use super::lattice::Lattice;
 
@@ -98,23 +98,7 @@ impl Kernel for CorrectShear<'_> {
     }
 }
 
-impl Cut for CorrectShear<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (d, d_below) = self.d.cut(self.band.slot(row));
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(CorrectShear, d);
 
 impl CorrectShear<'_> {
     /// Works out the pulls between the row before the band and its first.

@@ -12,10 +12,10 @@
 
 use bevy::math::{Vec3, ops};
 
-use super::bands::{Band, Cut};
+use super::bands::{Band, cut_between_rows};
 use super::graph::Graph;
 use super::input::PinMotion;
-use super::isa::{Isa, Kernel};
+use super::isa::Kernel;
 use super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::{Lattice, Layout};
 use super::parameters::Material;
@@ -343,23 +343,7 @@ impl Kernel for PullTethers<'_> {
     }
 }
 
-impl Cut for PullTethers<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (d, d_below) = self.d.cut(self.band.slot(row));
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(PullTethers, d);
 
 impl PullTethers<'_> {
     #[inline(always)]

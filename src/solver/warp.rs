@@ -3,7 +3,7 @@
 //! Cores cannot share the rows of a large sheet by columns. There each works on a band of columns and puts what it
 //! comes to apart, from where it is put back by rows.
 
-use super::bands::{Band, Cut, Rooms};
+use super::bands::{Band, Cut, CutAt, Rooms, cut_between_rows};
 use super::isa::{Isa, Kernel};
 use super::lanes::{Block, Block3, LANES, PartMut, Soa};
 use super::lattice::{Family, Layout};
@@ -185,20 +185,4 @@ impl Kernel for PutBack<'_> {
     }
 }
 
-impl Cut for PutBack<'_> {
-    type Output = ();
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (d, d_below) = self.d.cut(self.band.slot(row));
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
-    }
-
-    fn run(self, isa: Isa) {
-        isa.run(self);
-    }
-}
+cut_between_rows!(PutBack, d);

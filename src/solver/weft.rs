@@ -1,6 +1,6 @@
 //! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
 
-use super::bands::{Band, Cut, Rooms};
+use super::bands::{Band, Cut, CutAt, Rooms};
 use super::isa::{Isa, TransposingKernel};
 use super::lanes::{Block, Block3, LANES, PartMut, Slots, SlotsMut, Soa};
 use super::lattice::{Family, Layout};

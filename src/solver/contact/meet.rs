@@ -2,7 +2,7 @@
 
 use bevy::math::Vec3;
 
-use super::super::bands::{Band, Cut, Merge};
+use super::super::bands::{Band, Cut, CutAt, Merge, cut_between_rows};
 use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::collider::Motion;
@@ -62,22 +62,7 @@ impl Kernel for FurthestWay<'_> {
     }
 }
 
-impl Cut for FurthestWay<'_> {
-    type Output = Most;
-
-    fn band(&self) -> &Band {
-        &self.band
-    }
-
-    fn cut(self, row: usize) -> (Self, Self) {
-        let (above, below) = self.band.cut(row);
-        (Self { band: above, ..self }, Self { band: below, ..self })
-    }
-
-    fn run(self, isa: Isa) -> Most {
-        isa.run(self)
-    }
-}
+cut_between_rows!(FurthestWay);
 
 /// Holds the particles of a band out of one collider.
 pub(super) struct MeetCollider<'a> {
@@ -174,7 +159,7 @@ impl Cut for MeetCollider<'_> {
         let (above, below) = self.band.cut(row);
         let (x, x_below) = self.x.cut(slot);
         let (d, d_below) = self.d.cut(slot);
-        let (pull, pull_below) = PartMut::cut_any(self.pull, slot);
+        let (pull, pull_below) = self.pull.cut(slot);
         let (until, until_below) = self.until.cut(slot);
         let (pressed, pressed_below) = self.pressed.split_at_mut(above.count());
         let below = Self {

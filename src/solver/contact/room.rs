@@ -7,7 +7,7 @@
 
 use bevy::math::{Vec3, bounding::Aabb3d};
 
-use super::super::bands::Band;
+use super::super::bands::{Band, CutAt};
 use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
@@ -65,13 +65,6 @@ impl<'a> Known<'a> {
         Self { first: 0, until }
     }
 
-    /// What is before a slot, and the rest.
-    pub fn cut(self, slot: usize) -> (Self, Self) {
-        let block = slot / LANES;
-        let (until, below) = self.until.split_at_mut(block - self.first);
-        (Self { first: self.first, until }, Self { first: block, until: below })
-    }
-
     /// The way of a slot's block.
     #[inline(always)]
     pub fn of(&mut self, slot: usize) -> &mut f32 {
@@ -88,6 +81,14 @@ pub(in crate::solver) struct Awake {
     pub first: usize,
     /// How far any point of it has gone since it woke \[m\].
     pub gone: f32,
+}
+
+impl CutAt for Known<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let block = slot / LANES;
+        let (until, below) = self.until.split_at_mut(block - self.first);
+        (Self { first: self.first, until }, Self { first: block, until: below })
+    }
 }
 
 impl ContactRoom {
