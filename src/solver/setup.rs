@@ -185,6 +185,11 @@ impl ClothSolver {
         self.shares = shares;
     }
 
+    /// In how many bands of rows the last tick was shared out; 1 where it was taken in one piece.
+    pub fn band_count(&self) -> usize {
+        self.bands.rows.count()
+    }
+
     /// Whether this is a large sheet that is to be shared.
     pub(super) fn is_to_share(&self) -> bool {
         self.shares

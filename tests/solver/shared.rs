@@ -89,6 +89,8 @@ fn busy(variant: &Variant, shared: bool, staged: bool) -> Vec<(Vec<[u32; 6]>, [u
                 ..StepInput::default()
             };
             take_tick(&mut solver, &input, staged);
+            let is_cut = shared && rayon::current_num_threads() > 1;
+            assert_eq!(solver.band_count() > 1, is_cut, "{}", variant.what);
             (bits(&solver), solver.impulse(0).to_array().map(f32::to_bits))
         })
         .collect()

@@ -72,6 +72,14 @@ impl<'a> Known<'a> {
     }
 }
 
+impl CutAt for Known<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let block = slot / LANES;
+        let (until, below) = self.until.split_at_mut(block - self.first);
+        (Self { first: self.first, until }, Self { first: block, until: below })
+    }
+}
+
 /// A collider that the cloth may have come to.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::solver) struct Awake {
@@ -81,14 +89,6 @@ pub(in crate::solver) struct Awake {
     pub first: usize,
     /// How far any point of it has gone since it woke \[m\].
     pub gone: f32,
-}
-
-impl CutAt for Known<'_> {
-    fn cut(self, slot: usize) -> (Self, Self) {
-        let block = slot / LANES;
-        let (until, below) = self.until.split_at_mut(block - self.first);
-        (Self { first: self.first, until }, Self { first: block, until: below })
-    }
 }
 
 impl ContactRoom {
