@@ -7,6 +7,8 @@
 mod costs;
 #[path = "common/repository.rs"]
 mod repository;
+#[path = "common/series.rs"]
+mod series;
 
 use clap::{Parser, ValueEnum};
 use costs::{Wrong, app, fields, solver};

@@ -5,10 +5,10 @@ use super::{
     obj::write_obj,
     report::{Report, Watch, watch},
     scene::Scene,
+    series::run_in_series,
 };
 use bevy::{
     app::{TaskPoolOptions, TaskPoolPlugin},
-    ecs::schedule::SingleThreadedExecutor,
     mesh::MeshPlugin,
     prelude::*,
     time::TimeUpdateStrategy,
@@ -40,10 +40,7 @@ pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
     ))
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     if threads == 1 {
-        // Systems as tasks for the one thread of a pool would cost more than most of them do.
-        app.edit_schedule(FixedPostUpdate, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        });
+        run_in_series(&mut app);
     }
     // Every tick is to be measured.
     app.add_observer(|added: On<Add, Cloth>, mut commands: Commands| {

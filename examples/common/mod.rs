@@ -34,6 +34,7 @@ pub mod repository;
 pub mod rings;
 mod sail;
 pub mod scene;
+mod series;
 mod slide;
 mod stress;
 mod tablecloth;

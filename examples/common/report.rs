@@ -1,6 +1,6 @@
 //! Watches a run without a window: time, strain, depth.
 
-use bevy::prelude::*;
+use bevy::{math::bounding::BoundingSphere, prelude::*};
 use bevy_drape::prelude::*;
 use std::{fmt, time::Instant};
 
@@ -43,6 +43,8 @@ fn look_at_cloths(
     let ticks = cloths.iter().filter_map(ClothSimulation::last_tick);
     let peak = ticks.map(|tick| tick.max_strain).reduce(f32::max);
     watch.peaks.extend(peak);
+    let balls: Vec<_> = cloths.iter().map(ball_around).collect();
+    let mut clearance = watch.clearance.unwrap_or(f32::INFINITY);
     for (entity, solid) in &solids {
         // Of what moves, where it is at the tick's end: nothing has been propagated since.
         let place = transforms.compute_global_transform(entity);
@@ -50,11 +52,22 @@ fn look_at_cloths(
             continue;
         };
         let (to_solid, scale) = (place.affine().inverse(), place.scale().x);
-        for position in cloths.iter().flat_map(ClothSimulation::positions) {
-            let distance = scale * shape.distance(to_solid.transform_point3(position));
-            watch.clearance = watch.clearance.into_iter().chain([distance]).reduce(f32::min);
+        let distance = |at: Vec3| scale * shape.distance(to_solid.transform_point3(at));
+        for (cloth, ball) in cloths.iter().zip(&balls) {
+            // No distance shrinks faster than by the way towards it; between a field's samples by sqrt(3) of it.
+            if distance(ball.center.into()) - 2.0 * ball.radius() < clearance {
+                clearance = cloth.positions().map(distance).fold(clearance, f32::min);
+            }
         }
     }
+    watch.clearance = clearance.is_finite().then_some(clearance);
+}
+
+/// A ball that holds all of a cloth.
+fn ball_around(cloth: &ClothSimulation) -> BoundingSphere {
+    let center = cloth.positions().sum::<Vec3>() / cloth.particle_count() as f32;
+    let radius = cloth.positions().map(|at| at.distance(center)).fold(0.0, f32::max);
+    BoundingSphere::new(center, radius)
 }
 
 /// What a run came to.

@@ -1,5 +1,6 @@
 //! The app that the tests run, and how they look at it.
 
+use crate::series::run_in_series;
 use bevy::{
     app::{Plugins, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::{AssetPlugin, RenderAssetUsages},
@@ -43,6 +44,7 @@ fn app_of<M>(assets: AssetPlugin, plugins: impl Plugins<M>) -> App {
         .add_plugins(plugins)
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .init_resource::<Assets<Image>>();
+    run_in_series(&mut app);
     if std::env::var_os(STAGED).is_some() {
         app.insert_resource(ClothExecution::Staged);
     }

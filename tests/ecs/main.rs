@@ -24,6 +24,8 @@ mod quality;
 mod refusals;
 mod saved_scene;
 mod seams;
+#[path = "../../examples/common/series.rs"]
+mod series;
 mod setup;
 mod shapes;
 mod sleep;

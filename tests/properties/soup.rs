@@ -10,6 +10,10 @@ use bevy::{
 };
 use bevy_drape::prelude::*;
 
+#[path = "../../examples/common/series.rs"]
+mod series;
+use series::run_in_series;
+
 /// A mesh, and what the cloth is made of that is to come of it.
 #[derive(Clone, Debug)]
 pub struct Soup {
@@ -28,6 +32,7 @@ pub fn app() -> App {
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin, TransformPlugin))
         .add_plugins(ClothPlugin::default())
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    run_in_series(&mut app);
     app.finish();
     app.cleanup();
     app.update();

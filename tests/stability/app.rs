@@ -11,6 +11,8 @@ use bevy::{
 };
 use bevy_drape::prelude::*;
 
+use crate::series::run_in_series;
+
 /// Bevy's fixed step.
 pub const TICK: Duration = Duration::from_micros(15625);
 
@@ -54,6 +56,7 @@ pub fn app() -> App {
         .init_resource::<Assets<Image>>()
         .init_resource::<Track>()
         .add_systems(FixedLast, track);
+    run_in_series(&mut app);
     app.finish();
     app.cleanup();
     app.update();

@@ -22,6 +22,8 @@ mod pinned;
 mod pool;
 mod pulled;
 mod rest;
+#[path = "../../examples/common/series.rs"]
+mod series;
 mod squeezed;
 mod starts;
 mod teleports;

@@ -3,11 +3,12 @@
 
 use std::time::Instant;
 
+use crate::series::run_in_series;
+
 use super::{Bound, Turns, Wrong, heading, in_turns, line, median};
 use bevy::{
-    app::{RunFixedMainLoop, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
+    app::{TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::AssetPlugin,
-    ecs::schedule::SingleThreadedExecutor,
     mesh::MeshPlugin,
     prelude::*,
     time::TimeUpdateStrategy,
@@ -33,17 +34,10 @@ fn app(drawn: bool) -> App {
         app.init_resource::<Assets<Image>>();
     }
     app.add_plugins(ClothPlugin::default()).insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    // Systems as tasks for the one thread of a pool would cost more than most of them do.
-    app.edit_schedule(FixedPostUpdate, alone);
-    app.edit_schedule(RunFixedMainLoop, alone);
-    app.edit_schedule(PostUpdate, alone);
+    run_in_series(&mut app);
     app.finish();
     app.cleanup();
     app
-}
-
-fn alone(schedule: &mut Schedule) {
-    schedule.set_executor(SingleThreadedExecutor::new());
 }
 
 fn sheet(n: u32) -> impl Bundle {

@@ -9,9 +9,15 @@ pub mod run;
 pub mod scenes;
 pub mod tables;
 
-use std::error::Error;
+use std::{alloc::System, error::Error};
+
+use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Counts allocations, of all threads.
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// How much is measured.
 #[derive(Clone, Copy)]
@@ -76,6 +82,8 @@ pub struct Measured {
     pub errors: Vec<f64>,
     /// Particles times substeps in a frame; 0 where there are several cloths.
     pub work: usize,
+    /// Allocations in a frame but the first; NaN where more than ticks is run.
+    pub allocations: f64,
     /// Why the run is no success: drawn as a failure.
     pub failed: Option<String>,
     /// Its errors are themselves times, taken over as many runs as they need.
@@ -109,6 +117,8 @@ pub struct Point {
     pub knob: String,
     pub time: Times,
     pub errors: Vec<f64>,
+    /// Allocations in a frame; NaN where more than ticks is run.
+    pub allocations: f64,
     pub failed: Option<String>,
 }
 
@@ -174,7 +184,7 @@ impl<'a> Runs<'a> {
 
     /// What they came to; there is one at least.
     pub fn point(mut self) -> Point {
-        let Measured { errors, work, failed, .. } = self.first.unwrap_or_default();
+        let Measured { errors, work, allocations, failed, .. } = self.first.unwrap_or_default();
         self.times.sort_by(|a, b| a.0.total_cmp(&b.0));
         let none = (f64::NAN, f64::NAN);
         let (median, p99) = self.times.get(self.times.len() / 2).copied().unwrap_or(none);
@@ -182,6 +192,7 @@ impl<'a> Runs<'a> {
         let each = if work > 0 { median * 1e6 / work as f64 } else { f64::NAN };
         let time = Times { median, p99, least, most, each };
         let Job { method, n, knob, .. } = self.job;
-        Point { method: method.clone(), n: *n, knob: knob.clone(), time, errors, failed }
+        let (method, knob) = (method.clone(), knob.clone());
+        Point { method, n: *n, knob, time, errors, allocations, failed }
     }
 }

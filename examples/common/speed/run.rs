@@ -5,10 +5,11 @@ use std::time::Instant;
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{
     ClothSolver, Collider, DampingForm, FormChoice, MassLumping, Material, PinMotion, Settings,
-    StepInput, Substeps,
+    StepInput, Substeps, Wind,
 };
+use stats_alloc::Region;
 
-use super::{Measured, Outcome};
+use super::{ALLOCATOR, Measured, Outcome};
 
 pub const FRAME: f32 = 1.0 / 60.0;
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
@@ -85,27 +86,45 @@ pub struct Run<'a> {
     pub pins: Vec<PinMotion>,
     pub colliders: &'a [Collider<'a>],
     pub gravity: Vec3,
+    pub wind: Wind<'a>,
     times: Vec<f64>,
+    /// Allocations since the first frame, in which a pool of threads may yet make room for itself.
+    allocations: usize,
     failed: Option<String>,
 }
 
 impl<'a> Run<'a> {
     pub fn new(cloth: ClothSolver, colliders: &'a [Collider<'a>]) -> Self {
         let pins = still(&cloth);
-        Self { cloth, pins, colliders, gravity: GRAVITY, times: Vec::new(), failed: None }
+        Self {
+            cloth,
+            pins,
+            colliders,
+            gravity: GRAVITY,
+            wind: Wind::default(),
+            times: Vec::new(),
+            allocations: 0,
+            failed: None,
+        }
     }
 
     /// One frame. Once it failed, nothing.
     pub fn frame(&mut self) {
-        let Self { cloth, pins, colliders, gravity, times, failed } = self;
+        let Self { cloth, pins, colliders, gravity, wind, times, allocations, failed } = self;
         if failed.is_some() {
             return;
         }
-        let (gravity, pins) = (*gravity, &pins[..]);
-        let input = StepInput { dt: FRAME, gravity, pins, colliders, ..StepInput::default() };
+        let (gravity, wind) = (*gravity, *wind);
+        let input = StepInput { dt: FRAME, gravity, pins, colliders, wind };
+        let region = Region::new(ALLOCATOR);
         let before = Instant::now();
         let done = cloth.tick(&input);
-        times.push(before.elapsed().as_secs_f64() * 1e3);
+        let time = before.elapsed();
+        let made = region.change();
+        if !times.is_empty() {
+            *allocations += made.allocations + made.reallocations;
+        }
+        times.push(time.as_secs_f64() * 1e3);
         *failed = done.err().map(|error| error.to_string());
     }
 
@@ -140,7 +159,9 @@ impl<'a> Run<'a> {
         let work = self.cloth.topology().particle_count() * self.cloth.plan().substeps as usize;
         let broken = !errors.iter().all(|e| e.is_finite() || e.is_nan());
         let failed = self.failed.or(broken.then(|| "an error is not finite".into()));
-        Measured { frames: self.times[warm..].to_vec(), errors, work, failed, varies: false }
+        let allocations = self.allocations as f64 / (self.times.len() - 1) as f64;
+        let frames = self.times[warm..].to_vec();
+        Measured { frames, errors, work, allocations, failed, varies: false }
     }
 }
 

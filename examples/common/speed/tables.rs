@@ -23,11 +23,13 @@ pub fn print(results: &Results<'_>) {
 fn rows(results: &Results<'_>) -> Vec<Vec<String>> {
     let errors = &results.scene.errors;
     let mut heads: Vec<String> =
-        ["method", "n", "setting", "ms a frame", "p99 ms", "ns each"].map(Into::into).into();
+        ["method", "n", "setting", "ms a frame", "p99 ms", "ns each", "allocations"]
+            .map(Into::into)
+            .into();
     heads.extend(errors.iter().map(Metric::label));
     heads.push("remark".into());
     let mut rows = vec![heads];
-    for Point { method, n, knob, time, errors, failed } in &results.points {
+    for Point { method, n, knob, time, errors, allocations, failed } in &results.points {
         let Times { median, p99, least, most, each } = time;
         let spread = format!("{median:.3} ({least:.3} to {most:.3})");
         let mut row = vec![
@@ -37,6 +39,7 @@ fn rows(results: &Results<'_>) -> Vec<Vec<String>> {
             spread,
             format!("{p99:.3}"),
             short(*each),
+            short(*allocations),
         ];
         row.extend(errors.iter().map(|error| short(*error)));
         row.resize(rows[0].len() - 1, String::new());
@@ -85,7 +88,7 @@ pub fn write_markdown(
         text,
         "Written by `cargo run --release --example speed_vs_error`. {machine} One thread, the simulation's call alone, no drawing. \
          Milliseconds a frame of 1/60 s: the median frame of the median run (medians of the fastest and of the slowest run), the \
-         99th percentile of that run's frames, and nanoseconds a particle and substep. Threads 1000 N/m, shear 300 N/m, bending \
+         99th percentile of that run's frames, nanoseconds a particle and substep, and allocations a frame. Threads 1000 N/m, shear 300 N/m, bending \
          1e-5 N m, 0.2 kg/m2, lumped masses, strain limit 10 %, statics under a drag of 2 /s, unless a scene says otherwise. What \
          failed is listed and drawn as a failure. Differences within the spread are none.\n"
     );
@@ -115,6 +118,7 @@ pub fn write_csv(path: &Path, all: &[Results<'_>]) -> Outcome<()> {
         "ms_least",
         "ms_most",
         "ns_a_particle_and_substep",
+        "allocations_a_frame",
         "error",
         "unit",
         "value",
@@ -132,6 +136,7 @@ pub fn write_csv(path: &Path, all: &[Results<'_>]) -> Outcome<()> {
                     point.knob.clone(),
                 ];
                 row.extend(times);
+                row.push(format!("{}", point.allocations));
                 row.extend([metric.name.to_owned(), metric.unit.to_owned(), format!("{error:e}")]);
                 row.push(point.failed.clone().unwrap_or_default());
                 file.write_record(&row)?;

@@ -2,18 +2,17 @@
 //! has nothing to do.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use bevy::math::{Vec3, primitives::Sphere};
 use bevy_drape::{
     sdf::{BakeSettings, DistanceField, SignedDistance},
     solver::{
         Air, ClothSolver, Collider, DampingForm, MassLumping, Material, PinMotion, Pose, SoftPin,
-        StepInput, Wind,
+        Wind,
     },
 };
 
-use super::super::run::{self, FRAME, GRAVITY, Method, cloth, still};
+use super::super::run::{self, Method, Run, cloth, still};
 use super::super::{Extent, Job, Measured, Metric, Outcome, Scene};
 use super::{Sheet, ball};
 
@@ -62,7 +61,7 @@ impl Setup {
         Self::new(material, Method::THREADS)
     }
 
-    fn times(mut self, frames: usize) -> Outcome<(ClothSolver, Vec<f64>)> {
+    fn measured(self, frames: usize) -> Outcome<Measured> {
         let colliders: Vec<_> = self
             .solids
             .iter()
@@ -71,20 +70,11 @@ impl Setup {
                 ..Collider::new(&**shape, *pose)
             })
             .collect();
-        let mut times = Vec::new();
-        for _ in 0..frames {
-            let input = StepInput {
-                dt: FRAME,
-                gravity: GRAVITY,
-                pins: &self.pins,
-                colliders: &colliders,
-                wind: self.wind,
-            };
-            let before = Instant::now();
-            self.cloth.tick(&input)?;
-            times.push(before.elapsed().as_secs_f64() * 1e3);
-        }
-        Ok((self.cloth, times))
+        let mut run = Run::new(self.cloth, &colliders);
+        (run.pins, run.wind) = (self.pins, self.wind);
+        run.frames(frames);
+        let measured = run.measured(Vec::new());
+        measured.failed.clone().map_or(Ok(measured), |why| Err(why.into()))
     }
 }
 
@@ -188,19 +178,19 @@ fn plain() -> Outcome<Setup> {
 fn compare(pair: &Pair, rounds: usize) -> Outcome<Measured> {
     const FRAMES: usize = 40;
     let (_, without, with) = pair;
-    let (mut without_times, mut with_times, mut work) = (Vec::new(), Vec::new(), 0);
+    let (mut without_times, mut with_times) = (Vec::new(), Vec::new());
+    let (mut work, mut allocations) = (0, 0.0_f64);
     for round in 0..rounds {
-        let runs = if round % 2 == 0 {
-            let first = without()?.times(FRAMES)?;
-            [first, with()?.times(FRAMES)?]
+        let (a, b) = if round % 2 == 0 {
+            let first = without()?.measured(FRAMES)?;
+            (first, with()?.measured(FRAMES)?)
         } else {
-            let second = with()?.times(FRAMES)?;
-            [without()?.times(FRAMES)?, second]
+            let second = with()?.measured(FRAMES)?;
+            (without()?.measured(FRAMES)?, second)
         };
-        let [(_, a), (cloth, b)] = runs;
-        work = cloth.topology().particle_count() * SUBSTEPS as usize;
-        without_times.extend(a);
-        with_times.extend(b);
+        without_times.extend(a.frames);
+        with_times.extend(b.frames);
+        (work, allocations) = (b.work, allocations.max(b.allocations));
     }
     let median = |times: &[f64]| {
         let mut times = times.to_vec();
@@ -210,7 +200,7 @@ fn compare(pair: &Pair, rounds: usize) -> Outcome<Measured> {
     let (before, after) = (median(&without_times), median(&with_times));
     // Not errors, and so not the same in every run: see `scene`.
     let errors = vec![before, after, 100.0 * (after / before - 1.0)];
-    Ok(Measured { frames: with_times, errors, work, failed: None, varies: true })
+    Ok(Measured { frames: with_times, errors, work, allocations, failed: None, varies: true })
 }
 
 pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {

@@ -123,6 +123,7 @@ fn crowd_on(threads: usize) -> Outcome<Measured> {
         frames: pairs.iter().map(|pair| pair.1).collect(),
         errors: vec![100.0 * parts[parts.len() / 2]],
         work: 0,
+        allocations: f64::NAN,
         failed: None,
         varies: true,
     })
