@@ -1,6 +1,5 @@
 //! The app that the tests run, and how they look at it.
 
-use crate::series::run_in_series;
 use bevy::{
     app::{Plugins, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::{AssetPlugin, RenderAssetUsages},
@@ -16,6 +15,12 @@ use std::{
     process::Command,
     time::{Duration, Instant},
 };
+
+// `tests/tools` has the examples' as well.
+#[allow(clippy::duplicate_mod)]
+#[path = "../../examples/common/series.rs"]
+mod series;
+pub use series::run_in_series;
 
 /// Set to run every test in the staged form.
 pub const STAGED: &str = "BEVY_DRAPE_TEST_STAGED";

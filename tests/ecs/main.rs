@@ -24,8 +24,6 @@ mod quality;
 mod refusals;
 mod saved_scene;
 mod seams;
-#[path = "../../examples/common/series.rs"]
-mod series;
 mod setup;
 mod shapes;
 mod sleep;

@@ -11,7 +11,7 @@ use bevy::{
 };
 use bevy_drape::prelude::*;
 
-use crate::series::run_in_series;
+use crate::outside::ecs::run_in_series;
 
 /// Bevy's fixed step.
 pub const TICK: Duration = Duration::from_micros(15625);

@@ -22,8 +22,6 @@ mod pinned;
 mod pool;
 mod pulled;
 mod rest;
-#[path = "../../examples/common/series.rs"]
-mod series;
 mod squeezed;
 mod starts;
 mod teleports;
