@@ -327,3 +327,9 @@ impl SlotsMut for PartMut<'_> {
 pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
+
+/// The smaller of two numbers; the second where either is NaN.
+#[inline(always)]
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

@@ -4,7 +4,7 @@ use bevy::math::Vec3;
 
 use super::bands::{Band, Merge, cut_between_rows};
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lanes::{Block, Block3, LANES, Soa, larger, smaller};
 use super::lattice::Lattice;
 use super::topology::Topology;
 
@@ -148,7 +148,6 @@ impl TakeSurvey<'_> {
             totals.moved.0[i] = larger(most, totals.moved.0[i]);
             let p = if i < inside { p } else { totals.low.at(i) };
             let (low, high) = (totals.low.at(i), totals.high.at(i));
-            let smaller = |a: f32, b: f32| -larger(-a, -b);
             totals
                 .low
                 .set(i, Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z)));
