@@ -111,7 +111,8 @@ impl ContactRoom {
             owed: Vec::new(),
             loads: Loads::new(layout.len()),
             loads_before: Loads::new(layout.len()),
-            pressed: vec![Vec::with_capacity(band.most_slots()); band.count()],
+            // Each made by itself: a clone of an empty one has no room.
+            pressed: (0..band.count()).map(|_| Vec::with_capacity(band.most_slots())).collect(),
         }
     }
 
