@@ -9,7 +9,7 @@ use bevy::math::{Vec3, ops};
 use super::bands::{Band, cut_between_rows};
 use super::carry::Carry;
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, PartMut, Soa};
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa};
 use super::lattice::Layout;
 
 /// Where the accelerations of a substep come from.
@@ -25,15 +25,21 @@ pub(super) enum Acceleration<'a> {
 pub(super) struct Integrate<'a> {
     pub band: Band,
     pub acceleration: Acceleration<'a>,
+    pub advance: Advance,
+    pub inverse_mass: &'a [f32],
+    pub d: PartMut<'a>,
+    pub carry: Carry<'a>,
+}
+
+/// What becomes of displacements.
+#[derive(Clone, Copy)]
+pub(super) struct Advance {
     /// Part of the last displacement that goes on.
     pub keep: f32,
     /// Displacement that an acceleration of one adds \[s2\].
     pub gain: f32,
     /// Displacement that no particle exceeds \[m\].
     pub longest: f32,
-    pub inverse_mass: &'a [f32],
-    pub d: PartMut<'a>,
-    pub carry: Carry<'a>,
 }
 
 /// What still air and acceleration do to a velocity over a time: `v' = decay v + gain a`.
@@ -64,19 +70,35 @@ impl Kernel for Integrate<'_> {
     #[inline(always)]
     fn run(mut self) {
         let Band { layout, rows, .. } = self.band.clone();
+        let blocks = layout.blocks_across();
+        let shared = match self.acceleration {
+            Acceleration::Uniform(a) => Block3::splat(a),
+            Acceleration::Each(_) => Block3::ZERO,
+        };
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                let carried = self.carried(slot);
-                match self.acceleration {
-                    Acceleration::Uniform(a) => {
-                        let gained = a * self.gain;
-                        self.advance(slot, &carried, |_| gained);
+            let slot = layout.slot(row, 0);
+            let w = Blocks::new(self.inverse_mass, slot, blocks);
+            let mut d = Blocks3Mut::new(&mut self.d, slot, blocks);
+            let (mut pull, part) = match &mut self.carry {
+                Carry::No => (None, None),
+                Carry::Begin(pull) => (Some(Blocks3Mut::new(pull, slot, blocks)), None),
+                Carry::GoOn(pull, part) => (Some(Blocks3Mut::new(pull, slot, blocks)), Some(*part)),
+            };
+            let own = match self.acceleration {
+                Acceleration::Uniform(_) => None,
+                Acceleration::Each(a) => Some(Blocks3::new(a, slot, blocks)),
+            };
+            for block in 0..blocks {
+                let a = own.as_ref().map_or(shared, |own| own.at(block));
+                let carried = carried(pull.as_ref().zip(part), block);
+                let new = self.advance.of(&d.at(block), &a, &carried, &w.at(block));
+                d.set(block, new);
+                if let Some(pull) = &mut pull {
+                    let mut before = carried;
+                    for i in 0..LANES {
+                        before.set(i, before.at(i) - new.at(i));
                     }
-                    Acceleration::Each(a) => {
-                        let (a, gain) = (Block3::load(a, slot), self.gain);
-                        self.advance(slot, &carried, |i| a.at(i) * gain);
-                    }
+                    pull.set(block, before);
                 }
             }
         }
@@ -85,40 +107,41 @@ impl Kernel for Integrate<'_> {
 
 cut_between_rows!(Integrate, d, carry);
 
-impl Integrate<'_> {
-    /// What goes on of the last substep's pulls.
-    #[inline(always)]
-    fn carried(&self, slot: usize) -> Block3 {
-        let mut carried = Block3::ZERO;
-        if let Carry::GoOn(pull, part) = &self.carry {
-            let pull = Block3::load(pull, slot);
-            for i in 0..LANES {
-                carried.set(i, pull.at(i) * *part);
-            }
-        }
-        carried
-    }
-
-    #[inline(always)]
-    fn advance(&mut self, slot: usize, carried: &Block3, gained: impl Fn(usize) -> Vec3) {
-        let longest = self.longest * self.longest;
-        let w = Block::load(self.inverse_mass, slot);
-        let mut d = Block3::load(&self.d, slot);
+/// What goes on of the last substep's pulls.
+#[inline(always)]
+fn carried(pull: Option<(&Blocks3Mut<'_>, f32)>, block: usize) -> Block3 {
+    let mut carried = Block3::ZERO;
+    if let Some((pull, part)) = pull {
+        let pull = pull.at(block);
         for i in 0..LANES {
-            let new = d.at(i) * self.keep + gained(i) + carried.at(i);
-            let square = new.dot(new);
-            let scale = if square > longest { (longest / square).sqrt() } else { 1.0 };
-            let scale = if w.0[i] > 0.0 { scale } else { 0.0 };
-            d.set(i, new * scale);
+            carried.set(i, pull.at(i) * part);
         }
-        d.store(&mut self.d, slot);
-        if let Carry::Begin(pull) | Carry::GoOn(pull, _) = &mut self.carry {
-            let mut before = Block3::ZERO;
+    }
+    carried
+}
+
+impl Advance {
+    /// Displacements after `d`.
+    #[inline(always)]
+    fn of(&self, d: &Block3, a: &Block3, carried: &Block3, w: &Block) -> Block3 {
+        let mut out = Block3::ZERO;
+        let mut squares = Block::ZERO;
+        for i in 0..LANES {
+            let new = d.at(i) * self.keep + a.at(i) * self.gain + carried.at(i);
+            let new = if w.0[i] > 0.0 { new } else { Vec3::ZERO };
+            squares.0[i] = new.dot(new);
+            out.set(i, new);
+        }
+        // Few are as fast as that.
+        let longest = self.longest * self.longest;
+        if squares.is_any_above(longest) {
             for i in 0..LANES {
-                before.set(i, carried.at(i) - d.at(i));
+                let square = squares.0[i];
+                let scale = if square > longest { (longest / square).sqrt() } else { 1.0 };
+                out.set(i, out.at(i) * scale);
             }
-            before.store(pull, slot);
         }
+        out
     }
 }
 
@@ -137,12 +160,17 @@ impl Kernel for Displace<'_> {
     #[inline(always)]
     fn run(mut self) {
         let Band { layout, rows, .. } = self.band;
+        let blocks = layout.blocks_across();
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                Block3::load_sum(&self.x, self.d, slot).store(&mut self.x, slot);
-                if let Some(pull) = &mut self.pull {
-                    Block3::load_sum(pull, self.d, slot).store(pull, slot);
+            let slot = layout.slot(row, 0);
+            let d = Blocks3::new(self.d, slot, blocks);
+            let mut x = Blocks3Mut::new(&mut self.x, slot, blocks);
+            let mut pull = self.pull.as_mut().map(|pull| Blocks3Mut::new(pull, slot, blocks));
+            for block in 0..blocks {
+                let d = d.at(block);
+                x.add(block, &d);
+                if let Some(pull) = &mut pull {
+                    pull.add(block, &d);
                 }
             }
         }

@@ -69,6 +69,16 @@ impl Block {
         lanes[0]
     }
 
+    /// Whether any lane is above a number.
+    #[inline(always)]
+    pub fn is_any_above(&self, bound: f32) -> bool {
+        let mut any = false;
+        for lane in self.0 {
+            any |= lane > bound;
+        }
+        any
+    }
+
     /// The smallest lane.
     #[inline(always)]
     pub fn smallest(&self) -> f32 {
@@ -122,6 +132,107 @@ impl Block3 {
         self.x.0[lane] = value.x;
         self.y.0[lane] = value.y;
         self.z.0[lane] = value.z;
+    }
+}
+
+/// Blocks side by side, from any slot on. Whether they are in memory is checked once for all of them, not
+/// for each: checks were half of a kernel's instructions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blocks<'a>(&'a [[f32; LANES]]);
+
+impl<'a> Blocks<'a> {
+    /// So many blocks of a slice.
+    #[inline(always)]
+    pub fn new(slice: &'a [f32], at: usize, count: usize) -> Self {
+        let (blocks, _) = slice[at..].as_chunks();
+        Self(&blocks[..count])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block {
+        Block(self.0[block])
+    }
+}
+
+/// [`Blocks`] that can be written.
+#[derive(Debug)]
+pub(super) struct BlocksMut<'a>(&'a mut [[f32; LANES]]);
+
+impl<'a> BlocksMut<'a> {
+    /// So many blocks of a slice.
+    #[inline(always)]
+    pub fn new(slice: &'a mut [f32], at: usize, count: usize) -> Self {
+        let (blocks, _) = slice[at..].as_chunks_mut();
+        Self(&mut blocks[..count])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block {
+        Block(self.0[block])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, block: usize, value: Block) {
+        self.0[block] = value.0;
+    }
+}
+
+/// [`Blocks`] of vectors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blocks3<'a>([Blocks<'a>; 3]);
+
+impl<'a> Blocks3<'a> {
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn new(from: &'a impl Slots, slot: usize, count: usize) -> Self {
+        let at = slot - from.first();
+        let [x, y, z] = from.axes();
+        Self([Blocks::new(x, at, count), Blocks::new(y, at, count), Blocks::new(z, at, count)])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block3 {
+        let [x, y, z] = &self.0;
+        Block3 { x: x.at(block), y: y.at(block), z: z.at(block) }
+    }
+}
+
+/// [`Blocks3`] that can be written.
+#[derive(Debug)]
+pub(super) struct Blocks3Mut<'a>([BlocksMut<'a>; 3]);
+
+impl<'a> Blocks3Mut<'a> {
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn new(of: &'a mut impl SlotsMut, slot: usize, count: usize) -> Self {
+        let at = slot - of.first();
+        let [x, y, z] = of.axes_mut();
+        let blocks = |axis| BlocksMut::new(axis, at, count);
+        Self([blocks(x), blocks(y), blocks(z)])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block3 {
+        let [x, y, z] = &self.0;
+        Block3 { x: x.at(block), y: y.at(block), z: z.at(block) }
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, block: usize, value: Block3) {
+        let [x, y, z] = &mut self.0;
+        x.set(block, value.x);
+        y.set(block, value.y);
+        z.set(block, value.z);
+    }
+
+    /// Adds to a block.
+    #[inline(always)]
+    pub fn add(&mut self, block: usize, value: &Block3) {
+        let mut sum = self.at(block);
+        for i in 0..LANES {
+            sum.set(i, sum.at(i) + value.at(i));
+        }
+        self.set(block, sum);
     }
 }
 

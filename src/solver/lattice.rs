@@ -118,6 +118,18 @@ impl Layout {
         (0..self.rows).flat_map(move |r| (0..layout.columns).map(move |c| layout.slot(r, c)))
     }
 
+    /// Blocks of a row.
+    #[inline(always)]
+    pub fn blocks_across(&self) -> usize {
+        self.columns.div_ceil(LANES)
+    }
+
+    /// Blocks from that of a particle in the first row to that of the last one below it, both included.
+    #[inline(always)]
+    pub fn blocks_down(&self) -> usize {
+        (self.rows - 1) * (self.stride / LANES) + 1
+    }
+
     /// The layout with rows and columns exchanged.
     pub fn transposed(&self) -> Self {
         Self::new(self.columns, self.rows)

@@ -4,7 +4,7 @@ use bevy::math::Vec3;
 
 use super::bands::{Band, Merge, cut_between_rows};
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Soa, larger, smaller};
+use super::lanes::{Block, Block3, Blocks, Blocks3, LANES, Soa, larger, smaller};
 use super::lattice::Lattice;
 use super::topology::Topology;
 
@@ -71,15 +71,33 @@ impl Kernel for TakeSurvey<'_> {
     fn run(self) -> Survey {
         let layout = self.band.layout;
         let mut totals = Totals::at(self.x.get(layout.slot(0, 0)));
+        let blocks = layout.blocks_across();
         for row in self.band.rows.clone() {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                self.look_at_particles(slot, layout.columns - column, &mut totals);
-                let Some(lattice) = self.lattice else { continue };
-                let x = Block3::load(self.x, slot);
-                self.look_at_springs(x, slot + 1, &lattice.weft.rest, slot, &mut totals);
-                let below = slot + layout.stride;
-                self.look_at_springs(x, below, &lattice.warp.rest, slot, &mut totals);
+            let slot = layout.slot(row, 0);
+            let x = Blocks3::new(self.x, slot, blocks);
+            let d = Blocks3::new(self.d, slot, blocks);
+            let start = Blocks3::new(self.start, slot, blocks);
+            // By no closure, which would be a call.
+            let springs = match self.lattice {
+                Some(lattice) => Some([
+                    (
+                        Blocks3::new(self.x, slot + 1, blocks),
+                        Blocks::new(&lattice.weft.rest, slot, blocks),
+                    ),
+                    (
+                        Blocks3::new(self.x, slot + layout.stride, blocks),
+                        Blocks::new(&lattice.warp.rest, slot, blocks),
+                    ),
+                ]),
+                None => None,
+            };
+            for block in 0..blocks {
+                let here = x.at(block);
+                let inside = layout.columns - block * LANES;
+                totals.look_at_particles(&here, &d.at(block), &start.at(block), inside);
+                for (there, rest) in springs.iter().flatten() {
+                    totals.look_at_springs(&here, &there.at(block), &rest.at(block));
+                }
             }
         }
         totals.survey()
@@ -133,47 +151,35 @@ impl Totals {
     }
 }
 
-impl TakeSurvey<'_> {
+impl Totals {
+    /// Looks at a block of which this many are of the cloth.
     #[inline(always)]
-    fn look_at_particles(&self, slot: usize, inside: usize, totals: &mut Totals) {
-        let x = Block3::load(self.x, slot);
-        let d = Block3::load(self.d, slot);
-        let start = Block3::load(self.start, slot);
+    fn look_at_particles(&mut self, x: &Block3, d: &Block3, start: &Block3, inside: usize) {
         for i in 0..LANES {
             let (p, u) = (x.at(i), d.at(i));
             // Anything times zero is zero, unless it is not finite.
-            totals.spoiled.0[i] += (p.x + p.y + p.z + u.x + u.y + u.z) * 0.0;
+            self.spoiled.0[i] += (p.x + p.y + p.z + u.x + u.y + u.z) * 0.0;
             let way = p - start.at(i);
             let most = larger(larger(way.x.abs(), way.y.abs()), way.z.abs());
-            totals.moved.0[i] = larger(most, totals.moved.0[i]);
-            let p = if i < inside { p } else { totals.low.at(i) };
-            let (low, high) = (totals.low.at(i), totals.high.at(i));
-            totals
-                .low
+            self.moved.0[i] = larger(most, self.moved.0[i]);
+            let p = if i < inside { p } else { self.low.at(i) };
+            let (low, high) = (self.low.at(i), self.high.at(i));
+            self.low
                 .set(i, Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z)));
-            totals
-                .high
+            self.high
                 .set(i, Vec3::new(larger(p.x, high.x), larger(p.y, high.y), larger(p.z, high.z)));
         }
     }
 
+    /// Looks at the springs between two blocks.
     #[inline(always)]
-    fn look_at_springs(
-        &self,
-        x: Block3,
-        neighbour: usize,
-        rests: &[f32],
-        slot: usize,
-        totals: &mut Totals,
-    ) {
-        let there = Block3::load(self.x, neighbour);
-        let rest = Block::load(rests, slot);
+    fn look_at_springs(&mut self, here: &Block3, there: &Block3, rest: &Block) {
         for i in 0..LANES {
-            let d = there.at(i) - x.at(i);
+            let d = there.at(i) - here.at(i);
             let rest = rest.0[i];
             let stretch = d.dot(d) / larger(rest * rest, f32::MIN_POSITIVE);
             let stretch = if rest > 0.0 { stretch } else { 0.0 };
-            totals.stretch.0[i] = larger(stretch, totals.stretch.0[i]);
+            self.stretch.0[i] = larger(stretch, self.stretch.0[i]);
         }
     }
 }

@@ -128,10 +128,10 @@ use damping::{AddDamping, DampedSprings, DampingTarget};
 use forces::AccumulateForces;
 use held::Held;
 use input::is_near;
-use integrate::{Acceleration, Displace, Integrate, Kick};
+use integrate::{Acceleration, Advance, Displace, Integrate, Kick};
 use measure::{Survey, TakeSurvey};
 use plan::Bound;
-use shear::{CorrectShear, ShearRule};
+use shear::{Cells, CorrectShear, ShearRule};
 use state::{Scratch, State};
 use tethers::PullTethers;
 use threads::{Lines, Reach};
@@ -371,9 +371,11 @@ impl ClothSolver {
         let integrate = Integrate {
             band: self.bands.rows.clone(),
             acceleration,
-            keep: kick.decay * (plan.step / *unit),
-            gain: *response,
-            longest: self.settings.max_speed * plan.step,
+            advance: Advance {
+                keep: kick.decay * (plan.step / *unit),
+                gain: *response,
+                longest: self.settings.max_speed * plan.step,
+            },
             inverse_mass: &self.held.inverse_mass,
             d: d.part_mut(),
             carry: Carry::new(self.scratch.carries, part, pull),
@@ -429,12 +431,15 @@ impl ClothSolver {
                     if self.bands.rows.count() > 1 {
                         seams.copy(&self.state.d);
                     }
-                    let shear = CorrectShear {
-                        band: self.bands.rows.clone(),
+                    let cells = Cells {
                         lattice,
                         inverse_mass: &self.held.inverse_mass,
                         rule: ShearRule { compliance, limit, crowd: lattice.crowd },
                         x: &self.state.x,
+                    };
+                    let shear = CorrectShear {
+                        band: self.bands.rows.clone(),
+                        cells,
                         d: self.state.d.part_mut(),
                         seams,
                         rooms: row_pulls,
@@ -551,25 +556,23 @@ impl ClothSolver {
     }
 
     fn pull_tethers(&mut self) {
-        if !self.settings.tethers {
+        if !self.settings.tethers || self.held.tethers.is_empty() {
             return;
         }
         let State { x, d, .. } = &mut self.state;
         for (place, &slot) in self.held.places.iter_mut().zip(&self.held.slots) {
             *place = x.get(slot) + d.get(slot);
         }
-        for set in &self.held.tethers {
-            let pull = PullTethers {
-                band: self.bands.rows.clone(),
-                set,
-                pins: &self.held.places,
-                ease: self.tether_ease,
-                inverse_mass: &self.held.inverse_mass,
-                x,
-                d: d.part_mut(),
-            };
-            bands::run(self.isa, pull);
-        }
+        let pull = PullTethers {
+            band: self.bands.rows.clone(),
+            sets: &self.held.tethers,
+            pins: &self.held.places,
+            ease: self.tether_ease,
+            inverse_mass: &self.held.inverse_mass,
+            x,
+            d: d.part_mut(),
+        };
+        bands::run(self.isa, pull);
     }
 
     /// Fourth stage: contact and friction. Ends the substep.

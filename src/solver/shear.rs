@@ -5,12 +5,12 @@
 //! gain energy by it once corrections are carried on: a sweep to and fro does not, and costs
 //! twice as much. All at once has no order, and passes over the rows but once.
 
-use bevy::math::Vec3;
+use core::mem;
 
-use super::bands::{Band, Rooms, Seams, cut_between_rows};
+use super::bands::{Band, CutAt, Rooms, Seams, cut_between_rows};
 use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH};
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, Part, PartMut, Soa, larger};
+use super::lanes::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger};
 use super::lattice::Lattice;
 
 /// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no
@@ -43,33 +43,56 @@ impl ShearRule {
     }
 }
 
-/// Corrects the shear springs of a lattice.
-pub(super) struct CorrectShear<'a> {
-    pub band: Band,
+/// The springs across the cells of a lattice.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a> {
     pub lattice: &'a Lattice,
     pub inverse_mass: &'a [f32],
     pub rule: ShearRule,
     pub x: &'a Soa,
+}
+
+/// Corrects the shear springs of a lattice.
+pub(super) struct CorrectShear<'a> {
+    pub band: Band,
+    pub cells: Cells<'a>,
     pub d: PartMut<'a>,
     /// Displacements on both sides of the cuts, before any is corrected.
     pub seams: &'a Seams,
     pub rooms: &'a Rooms<RowPulls>,
 }
 
-/// Pulls of the springs from one row to the next, by column from [`LANES`] on.
+/// Pulls of the springs from one row to the next, and of those from the row before to it, by column from
+/// [`LANES`] on.
 #[derive(Clone, Debug)]
 pub(super) struct RowPulls {
     /// Of those to the next column.
     right: Soa,
+    right_before: Soa,
     /// Of those to the column before.
     left: Soa,
+    left_before: Soa,
 }
 
 impl RowPulls {
     /// Room for rows of so many columns.
     pub fn new(columns: usize) -> Self {
-        let len = columns.next_multiple_of(LANES) + 2 * LANES;
-        Self { right: Soa::zeros(len), left: Soa::zeros(len) }
+        let row = Soa::zeros(columns.next_multiple_of(LANES) + 2 * LANES);
+        Self { right: row.clone(), right_before: row.clone(), left: row.clone(), left_before: row }
+    }
+
+    fn clear(&mut self) {
+        for pulls in
+            [&mut self.right, &mut self.right_before, &mut self.left, &mut self.left_before]
+        {
+            pulls.clear();
+        }
+    }
+
+    /// What was a row's is now of the one before.
+    fn turn(&mut self) {
+        mem::swap(&mut self.right, &mut self.right_before);
+        mem::swap(&mut self.left, &mut self.left_before);
     }
 }
 
@@ -77,22 +100,21 @@ impl Kernel for CorrectShear<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let Band { layout, rows, .. } = self.band.clone();
-        let mut pulls = self.rooms.take();
-        pulls.right.clear();
-        pulls.left.clear();
+    fn run(self) {
+        let Self { band: Band { layout, rows, .. }, cells, mut d, seams, rooms } = self;
+        let mut pulls = rooms.take();
+        pulls.clear();
         if rows.start > 0 {
-            self.pull_from_above(&mut pulls, rows.start);
+            cells.pull_from_above(rows.start, seams, &mut pulls);
         }
         for row in rows.clone() {
-            // What is below the last row has been corrected by now, perhaps.
-            let below =
-                (row + 1 == rows.end && rows.end < layout.rows).then(|| self.seams.row(rows.end));
-            // The pull before a block is gone from its place once the block before has been there.
-            let mut before = Vec3::ZERO;
-            for column in (0..layout.columns).step_by(LANES) {
-                self.correct(&mut pulls, [row, column], below, &mut before);
+            pulls.turn();
+            let (mut own, below) = d.reborrow().cut(layout.slot(row + 1, 0) - LANES);
+            if row + 1 == rows.end && rows.end < layout.rows {
+                // What is below has been corrected by now, perhaps.
+                cells.correct(row, &mut own, &seams.row(rows.end), &mut pulls);
+            } else {
+                cells.correct(row, &mut own, &below, &mut pulls);
             }
         }
     }
@@ -100,80 +122,112 @@ impl Kernel for CorrectShear<'_> {
 
 cut_between_rows!(CorrectShear, d);
 
-impl CorrectShear<'_> {
+impl<'a> Cells<'a> {
     /// Works out the pulls between the row before the band and its first.
     #[inline(always)]
-    fn pull_from_above(&self, pulls: &mut RowPulls, first: usize) {
-        let (above, below) = (self.seams.row(first - 1), self.seams.row(first));
-        for column in (0..self.lattice.layout.columns).step_by(LANES) {
-            let [right, left] = self.pulls(first - 1, column, &above, &below);
-            right.store(&mut pulls.right, LANES + column);
-            left.store(&mut pulls.left, LANES + column);
+    fn pull_from_above(&self, first: usize, seams: &Seams, pulls: &mut RowPulls) {
+        let (above, below) = (seams.row(first - 1), seams.row(first));
+        let springs = RowSprings::new(self, first - 1, &below);
+        let d = Blocks3::new(&above, self.lattice.layout.slot(first - 1, 0), springs.blocks);
+        let mut right = Blocks3Mut::new(&mut pulls.right, LANES, springs.blocks);
+        let mut left = Blocks3Mut::new(&mut pulls.left, LANES, springs.blocks);
+        for block in 0..springs.blocks {
+            let found = springs.pulls(block, &d.at(block));
+            right.set(block, found[0]);
+            left.set(block, found[1]);
         }
     }
 
-    /// Corrects a block of a row, of which those before are corrected already: nothing looks at them any
-    /// more. `below` is the next row, where it is not of this band.
+    /// Corrects a row, at which nothing looks any more afterwards.
     #[inline(always)]
-    fn correct(
-        &mut self,
-        pulls: &mut RowPulls,
-        [row, column]: [usize; 2],
-        below: Option<Part<'_>>,
-        before: &mut Vec3,
-    ) {
-        let (slot, place) = (self.lattice.layout.slot(row, column), LANES + column);
-        let mut above_right = Block3::load(&pulls.right, place - 1);
-        let above_left = Block3::load(&pulls.left, place + 1);
-        above_right.set(0, *before);
-        *before = pulls.right.get(place + LANES - 1);
-        let own = self.d.part();
-        let [right, left] = self.pulls(row, column, &own, &below.unwrap_or(own));
-        let w = Block::load(self.inverse_mass, slot);
-        let mut d = Block3::load(&self.d, slot);
+    fn correct(&self, row: usize, own: &mut PartMut<'_>, below: &impl Slots, pulls: &mut RowPulls) {
+        let springs = RowSprings::new(self, row, below);
+        let blocks = springs.blocks;
+        let mut d = Blocks3Mut::new(own, self.lattice.layout.slot(row, 0), blocks);
+        let mut right = Blocks3Mut::new(&mut pulls.right, LANES, blocks);
+        let mut left = Blocks3Mut::new(&mut pulls.left, LANES, blocks);
+        let above_right = Blocks3::new(&pulls.right_before, LANES - 1, blocks);
+        let above_left = Blocks3::new(&pulls.left_before, LANES + 1, blocks);
+        for block in 0..blocks {
+            let mut corrected = d.at(block);
+            let [to_right, to_left] = springs.pulls(block, &corrected);
+            let (from_right, from_left) = (above_right.at(block), above_left.at(block));
+            let w = springs.w[0].at(block);
+            for i in 0..LANES {
+                let pull = to_right.at(i) + to_left.at(i) - from_right.at(i) - from_left.at(i);
+                corrected.set(i, corrected.at(i) + pull * w.0[i]);
+            }
+            d.set(block, corrected);
+            right.set(block, to_right);
+            left.set(block, to_left);
+        }
+    }
+}
+
+/// The springs from the particles of a row to the next row: to the column after, and to the column before.
+struct RowSprings<'a> {
+    blocks: usize,
+    rule: ShearRule,
+    /// Where the substep began: the row, and both ends below it.
+    x: [Blocks3<'a>; 3],
+    /// Displacements of those ends.
+    d: [Blocks3<'a>; 2],
+    /// Inverse masses of the row and of those ends.
+    w: [Blocks<'a>; 3],
+    rest: [Blocks<'a>; 2],
+    factor: [Blocks<'a>; 2],
+}
+
+impl<'a> RowSprings<'a> {
+    #[inline(always)]
+    fn new(cells: &Cells<'a>, row: usize, below: &'a impl Slots) -> Self {
+        let Cells { lattice, inverse_mass, rule, x } = *cells;
+        let blocks = lattice.layout.blocks_across();
+        let (slot, next) = (lattice.layout.slot(row, 0), lattice.layout.slot(row + 1, 0));
+        let (right, left) = (next + 1, next - 1);
+        let at = |slot| Blocks3::new(x, slot, blocks);
+        let masses = |slot| Blocks::new(inverse_mass, slot, blocks);
+        let factors = |slot| Blocks::new(&lattice.diagonal.compliance, slot, blocks);
+        // Not by `map`s over arrays, which would be calls.
+        Self {
+            blocks,
+            rule,
+            x: [at(slot), at(right), at(left)],
+            d: [Blocks3::new(below, right, blocks), Blocks3::new(below, left, blocks)],
+            w: [masses(slot), masses(right), masses(left)],
+            // A cell's springs stand at its first corner, the one across it too.
+            rest: [
+                Blocks::new(&lattice.diagonal.rest, slot, blocks),
+                Blocks::new(&lattice.antidiagonal_rest, slot - 1, blocks),
+            ],
+            factor: [factors(slot), factors(slot - 1)],
+        }
+    }
+
+    /// Pulls on a block of the row, of displacements `d`: both springs in one loop, whose roots and quotients then
+    /// follow each other without waiting.
+    #[inline(always)]
+    fn pulls(&self, block: usize, d: &Block3) -> [Block3; 2] {
+        let here = self.x[0].at(block);
+        let (x_right, d_right) = (self.x[1].at(block), self.d[0].at(block));
+        let (x_left, d_left) = (self.x[2].at(block), self.d[1].at(block));
+        let [w, w_right, w_left] = [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)];
+        let [rest_right, rest_left] = [self.rest[0].at(block), self.rest[1].at(block)];
+        let [factor_right, factor_left] = [self.factor[0].at(block), self.factor[1].at(block)];
+        let (mut right, mut left) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
-            let pull = right.at(i) + left.at(i) - above_right.at(i) - above_left.at(i);
-            d.set(i, d.at(i) + pull * w.0[i]);
+            let here = here.at(i) + d.at(i);
+            let to_right = x_right.at(i) + d_right.at(i) - here;
+            let to_left = x_left.at(i) + d_left.at(i) - here;
+            let length_right = larger(to_right.dot(to_right).sqrt(), LEAST_LENGTH);
+            let length_left = larger(to_left.dot(to_left).sqrt(), LEAST_LENGTH);
+            let (both_right, both_left) = (w.0[i] + w_right.0[i], w.0[i] + w_left.0[i]);
+            let rule = &self.rule;
+            let by_right = rule.pull(length_right, rest_right.0[i], factor_right.0[i], both_right);
+            let by_left = rule.pull(length_left, rest_left.0[i], factor_left.0[i], both_left);
+            right.set(i, to_right * by_right);
+            left.set(i, to_left * by_left);
         }
-        d.store(&mut self.d, slot);
-        right.store(&mut pulls.right, place);
-        left.store(&mut pulls.left, place);
-    }
-
-    /// Pulls on a block of the springs to the next row, to the right and to the left, from the displacements of
-    /// both rows.
-    #[inline(always)]
-    fn pulls(&self, row: usize, column: usize, own: &Part<'_>, next: &Part<'_>) -> [Block3; 2] {
-        let slot = self.lattice.layout.slot(row, column);
-        let below = slot + self.lattice.layout.stride;
-        let diagonal = &self.lattice.diagonal;
-        let rest = Block::load(&diagonal.rest, slot);
-        let factor = Block::load(&diagonal.compliance, slot);
-        let right = self.pull([slot, below + 1], [own, next], &rest, &factor);
-        let rest = Block::load(&self.lattice.antidiagonal_rest, slot - 1);
-        let factor = Block::load(&diagonal.compliance, slot - 1);
-        let left = self.pull([slot, below - 1], [own, next], &rest, &factor);
         [right, left]
-    }
-
-    /// Pulls of springs between particles from `p` and from `q`, on the first of them.
-    #[inline(always)]
-    fn pull(
-        &self,
-        [p, q]: [usize; 2],
-        [dp, dq]: [&Part<'_>; 2],
-        rest: &Block,
-        factor: &Block,
-    ) -> Block3 {
-        let (xp, xq) = (Block3::load_sum(self.x, dp, p), Block3::load_sum(self.x, dq, q));
-        let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
-        let mut pull = Block3::ZERO;
-        for i in 0..LANES {
-            let span = xq.at(i) - xp.at(i);
-            let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
-            let strength = self.rule.pull(length, rest.0[i], factor.0[i], wp.0[i] + wq.0[i]);
-            pull.set(i, span * strength);
-        }
-        pull
     }
 }

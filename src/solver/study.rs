@@ -13,7 +13,7 @@ use super::ClothSolver;
 use super::bands;
 use super::carry::Carry;
 use super::input::StepInput;
-use super::integrate::{Acceleration, Add, Integrate};
+use super::integrate::{Acceleration, Add, Advance, Integrate};
 use super::isa::Isa;
 use super::lanes::Soa;
 use super::lattice::Layout;
@@ -86,9 +86,11 @@ impl ClothSolver {
         let integrate = Integrate {
             band: self.bands.rows.clone(),
             acceleration: Acceleration::Uniform(Vec3::ZERO),
-            keep: h / self.state.unit,
-            gain: 0.0,
-            longest: self.settings.max_speed * h,
+            advance: Advance {
+                keep: h / self.state.unit,
+                gain: 0.0,
+                longest: self.settings.max_speed * h,
+            },
             inverse_mass,
             d: d.part_mut(),
             carry: Carry::No,

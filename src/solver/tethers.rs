@@ -16,7 +16,9 @@ use super::bands::{Band, cut_between_rows};
 use super::graph::Graph;
 use super::input::PinMotion;
 use super::isa::Kernel;
-use super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, larger};
+use super::lanes::{
+    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
+};
 use super::lattice::{Lattice, Layout};
 use super::parameters::Material;
 use super::topology::Topology;
@@ -305,10 +307,10 @@ fn nearest_others(sets: Vec<TetherSet>) -> Vec<Between> {
     of_a_pin.flat_map(|others| others.iter().take(MOST_OTHERS).copied()).collect()
 }
 
-/// Brings back what is further from its pin than its tether allows.
+/// Brings back what is further from its pins than its tethers allow, one after the other.
 pub(super) struct PullTethers<'a> {
     pub band: Band,
-    pub set: &'a TetherSet,
+    pub sets: &'a [TetherSet],
     /// Where the cloth's pins are at the substep's end, relative to the origin \[m\].
     pub pins: &'a [Vec3],
     /// What the bounds are multiplied by, at least 1.
@@ -322,21 +324,37 @@ impl Kernel for PullTethers<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
-        let shared = match self.set.pins[..] {
-            [only] => Some(self.pins[only as usize]),
-            _ => None,
-        };
-        let Band { layout, rows, .. } = self.band.clone();
+    fn run(self) {
+        let Self { band: Band { layout, rows, .. }, sets, pins, ease, inverse_mass, x, mut d } =
+            self;
+        let blocks = layout.blocks_across();
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                match shared {
-                    Some(pin) => self.pull(slot, |_| pin),
-                    None => {
-                        let pins = gather(self.pins, &self.set.pins[slot..slot + LANES]);
-                        self.pull(slot, |i| pins.at(i));
+            let first = layout.slot(row, 0);
+            let w = Blocks::new(inverse_mass, first, blocks);
+            let x = Blocks3::new(x, first, blocks);
+            let mut d = Blocks3Mut::new(&mut d, first, blocks);
+            for block in 0..blocks {
+                let slot = first + block * LANES;
+                let (w, x, mut moved) = (w.at(block), x.at(block), d.at(block));
+                let mut is_pulled = false;
+                for set in sets {
+                    let mut limit = Block::load(&set.limit, slot);
+                    for lane in &mut limit.0 {
+                        *lane *= ease;
                     }
+                    is_pulled |= match set.pins[..] {
+                        [only] => {
+                            let pin = pins[only as usize];
+                            pull(&mut moved, &x, &w, &limit, |_| pin)
+                        }
+                        _ => {
+                            let pins = gather(pins, &set.pins[slot..slot + LANES]);
+                            pull(&mut moved, &x, &w, &limit, |i| pins.at(i))
+                        }
+                    };
+                }
+                if is_pulled {
+                    d.set(block, moved);
                 }
             }
         }
@@ -345,35 +363,28 @@ impl Kernel for PullTethers<'_> {
 
 cut_between_rows!(PullTethers, d);
 
-impl PullTethers<'_> {
-    #[inline(always)]
-    fn pull(&mut self, slot: usize, pin: impl Fn(usize) -> Vec3) {
-        let x = Block3::load(self.x, slot);
-        let mut d = Block3::load(&self.d, slot);
-        let limit = Block::load(&self.set.limit, slot);
-        let w = Block::load(self.inverse_mass, slot);
-        let mut ways = Block3::ZERO;
-        let mut furthest = Block::ZERO;
-        for i in 0..LANES {
-            let way = (x.at(i) + d.at(i)) - pin(i);
-            let limit = limit.0[i] * self.ease;
-            let beyond = way.dot(way) - limit * limit;
-            ways.set(i, way);
-            furthest.0[i] = if w.0[i] > 0.0 { larger(beyond, 0.0) } else { 0.0 };
-        }
-        // Few are beyond their tethers.
-        if furthest.largest() == 0.0 {
-            return;
-        }
-        for i in 0..LANES {
-            let way = ways.at(i);
-            let distance = way.dot(way).sqrt();
-            let excess =
-                if w.0[i] > 0.0 { larger(distance - limit.0[i] * self.ease, 0.0) } else { 0.0 };
-            d.set(i, d.at(i) - way * (excess / larger(distance, LEAST_DISTANCE)));
-        }
-        d.store(&mut self.d, slot);
+/// Pulls a block to its pins where it is further away than its limits, and tells whether it was.
+#[inline(always)]
+fn pull(d: &mut Block3, x: &Block3, w: &Block, limit: &Block, pin: impl Fn(usize) -> Vec3) -> bool {
+    let mut ways = Block3::ZERO;
+    let mut beyond = Block::ZERO;
+    for i in 0..LANES {
+        let way = (x.at(i) + d.at(i)) - pin(i);
+        let by = way.dot(way) - limit.0[i] * limit.0[i];
+        ways.set(i, way);
+        beyond.0[i] = if w.0[i] > 0.0 { by } else { 0.0 };
     }
+    // Few are.
+    if !beyond.is_any_above(0.0) {
+        return false;
+    }
+    for i in 0..LANES {
+        let way = ways.at(i);
+        let distance = way.dot(way).sqrt();
+        let excess = if w.0[i] > 0.0 { larger(distance - limit.0[i], 0.0) } else { 0.0 };
+        d.set(i, d.at(i) - way * (excess / larger(distance, LEAST_DISTANCE)));
+    }
+    true
 }
 
 #[inline(always)]

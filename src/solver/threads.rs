@@ -10,7 +10,7 @@
 //! What is solved for is each tension over the spring's length, with each equation times that length: springs
 //! then stand in it as they are, and none has to be divided by its length for a direction.
 
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lanes::{Block, Block3, Blocks, Blocks3Mut, BlocksMut, LANES, Soa, larger};
 use super::lattice::{Family, Layout};
 use super::state::Line;
 use super::taut::{Threads, ease};
@@ -66,76 +66,99 @@ impl Lines<'_> {
     /// Solves and corrects the threads from one on.
     #[inline(always)]
     pub fn solve(&mut self, thread: usize, ends: &mut impl Ends, excess: &mut Block) {
-        self.eliminate(thread, ends, excess);
-        self.substitute(thread, ends);
+        let bundle = Bundle::new(self, thread);
+        let mut pivots = Pivots::new(self.line, bundle.places - 1);
+        bundle.eliminate(&self.reach, ends, &mut pivots, excess);
+        let most = bundle.substitute(&pivots, ends);
+        // Keeps taut threads from trembling.
+        if most > self.reach.steady {
+            ease(self.line, &mut Woven { bundle, ends });
+        }
+    }
+}
+
+/// [`LANES`] threads side by side.
+#[derive(Clone, Copy)]
+struct Bundle<'a> {
+    /// Particles of each.
+    places: usize,
+    /// Blocks from one place to the next.
+    hop: usize,
+    inverse_mass: Blocks<'a>,
+    /// Of the springs after each place.
+    rest: Blocks<'a>,
+    compliance: Blocks<'a>,
+}
+
+impl<'a> Bundle<'a> {
+    #[inline(always)]
+    fn new(lines: &Lines<'a>, thread: usize) -> Self {
+        let Lines { layout, springs, inverse_mass, .. } = lines;
+        let (first, count) = (layout.slot(0, thread), layout.blocks_down());
+        Self {
+            places: layout.rows,
+            hop: layout.stride / LANES,
+            inverse_mass: Blocks::new(inverse_mass, first, count),
+            rest: Blocks::new(&springs.rest, first, count),
+            compliance: Blocks::new(&springs.compliance, first, count),
+        }
     }
 
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
-    fn eliminate(&mut self, thread: usize, ends: &impl Ends, excess: &mut Block) {
-        let mut x0 = ends.positions(0);
-        let mut w0 = Block::load(self.inverse_mass, self.layout.slot(0, thread));
+    fn eliminate(
+        &self,
+        reach: &Reach,
+        ends: &impl Ends,
+        pivots: &mut Pivots<'_>,
+        excess: &mut Block,
+    ) {
+        let (mut x0, mut w0) = (ends.positions(0), self.inverse_mass.at(0));
         let mut last = Pivot::default();
-        for place in 1..self.layout.rows {
-            let spring = self.layout.slot(place - 1, thread);
-            let x1 = ends.positions(place);
-            let w1 = Block::load(self.inverse_mass, self.layout.slot(place, thread));
-            let rest = Block::load(&self.springs.rest, spring);
-            let factor = Block::load(&self.springs.compliance, spring);
-            let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
-            next.store(self.line, (place - 1) * LANES);
+        for place in 1..self.places {
+            let (spring, end) = ((place - 1) * self.hop, place * self.hop);
+            let (x1, w1) = (ends.positions(place), self.inverse_mass.at(end));
+            let (rest, factor) = (self.rest.at(spring), self.compliance.at(spring));
+            let next = last.next(reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
+            pivots.set(place - 1, &next);
             (x0, w0, last) = (x1, w1, next);
         }
     }
 
-    /// Back substitution: tensions from the last spring to the first, and the corrections of the
-    /// particles between them.
+    /// Back substitution: tensions from the last spring to the first, and the corrections of the particles between
+    /// them. Tells what a spring moved a particle by at most \[m\].
     #[inline(always)]
-    fn substitute(&mut self, thread: usize, ends: &mut impl Ends) {
+    fn substitute(&self, pivots: &Pivots<'_>, ends: &mut impl Ends) -> f32 {
         let mut tension = Tension::default();
-        for place in (1..self.layout.rows).rev() {
-            let pivot = Pivot::load(self.line, (place - 1) * LANES);
-            let w = Block::load(self.inverse_mass, self.layout.slot(place, thread));
-            ends.correct(place, tension.next(&pivot, &w));
+        for place in (1..self.places).rev() {
+            let w = self.inverse_mass.at(place * self.hop);
+            ends.correct(place, tension.next(&pivots.at(place - 1), &w));
         }
-        let w = Block::load(self.inverse_mass, self.layout.slot(0, thread));
-        ends.correct(0, tension.last(&w));
-        if tension.most.largest() > self.reach.steady {
-            self.ease(thread, ends);
-        }
-    }
-
-    /// Keeps taut threads from trembling.
-    #[inline(always)]
-    fn ease(&mut self, thread: usize, ends: &mut impl Ends) {
-        let Self { layout, springs, inverse_mass, .. } = *self;
-        ease(self.line, &mut Woven { layout, springs, inverse_mass, thread, ends });
+        ends.correct(0, tension.last(&self.inverse_mass.at(0)));
+        tension.most.largest()
     }
 }
 
-/// [`LANES`] threads of a lattice.
+/// [`LANES`] threads of a lattice, and where their particles are.
 struct Woven<'a, E> {
-    layout: Layout,
-    springs: &'a Family,
-    inverse_mass: &'a [f32],
-    thread: usize,
+    bundle: Bundle<'a>,
     ends: &'a mut E,
 }
 
 impl<E: Ends> Threads for Woven<'_, E> {
     #[inline(always)]
     fn places(&self) -> usize {
-        self.layout.rows
+        self.bundle.places
     }
 
     #[inline(always)]
     fn inverse_mass(&self, place: usize) -> Block {
-        Block::load(self.inverse_mass, self.layout.slot(place, self.thread))
+        self.bundle.inverse_mass.at(place * self.bundle.hop)
     }
 
     #[inline(always)]
     fn rest(&self, place: usize) -> Block {
-        Block::load(&self.springs.rest, self.layout.slot(place, self.thread))
+        self.bundle.rest.at(place * self.bundle.hop)
     }
 
     #[inline(always)]
@@ -209,23 +232,44 @@ impl Pivot {
         }
         next
     }
+}
 
+/// The steps of an elimination, spring by spring.
+pub(super) struct Pivots<'a> {
+    span: Blocks3Mut<'a>,
+    length: BlocksMut<'a>,
+    inverse: BlocksMut<'a>,
+    residual: BlocksMut<'a>,
+}
+
+impl<'a> Pivots<'a> {
+    /// Those of so many springs.
     #[inline(always)]
-    pub fn store(&self, line: &mut Line, at: usize) {
-        self.span.store(&mut line.span, at);
-        self.length.store(&mut line.length, at);
-        self.inverse.store(&mut line.inverse_pivot, at);
-        self.residual.store(&mut line.residual, at);
+    pub fn new(line: &'a mut Line, springs: usize) -> Self {
+        Self {
+            span: Blocks3Mut::new(&mut line.span, 0, springs),
+            length: BlocksMut::new(&mut line.length, 0, springs),
+            inverse: BlocksMut::new(&mut line.inverse_pivot, 0, springs),
+            residual: BlocksMut::new(&mut line.residual, 0, springs),
+        }
     }
 
     #[inline(always)]
-    pub fn load(line: &Line, at: usize) -> Self {
-        Self {
-            span: Block3::load(&line.span, at),
-            length: Block::load(&line.length, at),
-            inverse: Block::load(&line.inverse_pivot, at),
-            residual: Block::load(&line.residual, at),
+    pub fn at(&self, spring: usize) -> Pivot {
+        Pivot {
+            span: self.span.at(spring),
+            length: self.length.at(spring),
+            inverse: self.inverse.at(spring),
+            residual: self.residual.at(spring),
         }
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, spring: usize, pivot: &Pivot) {
+        self.span.set(spring, pivot.span);
+        self.length.set(spring, pivot.length);
+        self.inverse.set(spring, pivot.inverse);
+        self.residual.set(spring, pivot.residual);
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::bands::{Band, Cut, CutAt, Rooms, cut_between_rows};
 use super::isa::{Isa, Kernel};
-use super::lanes::{Block, Block3, LANES, PartMut, Soa};
+use super::lanes::{Block, Block3, Blocks3, Blocks3Mut, LANES, PartMut, Soa};
 use super::lattice::{Family, Layout};
 use super::threads::{Ends, Lines, Reach, Room};
 
@@ -25,8 +25,12 @@ impl Kernel for SolveWarp<'_> {
     fn run(mut self) -> bool {
         let mut excess = Block::ZERO;
         for column in (0..self.layout.columns).step_by(LANES) {
-            let (first, stride) = (self.layout.slot(0, column), self.layout.stride);
-            let mut ends = InPlace { x: self.x, d: self.d, first, stride };
+            let (first, count) = (self.layout.slot(0, column), self.layout.blocks_down());
+            let mut ends = InPlace {
+                x: Blocks3::new(self.x, first, count),
+                d: Blocks3Mut::new(self.d, first, count),
+                hop: self.layout.stride / LANES,
+            };
             self.lines.solve(column, &mut ends, &mut excess);
         }
         excess.largest() > 0.0
@@ -35,26 +39,25 @@ impl Kernel for SolveWarp<'_> {
 
 /// Rows of the sheet.
 struct InPlace<'a> {
-    x: &'a Soa,
-    d: &'a mut Soa,
-    first: usize,
-    stride: usize,
+    x: Blocks3<'a>,
+    d: Blocks3Mut<'a>,
+    /// Blocks from one row to the next.
+    hop: usize,
 }
 
 impl Ends for InPlace<'_> {
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
-        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+        let (mut x, d) = (self.x.at(place * self.hop), self.d.at(place * self.hop));
+        for i in 0..LANES {
+            x.set(i, x.at(i) + d.at(i));
+        }
+        x
     }
 
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
-        let slot = self.first + place * self.stride;
-        let mut d = Block3::load(self.d, slot);
-        for i in 0..LANES {
-            d.set(i, d.at(i) + correction.at(i));
-        }
-        d.store(self.d, slot);
+        self.d.add(place * self.hop, &correction);
     }
 
     #[inline(always)]
@@ -94,13 +97,12 @@ impl Kernel for SolveWarpApart<'_> {
         let mut lines = Lines { layout, springs, reach, inverse_mass, line };
         let mut excess = Block::ZERO;
         for column in band.rows.step_by(LANES) {
+            let (first, count) = (layout.slot(0, column), layout.blocks_down());
             let mut ends = Apart {
-                x,
-                d,
-                first: layout.slot(0, column),
-                stride: layout.stride,
-                to: &mut apart,
-                first_to: place_apart(layout, 0, column),
+                x: Blocks3::new(x, first, count),
+                d: Blocks3::new(d, first, count),
+                hop: layout.stride / LANES,
+                to: Blocks3Mut::new(&mut apart, place_apart(layout, 0, column), layout.rows),
             };
             lines.solve(column, &mut ends, &mut excess);
         }
@@ -128,38 +130,33 @@ impl Cut for SolveWarpApart<'_> {
 }
 
 /// Rows of the sheet, whose displacements are put apart.
-struct Apart<'a, 'b> {
-    x: &'a Soa,
-    d: &'a Soa,
-    first: usize,
-    stride: usize,
-    to: &'b mut PartMut<'a>,
-    first_to: usize,
+struct Apart<'a> {
+    x: Blocks3<'a>,
+    d: Blocks3<'a>,
+    /// Blocks from one row to the next.
+    hop: usize,
+    to: Blocks3Mut<'a>,
 }
 
-impl Ends for Apart<'_, '_> {
+impl Ends for Apart<'_> {
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
-        Block3::load_sum(self.x, self.d, self.first + place * self.stride)
+        let (mut x, d) = (self.x.at(place * self.hop), self.d.at(place * self.hop));
+        for i in 0..LANES {
+            x.set(i, x.at(i) + d.at(i));
+        }
+        x
     }
 
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
-        let mut d = Block3::load(self.d, self.first + place * self.stride);
-        for i in 0..LANES {
-            d.set(i, d.at(i) + correction.at(i));
-        }
-        d.store(self.to, self.first_to + place * LANES);
+        self.to.set(place, self.d.at(place * self.hop));
+        self.to.add(place, &correction);
     }
 
     #[inline(always)]
     fn correct_more(&mut self, place: usize, correction: Block3) {
-        let at = self.first_to + place * LANES;
-        let mut d = Block3::load(self.to, at);
-        for i in 0..LANES {
-            d.set(i, d.at(i) + correction.at(i));
-        }
-        d.store(self.to, at);
+        self.to.add(place, &correction);
     }
 }
 

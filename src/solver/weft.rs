@@ -2,7 +2,9 @@
 
 use super::bands::{Band, Cut, CutAt, Rooms};
 use super::isa::{Isa, TransposingKernel};
-use super::lanes::{Block, Block3, LANES, PartMut, Slots, SlotsMut, Soa};
+use super::lanes::{
+    Block, Block3, Blocks, Blocks3Mut, BlocksMut, LANES, PartMut, Slots, SlotsMut, Soa,
+};
 use super::lattice::{Family, Layout};
 use super::threads::{Ends, Lines, Reach, Room};
 use super::transpose::Transpose;
@@ -33,7 +35,8 @@ impl TransposingKernel for SolveWeft<'_> {
         let mut excess = Block::ZERO;
         for row in band.rows.step_by(LANES) {
             fill_strip(transpose, band.layout, row, x, &d, strip);
-            lines.solve(row, &mut Strip(strip), &mut excess);
+            let mut ends = Strip(Blocks3Mut::new(strip, 0, band.layout.columns));
+            lines.solve(row, &mut ends, &mut excess);
             add_strip(transpose, band.layout, row, strip, &mut d);
         }
         excess.largest() > 0.0
@@ -59,29 +62,26 @@ impl Cut for SolveWeft<'_> {
 }
 
 /// A strip of columns, whose positions give way to their corrections.
-struct Strip<'a>(&'a mut Soa);
+struct Strip<'a>(Blocks3Mut<'a>);
 
 impl Ends for Strip<'_> {
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
-        Block3::load(self.0, place * LANES)
+        self.0.at(place)
     }
 
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
-        correction.store(self.0, place * LANES);
+        self.0.set(place, correction);
     }
 
     #[inline(always)]
     fn correct_more(&mut self, place: usize, correction: Block3) {
-        let mut sum = Block3::load(self.0, place * LANES);
-        for i in 0..LANES {
-            sum.set(i, sum.at(i) + correction.at(i));
-        }
-        sum.store(self.0, place * LANES);
+        self.0.add(place, &correction);
     }
 }
 
+/// Writes the sums of positions and displacements of [`LANES`] rows to a strip.
 #[inline(always)]
 fn fill_strip(
     t: impl Transpose,
@@ -91,68 +91,69 @@ fn fill_strip(
     d: &PartMut<'_>,
     strip: &mut Soa,
 ) {
-    for column in (0..layout.columns).step_by(LANES) {
-        let slot = layout.slot(row, column);
-        let ([dx, dy, dz], own, at) = (d.axes(), slot - d.first(), column * LANES);
-        fill_tile(t, [&x.x, dx], [slot, own], layout.stride, &mut strip.x, at);
-        fill_tile(t, [&x.y, dy], [slot, own], layout.stride, &mut strip.y, at);
-        fill_tile(t, [&x.z, dz], [slot, own], layout.stride, &mut strip.z, at);
+    let tiles = Tiles::new(layout, row);
+    let own = tiles.first - d.first();
+    let ([dx, dy, dz], to) = (d.axes(), strip.axes_mut());
+    for ((x, d), to) in [(&*x.x, dx), (&*x.y, dy), (&*x.z, dz)].into_iter().zip(to) {
+        let x = Blocks::new(x, tiles.first, tiles.count);
+        let d = Blocks::new(d, own, tiles.count);
+        let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+        for block in 0..tiles.across {
+            let mut tile = [Block::ZERO; LANES];
+            for (i, line) in tile.iter_mut().enumerate() {
+                let at = block + i * tiles.hop;
+                let (x, d) = (x.at(at), d.at(at));
+                for j in 0..LANES {
+                    line.0[j] = x.0[j] + d.0[j];
+                }
+            }
+            for (j, line) in t.tile(&tile).into_iter().enumerate() {
+                to.set(block * LANES + j, line);
+            }
+        }
     }
 }
 
+/// Adds a strip to displacements.
 #[inline(always)]
 fn add_strip(t: impl Transpose, layout: Layout, row: usize, strip: &Soa, d: &mut PartMut<'_>) {
-    let first = d.first();
-    let [dx, dy, dz] = d.axes_mut();
-    for column in (0..layout.columns).step_by(LANES) {
-        let (own, at) = (layout.slot(row, column) - first, column * LANES);
-        add_tile(t, &strip.x, at, dx, own, layout.stride);
-        add_tile(t, &strip.y, at, dy, own, layout.stride);
-        add_tile(t, &strip.z, at, dz, own, layout.stride);
+    let tiles = Tiles::new(layout, row);
+    let own = tiles.first - d.first();
+    for (strip, d) in strip.axes().into_iter().zip(d.axes_mut()) {
+        let strip = Blocks::new(strip, 0, tiles.across * LANES);
+        let mut d = BlocksMut::new(d, own, tiles.count);
+        for block in 0..tiles.across {
+            let mut tile = [Block::ZERO; LANES];
+            for (j, line) in tile.iter_mut().enumerate() {
+                *line = strip.at(block * LANES + j);
+            }
+            for (i, line) in t.tile(&tile).into_iter().enumerate() {
+                let at = block + i * tiles.hop;
+                let mut new = d.at(at);
+                for j in 0..LANES {
+                    new.0[j] += line.0[j];
+                }
+                d.set(at, new);
+            }
+        }
     }
 }
 
-/// Writes the sums of two arrays in a tile to a strip. Each has its own place for the first.
-#[inline(always)]
-fn fill_tile(
-    t: impl Transpose,
-    [x, d]: [&[f32]; 2],
-    [from_x, from_d]: [usize; 2],
-    stride: usize,
-    strip: &mut [f32],
-    at: usize,
-) {
-    let mut tile = [Block::ZERO; LANES];
-    for (i, line) in tile.iter_mut().enumerate() {
-        let (x, d) = (Block::load(x, from_x + i * stride), Block::load(d, from_d + i * stride));
-        for j in 0..LANES {
-            line.0[j] = x.0[j] + d.0[j];
-        }
-    }
-    for (j, line) in t.tile(&tile).into_iter().enumerate() {
-        line.store(strip, at + j * LANES);
-    }
+/// [`LANES`] rows in tiles of as many columns.
+struct Tiles {
+    /// The slot where they begin.
+    first: usize,
+    across: usize,
+    /// Blocks from one row to the next.
+    hop: usize,
+    /// Blocks from the first to the last.
+    count: usize,
 }
 
-/// Adds a part of a strip to a tile.
-#[inline(always)]
-fn add_tile(
-    t: impl Transpose,
-    strip: &[f32],
-    at: usize,
-    d: &mut [f32],
-    slot: usize,
-    stride: usize,
-) {
-    let mut tile = [Block::ZERO; LANES];
-    for (j, line) in tile.iter_mut().enumerate() {
-        *line = Block::load(strip, at + j * LANES);
-    }
-    for (i, line) in t.tile(&tile).into_iter().enumerate() {
-        let mut new = Block::load(d, slot + i * stride);
-        for j in 0..LANES {
-            new.0[j] += line.0[j];
-        }
-        new.store(d, slot + i * stride);
+impl Tiles {
+    #[inline(always)]
+    fn new(layout: Layout, row: usize) -> Self {
+        let (across, hop) = (layout.blocks_across(), layout.stride / LANES);
+        Self { first: layout.slot(row, 0), across, hop, count: (LANES - 1) * hop + across }
     }
 }

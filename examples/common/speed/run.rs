@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
         let work = self.cloth.topology().particle_count() * self.cloth.plan().substeps as usize;
         let broken = !errors.iter().all(|e| e.is_finite() || e.is_nan());
         let failed = self.failed.or(broken.then(|| "an error is not finite".into()));
-        let allocations = self.allocations as f64 / (self.times.len() - 1) as f64;
+        let allocations = self.allocations as f64 / self.times.len().saturating_sub(1) as f64;
         let frames = self.times[warm..].to_vec();
         Measured { frames, errors, work, allocations, failed, varies: false }
     }

@@ -4,7 +4,7 @@ use bevy::math::Vec3;
 
 use super::super::bands::{Band, Cut, CutAt, Merge, cut_between_rows};
 use super::super::isa::{Isa, Kernel};
-use super::super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
+use super::super::lanes::{Block, Block3, Blocks3, LANES, PartMut, Soa, larger};
 use super::collider::Motion;
 use super::loads::Loads;
 use super::room::Known;
@@ -50,9 +50,11 @@ impl Kernel for FurthestWay<'_> {
     fn run(self) -> Most {
         let Band { layout, rows, .. } = self.band;
         let mut most = Block::ZERO;
+        let blocks = layout.blocks_across();
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let d = Block3::load(self.d, layout.slot(row, column));
+            let d = Blocks3::new(self.d, layout.slot(row, 0), blocks);
+            for block in 0..blocks {
+                let d = d.at(block);
                 for i in 0..LANES {
                     most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
                 }

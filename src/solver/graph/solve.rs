@@ -6,7 +6,7 @@ use crate::solver::isa::TransposingKernel;
 use crate::solver::lanes::{Array, Block, Block3, LANES};
 use crate::solver::state::Line;
 use crate::solver::taut::{Threads, ease};
-use crate::solver::threads::{Pivot, Reach, Tension};
+use crate::solver::threads::{Pivot, Pivots, Reach, Tension};
 use crate::solver::transpose::Transpose;
 
 /// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.
@@ -40,13 +40,14 @@ impl SolveChains<'_> {
         let (mut x0, mut w0) = self.places.gather_moved(t, &self.chains.slots, bundle.first);
         w0.store(self.inverse_mass, 0);
         let mut last = Pivot::default();
+        let mut pivots = Pivots::new(self.line, bundle.rows - 1);
         for place in 1..bundle.rows {
             let at = bundle.first + place * LANES;
             let (x1, w1) = self.places.gather_moved(t, &self.chains.slots, at);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
             let next = last.next(&self.reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
-            next.store(self.line, (place - 1) * LANES);
+            pivots.set(place - 1, &next);
             w1.store(self.inverse_mass, place * LANES);
             (x0, w0, last) = (x1, w1, next);
         }
@@ -55,10 +56,10 @@ impl SolveChains<'_> {
     #[inline(always)]
     fn substitute(&mut self, t: impl Transpose, bundle: &Bundle) {
         let mut tension = Tension::default();
+        let pivots = Pivots::new(self.line, bundle.rows - 1);
         for place in (1..bundle.rows).rev() {
-            let pivot = Pivot::load(self.line, (place - 1) * LANES);
             let w = Block::load(self.inverse_mass, place * LANES);
-            let correction = tension.next(&pivot, &w);
+            let correction = tension.next(&pivots.at(place - 1), &w);
             let at = bundle.first + place * LANES;
             self.places.scatter(t, &self.chains.slots, at, correction);
         }
