@@ -20,11 +20,14 @@ pub(super) struct Tally {
     pub forgotten: Block3,
     /// How far they are still inside, as they may come out no faster \[m\].
     pub left: Block,
+    /// How many touched it.
+    pub touching: [u32; LANES],
 }
 
 impl Default for Tally {
     fn default() -> Self {
-        Self { given: Block3::ZERO, forgotten: Block3::ZERO, left: Block::ZERO }
+        let none = Block3::ZERO;
+        Self { given: none, forgotten: none, left: Block::ZERO, touching: [0; LANES] }
     }
 }
 
@@ -89,7 +92,6 @@ pub(super) struct MeetCollider<'a> {
 /// What a band comes to.
 #[derive(Default)]
 pub(super) struct Met {
-    pub touching: u32,
     pub tally: Tally,
     /// How far any particle was pushed \[m\].
     pub deepest: f32,
@@ -100,7 +102,6 @@ pub(super) struct Met {
 impl Merge for Met {
     fn merge(self, below: Self) -> Self {
         Self {
-            touching: self.touching + below.touching,
             tally: self.tally.merge(below.tally),
             deepest: larger(self.deepest, below.deepest),
             struck: self.struck || below.struck,
@@ -114,6 +115,7 @@ impl Merge for Tally {
             self.given.set(i, self.given.at(i) + below.given.at(i));
             self.forgotten.set(i, self.forgotten.at(i) + below.forgotten.at(i));
             self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
+            self.touching[i] += below.touching[i];
         }
         self
     }
@@ -139,8 +141,7 @@ impl Kernel for MeetCollider<'_> {
                     let (x, d) = (self.x.part(), self.d.reborrow());
                     met.struck |= sweep.block(slot, self.inverse_mass, x, d, given);
                 }
-                let (gap, count) = self.resolve(slot, &mut met.tally);
-                met.touching += count;
+                let gap = self.resolve(slot, &mut met.tally);
                 *self.until.of(slot) = self.gone + larger(gap, 0.0);
                 met.deepest = larger(-gap, met.deepest);
             }
@@ -182,10 +183,10 @@ impl Cut for MeetCollider<'_> {
 }
 
 impl MeetCollider<'_> {
-    /// Holds one block out of one collider; returns the least gap above epsilon (below zero where a
-    /// particle was pushed) and the contacts.
+    /// Holds one block out of one collider; returns the least gap above epsilon, below zero where a particle was
+    /// pushed.
     #[inline(always)]
-    fn resolve(&mut self, slot: usize, tally: &mut Tally) -> (f32, u32) {
+    fn resolve(&mut self, slot: usize, tally: &mut Tally) -> f32 {
         let motion = self.motion;
         let w = Block::load(self.inverse_mass, slot);
         let x = Block3::load_sum(&self.x, &self.d, slot);
@@ -209,7 +210,7 @@ impl MeetCollider<'_> {
         let least = gap.smallest();
         let nearest = least - motion.overestimate;
         if least >= 0.0 {
-            return (nearest, 0);
+            return nearest;
         }
         let surface = surface_displacements(&points, &x, motion);
         let load = self.push_out(slot, &depth, &samples, &surface, tally);
@@ -222,7 +223,7 @@ impl MeetCollider<'_> {
                 &mut self.pressed[0],
             );
         }
-        (nearest, depth.0.iter().filter(|&&d| d > 0.0).count() as u32)
+        nearest
     }
 
     /// Moves particles out by their depth, and takes approach and friction from their displacements.
@@ -257,6 +258,7 @@ impl MeetCollider<'_> {
             let part = motion.friction * undone / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
             let touching = push > 0.0;
+            tally.touching[i] += u32::from(touching);
             // Deep inside that takes more than a substep, at the speed allowed.
             let allowed = larger(self.skin.most_push - larger(approach, 0.0), 0.0);
             let moved = if rest < allowed { rest } else { allowed };

@@ -124,7 +124,7 @@ impl ResolveContacts<'_> {
         room.struck |= met.struck;
         room.note_pressed(motion.measured.then_some(collider));
         room.pushed += met.deepest;
-        let Tally { given, forgotten, left } = &met.tally;
+        let Tally { given, forgotten, left, touching } = &met.tally;
         if motion.measured {
             room.impulses[collider] += sum(given) / self.skin.step;
             room.forgotten[collider] += sum(forgotten) / self.skin.step;
@@ -132,7 +132,7 @@ impl ResolveContacts<'_> {
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);
         }
-        met.touching
+        touching.iter().sum()
     }
 
     /// While particles are so deep inside that they take more than a substep to come out, what is as
