@@ -7,7 +7,7 @@
 //! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lanes::{Block, Block3, Blocks, Blocks3, LANES, Soa, larger};
 use super::lattice::{Family, Lattice, Layout};
 
 /// Turns below this count as flat at rest: some 0.06 degrees.
@@ -176,54 +176,29 @@ impl Bend<'_> {
         }
     }
 
-    /// Forces on a block of the row: each particle is the middle of a hinge along both of its threads,
-    /// and an end of those of its neighbours.
+    /// The hinges at the particles of a row: each is the middle of a hinge along both of its threads, and an end of
+    /// those of its neighbours.
     #[inline(always)]
-    pub fn forces(&self, moments: &Moments, row: usize, column: usize) -> Block3 {
-        let slot = self.layout.slot(row, column);
-        if let [Some(weft), Some(warp)] = [self.hinges[0].even, self.hinges[1].even] {
-            return self.even_forces(slot, [weft, warp]);
+    pub fn at<'b>(&'b self, moments: &'b Moments, row: usize) -> HingesAt<'b> {
+        let (slot, blocks) = (self.layout.slot(row, 0), self.layout.blocks_across());
+        let [weft, warp] = self.hinges;
+        if let [Some(weft_inverse), Some(warp_inverse)] = [weft.even, warp.even] {
+            return HingesAt::Even([
+                EvenAt::new(self, weft, weft_inverse, slot, blocks),
+                EvenAt::new(self, warp, warp_inverse, slot, blocks),
+            ]);
         }
-        let at = LANES + column;
-        let weft = hinge_forces(&self.hinges[0], slot, &moments.weft, [at - 1, at, at + 1]);
         // One row before the first stands where the third does.
-        let rows = [row + 2, row, row + 1].map(|row| moments.warp_row(row) + column);
-        let warp = hinge_forces(&self.hinges[1], slot, &moments.warp, rows);
-        let mut force = Block3::ZERO;
-        for i in 0..LANES {
-            force.set(i, weft.at(i) + warp.at(i));
-        }
-        force
+        let (before, own, after) =
+            (moments.warp_row(row + 2), moments.warp_row(row), moments.warp_row(row + 1));
+        HingesAt::Any([
+            AnyAt::new(weft, slot, &moments.weft, [LANES - 1, LANES, LANES + 1], blocks),
+            AnyAt::new(warp, slot, &moments.warp, [before, own, after], blocks),
+        ])
     }
 
     fn is_even(&self) -> bool {
         self.hinges.iter().all(|hinges| hinges.even.is_some())
-    }
-
-    /// The same where springs of a family are equally long and all is flat at rest.
-    #[inline(always)]
-    fn even_forces(&self, slot: usize, inverse_rest: [f32; 2]) -> Block3 {
-        let x = Block3::load(self.x, slot);
-        let mut force = Block3::ZERO;
-        for (hinges, inverse) in self.hinges.iter().zip(inverse_rest) {
-            let step = hinges.step;
-            let constant = self.rigidity * inverse * inverse;
-            let (x1, x3) = (Block3::load(self.x, slot - step), Block3::load(self.x, slot + step));
-            let (x0, x4) =
-                (Block3::load(self.x, slot - 2 * step), Block3::load(self.x, slot + 2 * step));
-            let shape_before = Block::load(&hinges.shape, slot - step);
-            let shape = Block::load(&hinges.shape, slot);
-            let shape_after = Block::load(&hinges.shape, slot + step);
-            for i in 0..LANES {
-                let before = (x.at(i) - x1.at(i)) - (x1.at(i) - x0.at(i));
-                let own = (x3.at(i) - x.at(i)) - (x.at(i) - x1.at(i));
-                let after = (x4.at(i) - x3.at(i)) - (x3.at(i) - x.at(i));
-                let ends = before * shape_before.0[i] + after * shape_after.0[i];
-                let sum = own * (2.0 * shape.0[i]) - ends;
-                force.set(i, force.at(i) + sum * constant);
-            }
-        }
-        force
     }
 
     /// Moments `K D` of the hinges in the middle of which these particles are.
@@ -263,20 +238,110 @@ impl Bend<'_> {
     }
 }
 
-/// Forces of the hinges of one family, from the moments of those before, at and after each particle.
-#[inline(always)]
-fn hinge_forces(hinges: &Hinges, slot: usize, moments: &Soa, at: [usize; 3]) -> Block3 {
-    // Not a `map` over the three: the compiler would go through memory for it.
-    let before = Block3::load(moments, at[0]);
-    let own = Block3::load(moments, at[1]);
-    let after = Block3::load(moments, at[2]);
-    let in_before = Block::load(&hinges.inverse_rest, slot - hinges.step);
-    let in_after = Block::load(&hinges.inverse_rest, slot);
-    let mut force = Block3::ZERO;
-    for i in 0..LANES {
-        let sum =
-            (own.at(i) - before.at(i)) * in_before.0[i] + (own.at(i) - after.at(i)) * in_after.0[i];
-        force.set(i, sum);
+/// The hinges of both families at the particles of a row.
+pub(super) enum HingesAt<'a> {
+    /// Of springs that are equally long in a family, and flat at rest.
+    Even([EvenAt<'a>; 2]),
+    /// Any.
+    Any([AnyAt<'a>; 2]),
+}
+
+impl HingesAt<'_> {
+    /// Forces on a block.
+    #[inline(always)]
+    pub fn forces(&self, block: usize) -> Block3 {
+        let (mut force, warp) = match self {
+            Self::Even([weft, warp]) => (weft.forces(block), warp.forces(block)),
+            Self::Any([weft, warp]) => (weft.forces(block), warp.forces(block)),
+        };
+        for i in 0..LANES {
+            force.set(i, force.at(i) + warp.at(i));
+        }
+        force
     }
-    force
+}
+
+/// Even hinges of a family: a stencil over five particles of a thread.
+pub(super) struct EvenAt<'a> {
+    constant: f32,
+    x: [Blocks3<'a>; 5],
+    shape: [Blocks<'a>; 3],
+}
+
+impl<'a> EvenAt<'a> {
+    #[inline(always)]
+    fn new(
+        bend: &Bend<'a>,
+        hinges: &'a Hinges,
+        inverse_rest: f32,
+        slot: usize,
+        blocks: usize,
+    ) -> Self {
+        let step = hinges.step;
+        let x = |slot| Blocks3::new(bend.x, slot, blocks);
+        let shape = |slot| Blocks::new(&hinges.shape, slot, blocks);
+        Self {
+            constant: bend.rigidity * inverse_rest * inverse_rest,
+            x: [x(slot - 2 * step), x(slot - step), x(slot), x(slot + step), x(slot + 2 * step)],
+            shape: [shape(slot - step), shape(slot), shape(slot + step)],
+        }
+    }
+
+    #[inline(always)]
+    fn forces(&self, block: usize) -> Block3 {
+        let [x0, x1, x, x3, x4] = &self.x;
+        let (x0, x1, x) = (x0.at(block), x1.at(block), x.at(block));
+        let (x3, x4) = (x3.at(block), x4.at(block));
+        let [before, own, after] = &self.shape;
+        let (shape_before, shape, shape_after) = (before.at(block), own.at(block), after.at(block));
+        let mut force = Block3::ZERO;
+        for i in 0..LANES {
+            let before = (x.at(i) - x1.at(i)) - (x1.at(i) - x0.at(i));
+            let own = (x3.at(i) - x.at(i)) - (x.at(i) - x1.at(i));
+            let after = (x4.at(i) - x3.at(i)) - (x3.at(i) - x.at(i));
+            let ends = before * shape_before.0[i] + after * shape_after.0[i];
+            let sum = own * (2.0 * shape.0[i]) - ends;
+            force.set(i, sum * self.constant);
+        }
+        force
+    }
+}
+
+/// Hinges of a family, from the moments of those before, at and after each particle.
+pub(super) struct AnyAt<'a> {
+    moments: [Blocks3<'a>; 3],
+    inverse_rest: [Blocks<'a>; 2],
+}
+
+impl<'a> AnyAt<'a> {
+    #[inline(always)]
+    fn new(
+        hinges: &'a Hinges,
+        slot: usize,
+        moments: &'a Soa,
+        [before, own, after]: [usize; 3],
+        blocks: usize,
+    ) -> Self {
+        let moments = |at| Blocks3::new(moments, at, blocks);
+        let inverse = |slot| Blocks::new(&hinges.inverse_rest, slot, blocks);
+        Self {
+            moments: [moments(before), moments(own), moments(after)],
+            inverse_rest: [inverse(slot - hinges.step), inverse(slot)],
+        }
+    }
+
+    #[inline(always)]
+    fn forces(&self, block: usize) -> Block3 {
+        let [before, own, after] = &self.moments;
+        let (before, own, after) = (before.at(block), own.at(block), after.at(block));
+        let [in_before, in_after] = &self.inverse_rest;
+        let (in_before, in_after) = (in_before.at(block), in_after.at(block));
+        let mut force = Block3::ZERO;
+        for i in 0..LANES {
+            let sum = (own.at(i) - before.at(i)) * in_before.0[i]
+                + (own.at(i) - after.at(i)) * in_after.0[i];
+            force.set(i, sum);
+        }
+        force
+    }
 }

@@ -3,7 +3,7 @@
 use super::bands::{Band, CutAt, Rooms, cut_between_rows};
 use super::forces::LEAST_LENGTH;
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
 use super::parameters::DampingForm;
 use super::rows::{SpringForce, SpringRows, Springs};
@@ -57,28 +57,35 @@ impl Kernel for AddDamping<'_> {
         let springs = self.springs;
         let mut room = self.rows.take();
         springs.begin(&mut room, rows.start, self.d);
+        let blocks = layout.blocks_across();
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                let w = Block::load(self.springs.inverse_mass, slot);
-                let d = Block3::load(self.d, slot);
-                let force = springs.force(&mut room, row, column, self.d);
-                let mut out = Block3::ZERO;
-                match &mut self.target {
-                    DampingTarget::Predict { keep, gain, a, predicted } => {
-                        let a = Block3::load(*a, slot);
+            springs.work_out(&mut room, row, self.d);
+            let forces = room.at(&springs.springs(), row);
+            let slot = layout.slot(row, 0);
+            let w = Blocks::new(self.springs.inverse_mass, slot, blocks);
+            match &mut self.target {
+                DampingTarget::Predict { keep, gain, a, predicted } => {
+                    let (d, a) =
+                        (Blocks3::new(self.d, slot, blocks), Blocks3::new(*a, slot, blocks));
+                    let mut predicted = Blocks3Mut::new(predicted, slot, blocks);
+                    for block in 0..blocks {
+                        let (force, w) = (forces.forces(block), w.at(block));
+                        let (mut out, a) = (d.at(block), a.at(block));
                         for i in 0..LANES {
                             let damped = a.at(i) + force.at(i) * w.0[i];
-                            out.set(i, d.at(i) * *keep + damped * *gain);
+                            out.set(i, out.at(i) * *keep + damped * *gain);
                         }
-                        out.store(predicted, slot);
+                        predicted.set(block, out);
                     }
-                    DampingTarget::Accelerations(to) => {
-                        let a = Block3::load(to, slot);
+                }
+                DampingTarget::Accelerations(to) => {
+                    let mut to = Blocks3Mut::new(to, slot, blocks);
+                    for block in 0..blocks {
+                        let (mut force, w) = (forces.forces(block), w.at(block));
                         for i in 0..LANES {
-                            out.set(i, a.at(i) + force.at(i) * w.0[i]);
+                            force.set(i, force.at(i) * w.0[i]);
                         }
-                        out.store(to, slot);
+                        to.add(block, &force);
                     }
                 }
             }
@@ -105,14 +112,12 @@ impl CutAt for DampingTarget<'_> {
 }
 
 impl DampedSprings<'_> {
-    /// Damping of a block, of displacements `d`.
+    /// Works out the damping of a row's springs, of displacements `d`.
     #[inline(always)]
-    fn force(&self, rows: &mut SpringRows, row: usize, column: usize, d: &Soa) -> Block3 {
+    fn work_out(&self, rows: &mut SpringRows, row: usize, d: &Soa) {
         match self.form {
-            DampingForm::Relative => rows.gather(&self.springs(), row, column, &Relative { d }),
-            DampingForm::Axial => {
-                rows.gather(&self.springs(), row, column, &Axial { x: self.x, d })
-            }
+            DampingForm::Relative => rows.work_out(&self.springs(), row, &Relative { d }),
+            DampingForm::Axial => rows.work_out(&self.springs(), row, &Axial { x: self.x, d }),
         }
     }
 
@@ -137,10 +142,23 @@ struct Relative<'a> {
     d: &'a Soa,
 }
 
-impl SpringForce for Relative<'_> {
+impl<'a> SpringForce for Relative<'a> {
+    type Ends = Blocks3<'a>;
+
     #[inline(always)]
-    fn force(&self, here: usize, there: usize, _: Block, constant: Block) -> Block3 {
-        let (a, b) = (Block3::load(self.d, here), Block3::load(self.d, there));
+    fn ends(&self, slot: usize, blocks: usize) -> Self::Ends {
+        Blocks3::new(self.d, slot, blocks)
+    }
+
+    #[inline(always)]
+    fn force(
+        first: &Self::Ends,
+        second: &Self::Ends,
+        block: usize,
+        _: &Block,
+        constant: &Block,
+    ) -> Block3 {
+        let (a, b) = (first.at(block), second.at(block));
         let mut force = Block3::ZERO;
         for i in 0..LANES {
             force.set(i, (b.at(i) - a.at(i)) * constant.0[i]);
@@ -155,11 +173,25 @@ struct Axial<'a> {
     d: &'a Soa,
 }
 
-impl SpringForce for Axial<'_> {
+impl<'a> SpringForce for Axial<'a> {
+    /// Positions and displacements.
+    type Ends = [Blocks3<'a>; 2];
+
     #[inline(always)]
-    fn force(&self, here: usize, there: usize, _: Block, constant: Block) -> Block3 {
-        let (a, b) = (Block3::load(self.x, here), Block3::load(self.x, there));
-        let (from, to) = (Block3::load(self.d, here), Block3::load(self.d, there));
+    fn ends(&self, slot: usize, blocks: usize) -> Self::Ends {
+        [Blocks3::new(self.x, slot, blocks), Blocks3::new(self.d, slot, blocks)]
+    }
+
+    #[inline(always)]
+    fn force(
+        first: &Self::Ends,
+        second: &Self::Ends,
+        block: usize,
+        _: &Block,
+        constant: &Block,
+    ) -> Block3 {
+        let (a, b) = (first[0].at(block), second[0].at(block));
+        let (from, to) = (first[1].at(block), second[1].at(block));
         let mut force = Block3::ZERO;
         for i in 0..LANES {
             let span = b.at(i) - a.at(i);

@@ -5,8 +5,8 @@ use bevy::math::Vec3;
 use super::bands::{Band, Rooms, cut_between_rows};
 use super::bending::{Bend, Moments};
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
-use super::lattice::{Family, Lattice, Layout};
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
+use super::lattice::{Family, Lattice};
 use super::rows::{SpringForce, SpringRows, Springs};
 
 /// Least length of a spring \[m\]: a collapsed one has no direction and pulls nowhere.
@@ -53,35 +53,54 @@ impl Kernel for AccumulateForces<'_> {
         let Band { layout, rows, .. } = self.band.clone();
         let pulls = !self.constants.is_zero();
         let (mut springs, mut moments) = (self.rows.take(), self.moments.take());
+        let SpringConstants { flexion: constant, .. } = self.constants;
+        let (flexed, flexion) =
+            (constant > 0.0, Flexion { lattice: self.lattice, constant, x: self.x });
         if pulls {
             springs.begin(&self.springs(), rows.start, &Elastic { x: self.x });
         }
         if let Some(bend) = &self.bend {
             bend.begin(&mut moments, rows.start);
         }
+        let blocks = layout.blocks_across();
         for row in rows {
+            if pulls {
+                springs.work_out(&self.springs(), row, &Elastic { x: self.x });
+            }
             if let Some(bend) = &self.bend {
                 bend.begin_row(&mut moments, row);
             }
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
+            let slot = layout.slot(row, 0);
+            let at_springs = springs.at(&self.springs(), row);
+            let at_hinges = match &self.bend {
+                Some(bend) => Some(bend.at(&moments, row)),
+                None => None,
+            };
+            let w = Blocks::new(self.inverse_mass, slot, blocks);
+            let mut a = Blocks3Mut::new(&mut self.a, slot, blocks);
+            for block in 0..blocks {
                 let mut force = Block3::ZERO;
                 if pulls {
-                    force = self.force(&mut springs, row, column);
+                    force = at_springs.forces(block);
                 }
-                if let Some(bend) = &self.bend {
-                    let bending = bend.forces(&moments, row, column);
+                if flexed {
+                    let flexion = flexion.forces(slot + block * LANES);
+                    for i in 0..LANES {
+                        force.set(i, force.at(i) + flexion.at(i));
+                    }
+                }
+                if let Some(hinges) = &at_hinges {
+                    let bending = hinges.forces(block);
                     for i in 0..LANES {
                         force.set(i, force.at(i) + bending.at(i));
                     }
                 }
-                let w = Block::load(self.inverse_mass, slot);
-                let mut a = Block3::ZERO;
+                let w = w.at(block);
                 for i in 0..LANES {
                     let g = if w.0[i] > 0.0 { self.gravity } else { Vec3::ZERO };
-                    a.set(i, force.at(i) * w.0[i] + g);
+                    force.set(i, force.at(i) * w.0[i] + g);
                 }
-                a.store(&mut self.a, slot);
+                a.set(block, force);
             }
         }
     }
@@ -94,22 +113,25 @@ impl<'a> AccumulateForces<'a> {
         let SpringConstants { thread, shear, .. } = self.constants;
         Springs { lattice: self.lattice, thread, shear }
     }
+}
 
-    /// Springs of a block, and the halves that those before it have stored for it.
+/// Springs between every second particle.
+struct Flexion<'a> {
+    lattice: &'a Lattice,
+    constant: f32,
+    x: &'a Soa,
+}
+
+impl Flexion<'_> {
+    /// Forces on a block, along both of its threads.
     #[inline(always)]
-    fn force(&self, room: &mut SpringRows, row: usize, column: usize) -> Block3 {
-        let flexion = self.constants.flexion;
-        let springs = self.springs();
-        let mut force = room.gather(&springs, row, column, &Elastic { x: self.x });
-        if flexion > 0.0 {
-            let Layout { stride, .. } = self.lattice.layout;
-            let slot = self.lattice.layout.slot(row, column);
-            let here = Block3::load(self.x, slot);
-            let weft = self.flexion(slot, here, &self.lattice.weft, 1);
-            let warp = self.flexion(slot, here, &self.lattice.warp, stride);
-            for i in 0..LANES {
-                force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
-            }
+    fn forces(&self, slot: usize) -> Block3 {
+        let Lattice { layout, weft, warp, .. } = self.lattice;
+        let here = Block3::load(self.x, slot);
+        let (mut force, warp) =
+            (self.along(slot, &here, weft, 1), self.along(slot, &here, warp, layout.stride));
+        for i in 0..LANES {
+            force.set(i, force.at(i) + warp.at(i));
         }
         force
     }
@@ -118,7 +140,7 @@ impl<'a> AccumulateForces<'a> {
     /// `flexion * shape / a^4` for cells of side a, and their rest length that of the two springs
     /// they span.
     #[inline(always)]
-    fn flexion(&self, slot: usize, here: Block3, springs: &Family, step: usize) -> Block3 {
+    fn along(&self, slot: usize, here: &Block3, springs: &Family, step: usize) -> Block3 {
         let mut force = Block3::ZERO;
         for (first, neighbour) in [(slot, slot + 2 * step), (slot - 2 * step, slot - 2 * step)] {
             let l1 = Block::load(&springs.rest, first);
@@ -130,7 +152,7 @@ impl<'a> AccumulateForces<'a> {
                 let cell = l1.0[i] * l2.0[i];
                 // Zero where one of the two springs does not exist.
                 let constant = if cell > 0.0 {
-                    0.5 * (s1.0[i] + s2.0[i]) * self.constants.flexion / (cell * cell)
+                    0.5 * (s1.0[i] + s2.0[i]) * self.constant / (cell * cell)
                 } else {
                     0.0
                 };
@@ -147,10 +169,23 @@ struct Elastic<'a> {
     x: &'a Soa,
 }
 
-impl SpringForce for Elastic<'_> {
+impl<'a> SpringForce for Elastic<'a> {
+    type Ends = Blocks3<'a>;
+
     #[inline(always)]
-    fn force(&self, here: usize, there: usize, rest: Block, constant: Block) -> Block3 {
-        let (a, b) = (Block3::load(self.x, here), Block3::load(self.x, there));
+    fn ends(&self, slot: usize, blocks: usize) -> Self::Ends {
+        Blocks3::new(self.x, slot, blocks)
+    }
+
+    #[inline(always)]
+    fn force(
+        first: &Self::Ends,
+        second: &Self::Ends,
+        block: usize,
+        rest: &Block,
+        constant: &Block,
+    ) -> Block3 {
+        let (a, b) = (first.at(block), second.at(block));
         let mut force = Block3::ZERO;
         for i in 0..LANES {
             force.set(i, pull(b.at(i) - a.at(i), rest.0[i], constant.0[i]));

@@ -5,7 +5,7 @@
 //! mirrored sheet shares: a sum of two does not depend on their order, and mirroring exchanges the two of a
 //! pair, or the two pairs of diagonals.
 
-use super::lanes::{Block, Block3, LANES, Soa};
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, Soa};
 use super::lattice::{Lattice, Layout};
 
 /// The springs that are looked at, by their constants: a family of zero is left out.
@@ -19,9 +19,20 @@ pub(super) struct Springs<'a> {
 
 /// A law of force between the ends of springs.
 pub(super) trait SpringForce {
-    /// Forces on the particles of a block from springs to the particles at `there`. On those it is the
-    /// opposite. Zero where the constant is.
-    fn force(&self, here: usize, there: usize, rest: Block, constant: Block) -> Block3;
+    /// What it looks at of particles side by side.
+    type Ends;
+
+    /// So many blocks of particles from a slot on.
+    fn ends(&self, slot: usize, blocks: usize) -> Self::Ends;
+
+    /// Forces on a block of first ends. On the others it is the opposite. Zero where the constant is.
+    fn force(
+        first: &Self::Ends,
+        second: &Self::Ends,
+        block: usize,
+        rest: &Block,
+        constant: &Block,
+    ) -> Block3;
 }
 
 /// Forces on the first ends of the springs of the present row and of the one before it.
@@ -58,74 +69,134 @@ impl SpringRows {
             springs.clear();
         }
         if row > 0 {
-            for column in (0..springs.lattice.layout.columns).step_by(LANES) {
-                self.gather(springs, row - 1, column, law);
+            self.work_out(springs, row - 1, law);
+        }
+    }
+
+    /// Works out the springs that begin at a row. Rows are taken in their order.
+    #[inline(always)]
+    pub fn work_out<F: SpringForce>(&mut self, springs: &Springs<'_>, row: usize, law: &F) {
+        let Springs { lattice, thread, shear } = *springs;
+        let (first, blocks) = (self.first(row), lattice.layout.blocks_across());
+        let slot = lattice.layout.slot(row, 0);
+        let below = slot + lattice.layout.stride;
+        let (here, right) = (law.ends(slot, blocks), law.ends(slot + 1, blocks));
+        let (under, across) = (law.ends(below, blocks), law.ends(below + 1, blocks));
+        if thread > 0.0 {
+            let weft = Constants::new(&lattice.weft.rest, &lattice.weft.shape, slot, blocks);
+            let warp = Constants::new(&lattice.warp.rest, &lattice.warp.shape, slot, blocks);
+            let mut to_right = Blocks3Mut::new(&mut self.weft, LANES, blocks);
+            let mut down = Blocks3Mut::new(&mut self.warp, first, blocks);
+            for block in 0..blocks {
+                let (rest, constant) = weft.at(block, thread);
+                to_right.set(block, F::force(&here, &right, block, &rest, &constant));
+                let (rest, constant) = warp.at(block, thread);
+                down.set(block, F::force(&here, &under, block, &rest, &constant));
+            }
+        }
+        if shear > 0.0 {
+            // Both stand at their cell: the one from its first corner on, the other across.
+            let Lattice { diagonal, antidiagonal_rest, .. } = lattice;
+            let on = Constants::new(&diagonal.rest, &diagonal.shape, slot, blocks);
+            let back = Constants::new(antidiagonal_rest, &diagonal.shape, slot, blocks);
+            let mut diagonal = Blocks3Mut::new(&mut self.diagonal, first, blocks);
+            let mut antidiagonal = Blocks3Mut::new(&mut self.antidiagonal, first, blocks);
+            for block in 0..blocks {
+                let (rest, constant) = on.at(block, shear);
+                diagonal.set(block, F::force(&here, &across, block, &rest, &constant));
+                let (rest, constant) = back.at(block, shear);
+                antidiagonal.set(block, F::force(&right, &under, block, &rest, &constant));
             }
         }
     }
 
-    /// Forces on a block of all springs of its particles. Blocks are taken row by row, each from its
-    /// first.
+    /// The springs at the particles of a row, once it has been worked out.
     #[inline(always)]
-    pub fn gather<F: SpringForce>(
-        &mut self,
-        springs: &Springs<'_>,
-        row: usize,
-        column: usize,
-        law: &F,
-    ) -> Block3 {
-        let at = LANES + column;
-        let (now, before) = (row % 2 * self.width + at, (row + 1) % 2 * self.width + at);
-        let Springs { lattice, thread, shear } = *springs;
-        let slot = lattice.layout.slot(row, column);
-        let below = slot + lattice.layout.stride;
-        let (mut threads, mut diagonals) = (Block3::ZERO, Block3::ZERO);
-        if thread > 0.0 {
-            let (weft, warp) = (&lattice.weft, &lattice.warp);
-            let constant = scaled(&weft.shape, slot, thread);
-            let right = law.force(slot, slot + 1, Block::load(&weft.rest, slot), constant);
-            right.store(&mut self.weft, at);
-            let constant = scaled(&warp.shape, slot, thread);
-            let down = law.force(slot, below, Block::load(&warp.rest, slot), constant);
-            down.store(&mut self.warp, now);
-            let left = Block3::load(&self.weft, at - 1);
-            let up = Block3::load(&self.warp, before);
-            threads = sum(right, left, down, up);
+    pub fn at(&self, springs: &Springs<'_>, row: usize) -> SpringsAt<'_> {
+        let blocks = springs.lattice.layout.blocks_across();
+        let (now, before) = (self.first(row), self.first(row + 1));
+        let (weft, warp) = (&self.weft, &self.warp);
+        let (diagonal, antidiagonal) = (&self.diagonal, &self.antidiagonal);
+        SpringsAt {
+            threads: springs.thread > 0.0,
+            shear: springs.shear > 0.0,
+            right: Blocks3::new(weft, LANES, blocks),
+            left: Blocks3::new(weft, LANES - 1, blocks),
+            down: Blocks3::new(warp, now, blocks),
+            up: Blocks3::new(warp, before, blocks),
+            on: Blocks3::new(diagonal, now, blocks),
+            back: Blocks3::new(diagonal, before - 1, blocks),
+            beside: Blocks3::new(antidiagonal, now - 1, blocks),
+            above: Blocks3::new(antidiagonal, before, blocks),
         }
-        if shear > 0.0 {
-            // Both stand at their cell: the one from its first corner on, the other across.
-            let constant = scaled(&lattice.diagonal.shape, slot, shear);
-            let rest = Block::load(&lattice.diagonal.rest, slot);
-            let on = law.force(slot, below + 1, rest, constant);
-            on.store(&mut self.diagonal, now);
-            let rest = Block::load(&lattice.antidiagonal_rest, slot);
-            let across = law.force(slot + 1, below, rest, constant);
-            across.store(&mut self.antidiagonal, now);
-            let back = Block3::load(&self.diagonal, before - 1);
-            let beside = Block3::load(&self.antidiagonal, now - 1);
-            let above = Block3::load(&self.antidiagonal, before);
-            diagonals = sum(on, back, beside, above);
-        }
-        for i in 0..LANES {
-            threads.set(i, threads.at(i) + diagonals.at(i));
-        }
-        threads
+    }
+
+    /// Where the springs of a row begin, in the arrays of two rows.
+    fn first(&self, row: usize) -> usize {
+        row % 2 * self.width + LANES
     }
 }
 
-/// Constants of springs, from their shape factors.
-#[inline(always)]
-fn scaled(shape: &[f32], slot: usize, constant: f32) -> Block {
-    let mut out = Block::load(shape, slot);
-    for lane in &mut out.0 {
-        *lane *= constant;
+/// Forces on the first ends of the springs at the particles of a row.
+pub(super) struct SpringsAt<'a> {
+    threads: bool,
+    shear: bool,
+    right: Blocks3<'a>,
+    left: Blocks3<'a>,
+    down: Blocks3<'a>,
+    up: Blocks3<'a>,
+    on: Blocks3<'a>,
+    back: Blocks3<'a>,
+    beside: Blocks3<'a>,
+    above: Blocks3<'a>,
+}
+
+impl SpringsAt<'_> {
+    /// Forces on a block of all springs of its particles.
+    #[inline(always)]
+    pub fn forces(&self, block: usize) -> Block3 {
+        let mut forces = Block3::ZERO;
+        if self.threads {
+            let (right, left) = (self.right.at(block), self.left.at(block));
+            forces = sum(&right, &left, &self.down.at(block), &self.up.at(block));
+        }
+        if self.shear {
+            let (on, back) = (self.on.at(block), self.back.at(block));
+            let across = sum(&on, &back, &self.beside.at(block), &self.above.at(block));
+            for i in 0..LANES {
+                forces.set(i, forces.at(i) + across.at(i));
+            }
+        }
+        forces
     }
-    out
+}
+
+/// Rest lengths of a row's springs, and their constants for a stiffness of one.
+struct Constants<'a> {
+    rest: Blocks<'a>,
+    shape: Blocks<'a>,
+}
+
+impl<'a> Constants<'a> {
+    #[inline(always)]
+    fn new(rest: &'a [f32], shape: &'a [f32], slot: usize, blocks: usize) -> Self {
+        Self { rest: Blocks::new(rest, slot, blocks), shape: Blocks::new(shape, slot, blocks) }
+    }
+
+    /// Those of a block.
+    #[inline(always)]
+    fn at(&self, block: usize, stiffness: f32) -> (Block, Block) {
+        let mut constant = self.shape.at(block);
+        for lane in &mut constant.0 {
+            *lane *= stiffness;
+        }
+        (self.rest.at(block), constant)
+    }
 }
 
 /// Two springs that begin at a particle, each with one that ends there.
 #[inline(always)]
-fn sum(first: Block3, to_first: Block3, second: Block3, to_second: Block3) -> Block3 {
+fn sum(first: &Block3, to_first: &Block3, second: &Block3, to_second: &Block3) -> Block3 {
     let mut out = Block3::ZERO;
     for i in 0..LANES {
         let (one, other) = (first.at(i) - to_first.at(i), second.at(i) - to_second.at(i));
