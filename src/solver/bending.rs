@@ -7,7 +7,7 @@
 //! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
-use super::lanes::{Block, Block3, Blocks, Blocks3, LANES, Soa, larger};
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, Soa, larger};
 use super::lattice::{Family, Lattice, Layout};
 
 /// Turns below this count as flat at rest: some 0.06 degrees.
@@ -28,8 +28,7 @@ pub(super) struct Hinges {
     pub shape: Vec<f32>,
     /// Turn at rest; empty where all are flat.
     turn: Vec<f32>,
-    /// 1 / rest length \[1/m\] where it is the same for all springs, and all is flat: the force is then
-    /// a stencil over five particles.
+    /// 1 / rest length \[1/m\] where it is the same for all springs, and all is flat.
     even: Option<f32>,
 }
 
@@ -142,9 +141,6 @@ impl Bend<'_> {
     /// Begins with a row: works out the moments that it and the row before have in common with it.
     #[inline(always)]
     pub fn begin(&self, moments: &mut Moments, row: usize) {
-        if self.is_even() {
-            return;
-        }
         if row == 0 {
             // Before the first row there are no hinges.
             moments.warp.clear();
@@ -157,70 +153,72 @@ impl Bend<'_> {
     /// Works out the moments that a row needs. Rows are taken in their order.
     #[inline(always)]
     pub fn begin_row(&self, moments: &mut Moments, row: usize) {
-        if self.is_even() {
-            return;
-        }
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let found = self.moments_at(&self.hinges[0], self.layout.slot(row, column));
-            found.store(&mut moments.weft, LANES + column);
-        }
+        self.work_out(&self.hinges[0], row, &mut moments.weft, LANES);
         self.bend_warp(moments, row + 1);
     }
 
     #[inline(always)]
     fn bend_warp(&self, moments: &mut Moments, row: usize) {
         let at = moments.warp_row(row);
-        for column in (0..self.layout.columns).step_by(LANES) {
-            let found = self.moments_at(&self.hinges[1], self.layout.slot(row, column));
-            found.store(&mut moments.warp, at + column);
+        self.work_out(&self.hinges[1], row, &mut moments.warp, at);
+    }
+
+    /// Works out the moments of the hinges in the middle of which the particles of a row are: `K D`, or `K D / L`
+    /// where the springs are all of a length.
+    #[inline(always)]
+    fn work_out(&self, hinges: &Hinges, row: usize, to: &mut Soa, at: usize) {
+        let (slot, blocks) = (self.layout.slot(row, 0), self.layout.blocks_across());
+        let step = hinges.step;
+        let x = |slot| Blocks3::new(self.x, slot, blocks);
+        let (before, here, after) = (x(slot - step), x(slot), x(slot + step));
+        let shape = Blocks::new(&hinges.shape, slot, blocks);
+        let mut to = Blocks3Mut::new(to, at, blocks);
+        if let Some(inverse) = hinges.even {
+            let constant = self.rigidity * inverse * inverse;
+            for block in 0..blocks {
+                let (before, x, after) = (before.at(block), here.at(block), after.at(block));
+                let shape = shape.at(block);
+                let mut moment = Block3::ZERO;
+                for i in 0..LANES {
+                    let turn = (after.at(i) - x.at(i)) - (x.at(i) - before.at(i));
+                    moment.set(i, turn * (shape.0[i] * constant));
+                }
+                to.set(block, moment);
+            }
+            return;
+        }
+        let inverse = |slot| Blocks::new(&hinges.inverse_rest, slot, blocks);
+        let (in_before, in_after) = (inverse(slot - step), inverse(slot));
+        for block in 0..blocks {
+            let (before, x, after) = (before.at(block), here.at(block), after.at(block));
+            let (in_before, in_after) = (in_before.at(block), in_after.at(block));
+            let shape = shape.at(block);
+            let mut moment = Block3::ZERO;
+            for i in 0..LANES {
+                let turn = (after.at(i) - x.at(i)) * in_after.0[i]
+                    - (x.at(i) - before.at(i)) * in_before.0[i];
+                moment.set(i, turn * (shape.0[i] * self.rigidity));
+            }
+            if !hinges.turn.is_empty() {
+                self.take_off_rest_turn(hinges, slot + block * LANES, &mut moment);
+            }
+            to.set(block, moment);
         }
     }
 
     /// The hinges at the particles of a row: each is the middle of a hinge along both of its threads, and an end of
     /// those of its neighbours.
     #[inline(always)]
-    pub fn at<'b>(&'b self, moments: &'b Moments, row: usize) -> HingesAt<'b> {
+    pub fn at<'b>(&'b self, moments: &'b Moments, row: usize) -> [HingesAt<'b>; 2] {
         let (slot, blocks) = (self.layout.slot(row, 0), self.layout.blocks_across());
         let [weft, warp] = self.hinges;
-        if let [Some(weft_inverse), Some(warp_inverse)] = [weft.even, warp.even] {
-            return HingesAt::Even([
-                EvenAt::new(self, weft, weft_inverse, slot, blocks),
-                EvenAt::new(self, warp, warp_inverse, slot, blocks),
-            ]);
-        }
         // One row before the first stands where the third does.
         let (before, own, after) =
             (moments.warp_row(row + 2), moments.warp_row(row), moments.warp_row(row + 1));
-        HingesAt::Any([
-            AnyAt::new(weft, slot, &moments.weft, [LANES - 1, LANES, LANES + 1], blocks),
-            AnyAt::new(warp, slot, &moments.warp, [before, own, after], blocks),
-        ])
-    }
-
-    fn is_even(&self) -> bool {
-        self.hinges.iter().all(|hinges| hinges.even.is_some())
-    }
-
-    /// Moments `K D` of the hinges in the middle of which these particles are.
-    #[inline(always)]
-    fn moments_at(&self, hinges: &Hinges, slot: usize) -> Block3 {
-        let step = hinges.step;
-        let x = Block3::load(self.x, slot);
-        let before = Block3::load(self.x, slot - step);
-        let after = Block3::load(self.x, slot + step);
-        let in_before = Block::load(&hinges.inverse_rest, slot - step);
-        let in_after = Block::load(&hinges.inverse_rest, slot);
-        let shape = Block::load(&hinges.shape, slot);
-        let mut moment = Block3::ZERO;
-        for i in 0..LANES {
-            let turn =
-                (after.at(i) - x.at(i)) * in_after.0[i] - (x.at(i) - before.at(i)) * in_before.0[i];
-            moment.set(i, turn * (shape.0[i] * self.rigidity));
-        }
-        if !hinges.turn.is_empty() {
-            self.take_off_rest_turn(hinges, slot, &mut moment);
-        }
-        moment
+        [
+            HingesAt::new(weft, slot, &moments.weft, [LANES - 1, LANES, LANES + 1], blocks),
+            HingesAt::new(warp, slot, &moments.warp, [before, own, after], blocks),
+        ]
     }
 
     /// `K D` becomes `K (D - D0 D / |D|)`.
@@ -238,82 +236,14 @@ impl Bend<'_> {
     }
 }
 
-/// The hinges of both families at the particles of a row.
-pub(super) enum HingesAt<'a> {
-    /// Of springs that are equally long in a family, and flat at rest.
-    Even([EvenAt<'a>; 2]),
-    /// Any.
-    Any([AnyAt<'a>; 2]),
-}
-
-impl HingesAt<'_> {
-    /// Forces on a block.
-    #[inline(always)]
-    pub fn forces(&self, block: usize) -> Block3 {
-        let (mut force, warp) = match self {
-            Self::Even([weft, warp]) => (weft.forces(block), warp.forces(block)),
-            Self::Any([weft, warp]) => (weft.forces(block), warp.forces(block)),
-        };
-        for i in 0..LANES {
-            force.set(i, force.at(i) + warp.at(i));
-        }
-        force
-    }
-}
-
-/// Even hinges of a family: a stencil over five particles of a thread.
-pub(super) struct EvenAt<'a> {
-    constant: f32,
-    x: [Blocks3<'a>; 5],
-    shape: [Blocks<'a>; 3],
-}
-
-impl<'a> EvenAt<'a> {
-    #[inline(always)]
-    fn new(
-        bend: &Bend<'a>,
-        hinges: &'a Hinges,
-        inverse_rest: f32,
-        slot: usize,
-        blocks: usize,
-    ) -> Self {
-        let step = hinges.step;
-        let x = |slot| Blocks3::new(bend.x, slot, blocks);
-        let shape = |slot| Blocks::new(&hinges.shape, slot, blocks);
-        Self {
-            constant: bend.rigidity * inverse_rest * inverse_rest,
-            x: [x(slot - 2 * step), x(slot - step), x(slot), x(slot + step), x(slot + 2 * step)],
-            shape: [shape(slot - step), shape(slot), shape(slot + step)],
-        }
-    }
-
-    #[inline(always)]
-    fn forces(&self, block: usize) -> Block3 {
-        let [x0, x1, x, x3, x4] = &self.x;
-        let (x0, x1, x) = (x0.at(block), x1.at(block), x.at(block));
-        let (x3, x4) = (x3.at(block), x4.at(block));
-        let [before, own, after] = &self.shape;
-        let (shape_before, shape, shape_after) = (before.at(block), own.at(block), after.at(block));
-        let mut force = Block3::ZERO;
-        for i in 0..LANES {
-            let before = (x.at(i) - x1.at(i)) - (x1.at(i) - x0.at(i));
-            let own = (x3.at(i) - x.at(i)) - (x.at(i) - x1.at(i));
-            let after = (x4.at(i) - x3.at(i)) - (x3.at(i) - x.at(i));
-            let ends = before * shape_before.0[i] + after * shape_after.0[i];
-            let sum = own * (2.0 * shape.0[i]) - ends;
-            force.set(i, sum * self.constant);
-        }
-        force
-    }
-}
-
-/// Hinges of a family, from the moments of those before, at and after each particle.
-pub(super) struct AnyAt<'a> {
+/// The hinges of a family at the particles of a row: the moments of those before, at and after each.
+pub(super) struct HingesAt<'a> {
     moments: [Blocks3<'a>; 3],
-    inverse_rest: [Blocks<'a>; 2],
+    /// 1 / rest length of the springs before and after each \[1/m\], where it is not the same for all.
+    inverse_rest: Option<[Blocks<'a>; 2]>,
 }
 
-impl<'a> AnyAt<'a> {
+impl<'a> HingesAt<'a> {
     #[inline(always)]
     fn new(
         hinges: &'a Hinges,
@@ -324,23 +254,33 @@ impl<'a> AnyAt<'a> {
     ) -> Self {
         let moments = |at| Blocks3::new(moments, at, blocks);
         let inverse = |slot| Blocks::new(&hinges.inverse_rest, slot, blocks);
-        Self {
-            moments: [moments(before), moments(own), moments(after)],
-            inverse_rest: [inverse(slot - hinges.step), inverse(slot)],
-        }
+        let inverse_rest = match hinges.even {
+            Some(_) => None,
+            None => Some([inverse(slot - hinges.step), inverse(slot)]),
+        };
+        Self { moments: [moments(before), moments(own), moments(after)], inverse_rest }
     }
 
+    /// Forces on a block.
     #[inline(always)]
-    fn forces(&self, block: usize) -> Block3 {
+    pub fn forces(&self, block: usize) -> Block3 {
         let [before, own, after] = &self.moments;
         let (before, own, after) = (before.at(block), own.at(block), after.at(block));
-        let [in_before, in_after] = &self.inverse_rest;
-        let (in_before, in_after) = (in_before.at(block), in_after.at(block));
         let mut force = Block3::ZERO;
-        for i in 0..LANES {
-            let sum = (own.at(i) - before.at(i)) * in_before.0[i]
-                + (own.at(i) - after.at(i)) * in_after.0[i];
-            force.set(i, sum);
+        match &self.inverse_rest {
+            None => {
+                for i in 0..LANES {
+                    force.set(i, (own.at(i) - before.at(i)) + (own.at(i) - after.at(i)));
+                }
+            }
+            Some([in_before, in_after]) => {
+                let (in_before, in_after) = (in_before.at(block), in_after.at(block));
+                for i in 0..LANES {
+                    let sum = (own.at(i) - before.at(i)) * in_before.0[i]
+                        + (own.at(i) - after.at(i)) * in_after.0[i];
+                    force.set(i, sum);
+                }
+            }
         }
         force
     }

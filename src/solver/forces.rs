@@ -89,10 +89,10 @@ impl Kernel for AccumulateForces<'_> {
                         force.set(i, force.at(i) + flexion.at(i));
                     }
                 }
-                if let Some(hinges) = &at_hinges {
-                    let bending = hinges.forces(block);
+                if let Some([weft, warp]) = &at_hinges {
+                    let (weft, warp) = (weft.forces(block), warp.forces(block));
                     for i in 0..LANES {
-                        force.set(i, force.at(i) + bending.at(i));
+                        force.set(i, force.at(i) + (weft.at(i) + warp.at(i)));
                     }
                 }
                 let w = w.at(block);
