@@ -72,6 +72,10 @@ impl Kernel for AccumulateForces<'_> {
             }
             let slot = layout.slot(row, 0);
             let at_springs = springs.at(&self.springs(), row);
+            #[expect(
+                clippy::manual_map,
+                reason = "a closure that is not inlined keeps the baseline's instructions"
+            )]
             let at_hinges = match &self.bend {
                 Some(bend) => Some(bend.at(&moments, row)),
                 None => None,

@@ -3,7 +3,9 @@
 //! A kernel loads blocks from the rows, runs one loop over their lanes with the arithmetic of a single
 //! particle in its body, and stores blocks. The compiler turns that loop into vector instructions; it
 //! does not do so for loops over slices that are fields of a struct, nor where the body calls anything
-//! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not).
+//! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not, a closure or a `map` over an array may be).
+//!
+//! What runs in every substep takes its blocks from [`Blocks`], a row at a time; the rest loads them one by one.
 
 use core::ops::{Deref, DerefMut};
 
@@ -389,12 +391,6 @@ impl Slots for Part<'_> {
 }
 
 impl PartMut<'_> {
-    /// To be read.
-    #[inline(always)]
-    pub fn part(&self) -> Part<'_> {
-        Part { first: self.first, axes: [self.x, self.y, self.z] }
-    }
-
     /// The same part, for a while: what holds it need not be passed on.
     #[inline(always)]
     pub fn reborrow(&mut self) -> PartMut<'_> {

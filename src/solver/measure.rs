@@ -77,7 +77,7 @@ impl Kernel for TakeSurvey<'_> {
             let x = Blocks3::new(self.x, slot, blocks);
             let d = Blocks3::new(self.d, slot, blocks);
             let start = Blocks3::new(self.start, slot, blocks);
-            // By no closure, which would be a call.
+            // By no closure, which may be a call.
             let springs = match self.lattice {
                 Some(lattice) => Some([
                     (

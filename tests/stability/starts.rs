@@ -61,8 +61,9 @@ fn h01_scrambled_where_particles_reach_the_limit_of_speed() {
         let sheet = variant.sheet(Vec2::ONE, N, N);
         let mut trial = Trial::new("scrambled widely, free", variant, sheet, &[], place);
         trial.gravity = Vec3::ZERO;
-        // What the limit takes of a particle's momentum, the cloth as a whole goes on without.
-        trial.keep_in(Vec3::splat(-20.0), Vec3::splat(20.0));
+        // What the limit takes of a particle's momentum, the cloth as a whole goes on without. How far is chance:
+        // twelve seeds of the dice come to 4 to 27 m.
+        trial.keep_in(Vec3::splat(-40.0), Vec3::splat(40.0));
         trial.run_on();
         let (_, speed) = trial.centre();
         trial.require(speed.length() < 2.0, |_| format!("goes at {speed}"));

@@ -4,7 +4,9 @@ use bevy::math::Vec3;
 
 use super::super::bands::{Band, Cut, CutAt, Merge, cut_between_rows};
 use super::super::isa::{Isa, Kernel};
-use super::super::lanes::{Block, Block3, Blocks3, LANES, PartMut, Soa, larger};
+use super::super::lanes::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
+};
 use super::collider::Motion;
 use super::loads::Loads;
 use super::room::Known;
@@ -127,23 +129,63 @@ impl Kernel for MeetCollider<'_> {
     #[inline(always)]
     fn run(mut self) -> Met {
         let Band { layout, rows, .. } = self.band.clone();
+        let (motion, skin, gone) = (self.motion, self.skin, self.gone);
+        let meeting = Meeting { motion, skin };
+        let sweep = Sweep { motion, epsilon: skin.epsilon };
+        let least_load = Loads::least_of_all(skin.least_load);
+        let blocks = layout.blocks_across();
         let mut met = Met::default();
         self.pressed[0].clear();
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                if *self.until.of(slot) > self.gone {
+            let first = layout.slot(row, 0);
+            let w = Blocks::new(self.inverse_mass, first, blocks);
+            let mut xs = Blocks3Mut::new(&mut self.x, first, blocks);
+            let mut ds = Blocks3Mut::new(&mut self.d, first, blocks);
+            #[expect(
+                clippy::manual_map,
+                reason = "a closure that is not inlined keeps the baseline's instructions"
+            )]
+            let mut pulls = match &mut self.pull {
+                Some(pull) => Some(Blocks3Mut::new(pull, first, blocks)),
+                None => None,
+            };
+            for (block, until) in self.until.row(first, blocks).iter_mut().enumerate() {
+                if *until > gone {
                     continue;
                 }
+                let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
                 if self.is_fast {
-                    let sweep = Sweep { motion: self.motion, epsilon: self.skin.epsilon };
-                    let given = &mut met.tally.given;
-                    let (x, d) = (self.x.part(), self.d.reborrow());
-                    met.struck |= sweep.block(slot, self.inverse_mass, x, d, given);
+                    // Of copies: what a call is shown has to be in memory, and would stay there.
+                    let (mut swept, given) = (d, &mut met.tally.given);
+                    if sweep.block(&{ w }, &{ x }, &mut swept, given) {
+                        met.struck = true;
+                        ds.set(block, swept);
+                        d = swept;
+                    }
                 }
-                let gap = self.resolve(slot, &mut met.tally);
-                *self.until.of(slot) = self.gone + larger(gap, 0.0);
-                met.deepest = larger(-gap, met.deepest);
+                let near = meeting.sample(&w, &x, &d);
+                let nearest = near.least - motion.overestimate;
+                *until = gone + larger(nearest, 0.0);
+                met.deepest = larger(-nearest, met.deepest);
+                if near.least >= 0.0 {
+                    continue;
+                }
+                let before = d;
+                let load = meeting.push_out(&near, &w, &mut x, &mut d, &mut met.tally);
+                xs.set(block, x);
+                ds.set(block, d);
+                if let Some(pulls) = &mut pulls {
+                    let noted = pulls.at(block);
+                    pulls.set(block, near.kept(&noted, &d));
+                    if motion.measured {
+                        near.forget(&noted, &before, &w, &mut met.tally);
+                    }
+                }
+                if load.largest() > least_load {
+                    let slot = first + block * LANES;
+                    let loads = (self.loads_before, skin.least_load);
+                    note_pressed(slot, &load, loads, &mut self.pressed[0]);
+                }
             }
         }
         met
@@ -182,17 +224,32 @@ impl Cut for MeetCollider<'_> {
     }
 }
 
-impl MeetCollider<'_> {
-    /// Holds one block out of one collider; returns the least gap above epsilon, below zero where a particle was
-    /// pushed.
+/// A collider and a cloth.
+#[derive(Clone, Copy)]
+struct Meeting<'a> {
+    motion: &'a Motion<'a>,
+    skin: Skin,
+}
+
+/// A block of particles seen from a collider.
+struct Near {
+    /// In the collider's frame.
+    points: PointBlock,
+    samples: SampleBlock,
+    /// How far they are to be moved out \[m\]; 0 where they do not touch.
+    depth: Block,
+    /// Least gap above epsilon of any \[m\]; below zero where it touches.
+    least: f32,
+}
+
+impl Meeting<'_> {
+    /// Looks where particles are that began the substep at `x`.
     #[inline(always)]
-    fn resolve(&mut self, slot: usize, tally: &mut Tally) -> f32 {
+    fn sample(&self, w: &Block, x: &Block3, d: &Block3) -> Near {
         let motion = self.motion;
-        let w = Block::load(self.inverse_mass, slot);
-        let x = Block3::load_sum(&self.x, &self.d, slot);
         let mut points = PointBlock::default();
         for i in 0..LANES {
-            let local = motion.after.to_local(x.at(i));
+            let local = motion.after.to_local(x.at(i) + d.at(i));
             (points.x[i], points.y[i], points.z[i]) = (local.x, local.y, local.z);
         }
         let mut samples = SampleBlock::default();
@@ -200,48 +257,30 @@ impl MeetCollider<'_> {
             Some(shape) => shape.sample_block(&points, &mut samples),
             None => motion.shape.sample_block(&points, &mut samples),
         }
-        let mut depth = Block::ZERO;
-        let mut gap = Block::ZERO;
+        let (mut depth, mut gap) = (Block::ZERO, Block::ZERO);
         for i in 0..LANES {
             let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
             gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
             depth.0[i] = larger(-gap.0[i], 0.0);
         }
-        let least = gap.smallest();
-        let nearest = least - motion.overestimate;
-        if least >= 0.0 {
-            return nearest;
-        }
-        let surface = surface_displacements(&points, &x, motion);
-        let load = self.push_out(slot, &depth, &samples, &surface, tally);
-        if load.largest() > Loads::least_of_all(self.skin.least_load) {
-            note_pressed(
-                slot,
-                &load,
-                self.skin.least_load,
-                self.loads_before,
-                &mut self.pressed[0],
-            );
-        }
-        nearest
+        Near { points, samples, depth, least: gap.smallest() }
     }
 
     /// Moves particles out by their depth, and takes approach and friction from their displacements.
     /// Returns the approach that was undone.
     #[inline(always)]
     fn push_out(
-        &mut self,
-        slot: usize,
-        depth: &Block,
-        samples: &SampleBlock,
-        surface: &Block3,
+        &self,
+        near: &Near,
+        w: &Block,
+        x: &mut Block3,
+        d: &mut Block3,
         tally: &mut Tally,
     ) -> Block {
-        let motion = self.motion;
+        let Self { motion, skin } = self;
+        let Near { points, samples, depth, .. } = near;
+        let surface = surface_displacements(points, x, d, motion);
         let mut load = Block::ZERO;
-        let w = Block::load(self.inverse_mass, slot);
-        let (mut x, mut d) = (Block3::load(&self.x, slot), Block3::load(&self.d, slot));
-        let before = d;
         for i in 0..LANES {
             let normal =
                 motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
@@ -260,7 +299,7 @@ impl MeetCollider<'_> {
             let touching = push > 0.0;
             tally.touching[i] += u32::from(touching);
             // Deep inside that takes more than a substep, at the speed allowed.
-            let allowed = larger(self.skin.most_push - larger(approach, 0.0), 0.0);
+            let allowed = larger(skin.most_push - larger(approach, 0.0), 0.0);
             let moved = if rest < allowed { rest } else { allowed };
             tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
             let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
@@ -274,36 +313,29 @@ impl MeetCollider<'_> {
                 tally.given.set(i, tally.given.at(i) - part);
             }
         }
-        d.store(&mut self.d, slot);
-        x.store(&mut self.x, slot);
-        self.forget_pulls(slot, depth, &before, motion.measured.then_some(tally));
         load
     }
+}
 
-    /// What is pressed onto a collider does not follow all of what pulls it, and the collider bears the rest.
-    /// Neither is what it is to expect once more. `before` are its displacements before contact.
+impl Near {
+    /// What is kept of the pulls noted: what is pressed onto a collider does not follow all of what pulls it, and the
+    /// collider bears the rest. Neither is what it is to expect once more.
     #[inline(always)]
-    fn forget_pulls(
-        &mut self,
-        slot: usize,
-        depth: &Block,
-        before: &Block3,
-        tally: Option<&mut Tally>,
-    ) {
-        let Some(pull) = &mut self.pull else { return };
-        let d = Block3::load(&self.d, slot);
-        let noted = Block3::load(pull, slot);
-        let mut kept = noted;
+    fn kept(&self, noted: &Block3, d: &Block3) -> Block3 {
+        let mut kept = *noted;
         for i in 0..LANES {
             // The substep's end adds the displacement.
-            kept.set(i, if depth.0[i] > 0.0 { -d.at(i) } else { noted.at(i) });
+            kept.set(i, if self.depth.0[i] > 0.0 { -d.at(i) } else { noted.at(i) });
         }
-        kept.store(pull, slot);
-        let Some(tally) = tally else { return };
-        let w = Block::load(self.inverse_mass, slot);
+        kept
+    }
+
+    /// Tallies what is not. `before` are the displacements before contact.
+    #[inline(always)]
+    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, tally: &mut Tally) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-            let mass = if depth.0[i] > 0.0 { mass } else { 0.0 };
+            let mass = if self.depth.0[i] > 0.0 { mass } else { 0.0 };
             let forgotten = (noted.at(i) + before.at(i)) * mass;
             tally.forgotten.set(i, tally.forgotten.at(i) + forgotten);
         }
@@ -312,7 +344,12 @@ impl MeetCollider<'_> {
 
 /// Notes the particles of a block that are pressed by as much as makes a load.
 #[inline(never)]
-fn note_pressed(slot: usize, load: &Block, least: f32, before: &Loads, pressed: &mut Vec<usize>) {
+fn note_pressed(
+    slot: usize,
+    load: &Block,
+    (before, least): (&Loads, f32),
+    pressed: &mut Vec<usize>,
+) {
     for (slot, &load) in (slot..).zip(&load.0) {
         if load > before.least(slot, least) {
             pressed.push(slot);
@@ -322,11 +359,17 @@ fn note_pressed(slot: usize, load: &Block, least: f32, before: &Loads, pressed: 
 
 /// How far the collider moves at the particles in the substep \[m\].
 #[inline(always)]
-fn surface_displacements(local: &PointBlock, x: &Block3, motion: &Motion<'_>) -> Block3 {
+fn surface_displacements(
+    local: &PointBlock,
+    x: &Block3,
+    d: &Block3,
+    motion: &Motion<'_>,
+) -> Block3 {
     let mut surface = Block3::ZERO;
     if motion.moves {
         for i in 0..LANES {
-            surface.set(i, x.at(i) - motion.before.to_world(local.point(i)));
+            let at = x.at(i) + d.at(i);
+            surface.set(i, at - motion.before.to_world(local.point(i)));
         }
     }
     surface

@@ -65,10 +65,10 @@ impl<'a> Known<'a> {
         Self { first: 0, until }
     }
 
-    /// The way of a slot's block.
+    /// The ways of so many blocks from a slot on.
     #[inline(always)]
-    pub fn of(&mut self, slot: usize) -> &mut f32 {
-        &mut self.until[slot / LANES - self.first]
+    pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [f32] {
+        &mut self.until[slot / LANES - self.first..][..blocks]
     }
 }
 

@@ -7,7 +7,7 @@
 
 use bevy::math::Vec3;
 
-use super::super::lanes::{LANES, Part, PartMut, Slots, SlotsMut};
+use super::super::lanes::{Block, Block3, LANES};
 use super::collider::Motion;
 
 /// Places looked at on a way at most; no solid thinner than this part of it is met for certain.
@@ -41,22 +41,15 @@ impl Sweep<'_> {
     ///
     /// Scalar, and never inlined: this is for the few that are fast.
     #[inline(never)]
-    pub fn block(
-        &self,
-        slot: usize,
-        inverse_mass: &[f32],
-        x: Part<'_>,
-        mut d: PartMut<'_>,
-        given: &mut super::Block3,
-    ) -> bool {
+    pub fn block(&self, w: &Block, x: &Block3, d: &mut Block3, given: &mut Block3) -> bool {
         let mut met = false;
         let slow = self.epsilon + self.motion.fast;
         for lane in 0..LANES {
-            let w = inverse_mass[slot + lane];
+            let w = w.0[lane];
             if w <= 0.0 {
                 continue;
             }
-            let (start, way) = (x.get(slot + lane), d.get(slot + lane));
+            let (start, way) = (x.at(lane), d.at(lane));
             let reach = way.dot(way).sqrt() + self.motion.reach;
             if reach <= slow {
                 continue;
@@ -65,7 +58,7 @@ impl Sweep<'_> {
             let to = self.motion.after.to_local(start + way);
             if let Some(end) = self.follow(from, to) {
                 let changed = self.motion.after.to_world(end) - (start + way);
-                d.set(slot + lane, way + changed);
+                d.set(lane, way + changed);
                 met = true;
                 if self.motion.measured {
                     given.set(lane, given.at(lane) - changed / w);
