@@ -23,9 +23,11 @@ impl Places {
     #[inline(always)]
     pub fn gather_moved(&self, t: impl Transpose, slots: &[u32], at: usize) -> (Block3, Block) {
         let slots = row(slots, at);
+        // Of one length, so that one check of a slot does for both.
+        let (all_x, all_d) = (&self.x[..], &self.d[..self.x.len()]);
         let [x, y, z, w] = t.apart(|i| {
             let slot = slots[i] as usize;
-            sum(self.x[slot], self.d[slot])
+            sum(all_x[slot], all_d[slot])
         });
         (Block3 { x, y, z }, w)
     }
