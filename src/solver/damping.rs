@@ -3,10 +3,10 @@
 use super::bands::{Band, CutAt, Rooms, cut_between_rows};
 use super::forces::LEAST_LENGTH;
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
+use super::lanes::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
 use super::parameters::DampingForm;
-use super::rows::{SpringForce, SpringRows, Springs};
+use super::rows::{SpringBlock, SpringForce, SpringRows, Springs};
 
 /// Works out the damping force `D`, `F_i = C (v_j - v_i)` for each spring or its part along the spring,
 /// of velocities given as displacements.
@@ -151,17 +151,11 @@ impl<'a> SpringForce for Relative<'a> {
     }
 
     #[inline(always)]
-    fn force(
-        first: &Self::Ends,
-        second: &Self::Ends,
-        block: usize,
-        _: &Block,
-        constant: &Block,
-    ) -> Block3 {
+    fn force([first, second]: [&Self::Ends; 2], block: usize, springs: &SpringBlock) -> Block3 {
         let (a, b) = (first.at(block), second.at(block));
         let mut force = Block3::ZERO;
         for i in 0..LANES {
-            force.set(i, (b.at(i) - a.at(i)) * constant.0[i]);
+            force.set(i, (b.at(i) - a.at(i)) * springs.constant.0[i]);
         }
         force
     }
@@ -183,13 +177,7 @@ impl<'a> SpringForce for Axial<'a> {
     }
 
     #[inline(always)]
-    fn force(
-        first: &Self::Ends,
-        second: &Self::Ends,
-        block: usize,
-        _: &Block,
-        constant: &Block,
-    ) -> Block3 {
+    fn force([first, second]: [&Self::Ends; 2], block: usize, springs: &SpringBlock) -> Block3 {
         let (a, b) = (first[0].at(block), second[0].at(block));
         let (from, to) = (first[1].at(block), second[1].at(block));
         let mut force = Block3::ZERO;
@@ -197,7 +185,7 @@ impl<'a> SpringForce for Axial<'a> {
             let span = b.at(i) - a.at(i);
             let relative = to.at(i) - from.at(i);
             let square = larger(span.dot(span), LEAST_LENGTH * LEAST_LENGTH);
-            force.set(i, span * (constant.0[i] * relative.dot(span) / square));
+            force.set(i, span * (springs.constant.0[i] * relative.dot(span) / square));
         }
         force
     }

@@ -5,7 +5,7 @@
 //! does not do so for loops over slices that are fields of a struct, nor where the body calls anything
 //! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not, a closure or a `map` over an array may be).
 //!
-//! What runs in every substep takes its blocks from [`Blocks`], a row at a time; the rest loads them one by one.
+//! The kernels that take the time have their blocks from [`Blocks`], a row at a time; others load them one by one.
 
 use core::ops::{Deref, DerefMut};
 
@@ -115,11 +115,16 @@ impl Block3 {
     /// The sums of two arrays: positions and what they are displaced by.
     #[inline(always)]
     pub fn load_sum(a: &impl Slots, b: &impl Slots, at: usize) -> Self {
-        let (mut out, b) = (Self::load(a, at), Self::load(b, at));
+        Self::load(a, at).plus(&Self::load(b, at))
+    }
+
+    /// The sums of each lane's vectors.
+    #[inline(always)]
+    pub fn plus(mut self, other: &Self) -> Self {
         for i in 0..LANES {
-            out.set(i, out.at(i) + b.at(i));
+            self.set(i, self.at(i) + other.at(i));
         }
-        out
+        self
     }
 
     /// The vector of one lane.
@@ -230,11 +235,7 @@ impl<'a> Blocks3Mut<'a> {
     /// Adds to a block.
     #[inline(always)]
     pub fn add(&mut self, block: usize, value: &Block3) {
-        let mut sum = self.at(block);
-        for i in 0..LANES {
-            sum.set(i, sum.at(i) + value.at(i));
-        }
-        self.set(block, sum);
+        self.set(block, self.at(block).plus(value));
     }
 }
 

@@ -26,13 +26,14 @@ pub(super) trait SpringForce {
     fn ends(&self, slot: usize, blocks: usize) -> Self::Ends;
 
     /// Forces on a block of first ends. On the others it is the opposite. Zero where the constant is.
-    fn force(
-        first: &Self::Ends,
-        second: &Self::Ends,
-        block: usize,
-        rest: &Block,
-        constant: &Block,
-    ) -> Block3;
+    fn force(ends: [&Self::Ends; 2], block: usize, springs: &SpringBlock) -> Block3;
+}
+
+/// A block of springs.
+pub(super) struct SpringBlock {
+    /// \[m\]
+    pub rest: Block,
+    pub constant: Block,
 }
 
 /// Forces on the first ends of the springs of the present row and of the one before it.
@@ -82,31 +83,24 @@ impl SpringRows {
         let below = slot + lattice.layout.stride;
         let (here, right) = (law.ends(slot, blocks), law.ends(slot + 1, blocks));
         let (under, across) = (law.ends(below, blocks), law.ends(below + 1, blocks));
+        let springs = |rest, shape, stiffness| {
+            let (rest, shape) = (Blocks::new(rest, slot, blocks), Blocks::new(shape, slot, blocks));
+            SpringsFrom { blocks, rest, shape, stiffness }
+        };
         if thread > 0.0 {
-            let weft = Constants::new(&lattice.weft.rest, &lattice.weft.shape, slot, blocks);
-            let warp = Constants::new(&lattice.warp.rest, &lattice.warp.shape, slot, blocks);
-            let mut to_right = Blocks3Mut::new(&mut self.weft, LANES, blocks);
-            let mut down = Blocks3Mut::new(&mut self.warp, first, blocks);
-            for block in 0..blocks {
-                let (rest, constant) = weft.at(block, thread);
-                to_right.set(block, F::force(&here, &right, block, &rest, &constant));
-                let (rest, constant) = warp.at(block, thread);
-                down.set(block, F::force(&here, &under, block, &rest, &constant));
-            }
+            let Lattice { weft, warp, .. } = lattice;
+            let weft = springs(&weft.rest, &weft.shape, thread);
+            weft.work_out::<F>([&here, &right], &mut self.weft, LANES);
+            let warp = springs(&warp.rest, &warp.shape, thread);
+            warp.work_out::<F>([&here, &under], &mut self.warp, first);
         }
         if shear > 0.0 {
             // Both stand at their cell: the one from its first corner on, the other across.
             let Lattice { diagonal, antidiagonal_rest, .. } = lattice;
-            let on = Constants::new(&diagonal.rest, &diagonal.shape, slot, blocks);
-            let back = Constants::new(antidiagonal_rest, &diagonal.shape, slot, blocks);
-            let mut diagonal = Blocks3Mut::new(&mut self.diagonal, first, blocks);
-            let mut antidiagonal = Blocks3Mut::new(&mut self.antidiagonal, first, blocks);
-            for block in 0..blocks {
-                let (rest, constant) = on.at(block, shear);
-                diagonal.set(block, F::force(&here, &across, block, &rest, &constant));
-                let (rest, constant) = back.at(block, shear);
-                antidiagonal.set(block, F::force(&right, &under, block, &rest, &constant));
-            }
+            let on = springs(&diagonal.rest, &diagonal.shape, shear);
+            on.work_out::<F>([&here, &across], &mut self.diagonal, first);
+            let back = springs(antidiagonal_rest, &diagonal.shape, shear);
+            back.work_out::<F>([&right, &under], &mut self.antidiagonal, first);
         }
     }
 
@@ -162,35 +156,33 @@ impl SpringsAt<'_> {
         }
         if self.shear {
             let (on, back) = (self.on.at(block), self.back.at(block));
-            let across = sum(&on, &back, &self.beside.at(block), &self.above.at(block));
-            for i in 0..LANES {
-                forces.set(i, forces.at(i) + across.at(i));
-            }
+            forces = forces.plus(&sum(&on, &back, &self.beside.at(block), &self.above.at(block)));
         }
         forces
     }
 }
 
-/// Rest lengths of a row's springs, and their constants for a stiffness of one.
-struct Constants<'a> {
+/// The springs of a family that begin at a row.
+struct SpringsFrom<'a> {
+    blocks: usize,
     rest: Blocks<'a>,
     shape: Blocks<'a>,
+    /// Their constant for a shape factor of one.
+    stiffness: f32,
 }
 
-impl<'a> Constants<'a> {
+impl SpringsFrom<'_> {
+    /// Puts their forces to `to`, from `first` on.
     #[inline(always)]
-    fn new(rest: &'a [f32], shape: &'a [f32], slot: usize, blocks: usize) -> Self {
-        Self { rest: Blocks::new(rest, slot, blocks), shape: Blocks::new(shape, slot, blocks) }
-    }
-
-    /// Those of a block.
-    #[inline(always)]
-    fn at(&self, block: usize, stiffness: f32) -> (Block, Block) {
-        let mut constant = self.shape.at(block);
-        for lane in &mut constant.0 {
-            *lane *= stiffness;
+    fn work_out<F: SpringForce>(&self, ends: [&F::Ends; 2], to: &mut Soa, first: usize) {
+        let mut to = Blocks3Mut::new(to, first, self.blocks);
+        for block in 0..self.blocks {
+            let (rest, mut constant) = (self.rest.at(block), self.shape.at(block));
+            for lane in &mut constant.0 {
+                *lane *= self.stiffness;
+            }
+            to.set(block, F::force(ends, block, &SpringBlock { rest, constant }));
         }
-        (self.rest.at(block), constant)
     }
 }
 

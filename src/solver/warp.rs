@@ -48,11 +48,7 @@ struct InPlace<'a> {
 impl Ends for InPlace<'_> {
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
-        let (mut x, d) = (self.x.at(place * self.hop), self.d.at(place * self.hop));
-        for i in 0..LANES {
-            x.set(i, x.at(i) + d.at(i));
-        }
-        x
+        self.x.at(place * self.hop).plus(&self.d.at(place * self.hop))
     }
 
     #[inline(always)]
@@ -141,17 +137,12 @@ struct Apart<'a> {
 impl Ends for Apart<'_> {
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
-        let (mut x, d) = (self.x.at(place * self.hop), self.d.at(place * self.hop));
-        for i in 0..LANES {
-            x.set(i, x.at(i) + d.at(i));
-        }
-        x
+        self.x.at(place * self.hop).plus(&self.d.at(place * self.hop))
     }
 
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
-        self.to.set(place, self.d.at(place * self.hop));
-        self.to.add(place, &correction);
+        self.to.set(place, self.d.at(place * self.hop).plus(&correction));
     }
 
     #[inline(always)]
@@ -173,10 +164,13 @@ impl Kernel for PutBack<'_> {
     #[inline(always)]
     fn run(mut self) {
         let Band { layout, rows, .. } = self.band;
+        let blocks = layout.blocks_across();
+        // A bundle is as many blocks as there are rows.
+        let apart = Blocks3::new(self.apart, 0, blocks * layout.rows);
         for row in rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let d = Block3::load(self.apart, place_apart(layout, row, column));
-                d.store(&mut self.d, layout.slot(row, column));
+            let mut d = Blocks3Mut::new(&mut self.d, layout.slot(row, 0), blocks);
+            for block in 0..blocks {
+                d.set(block, apart.at(block * layout.rows + row));
             }
         }
     }
