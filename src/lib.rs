@@ -100,7 +100,6 @@ mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 pub mod guide;
-pub mod hang;
 #[cfg(feature = "demo")]
 mod looks;
 mod mesh;
@@ -111,13 +110,13 @@ mod panel;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;
-pub mod sdf;
 #[cfg(feature = "serialize")]
 mod serialize;
-pub mod solver;
 mod step;
 mod wind;
 
+#[doc(inline)]
+pub use bevy_drape_core::{hang, sdf, solver};
 pub use cloth::{
     Cloth, ClothAir, ClothDiverged, ClothForce, ClothForces, ClothFrozen, ClothGrab, ClothGravity,
     ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,

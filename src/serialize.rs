@@ -1,4 +1,4 @@
-//! How serde sees what is not ours: entities as Bevy has them, and shapes by their fields.
+//! How serde sees what is not ours: entities as Bevy has them.
 //!
 //! Bevy's own feature for it would compile all of Bevy anew; these few lines do not.
 
@@ -33,71 +33,6 @@ pub(crate) mod entity_option {
             Entity::try_from_bits(bits).ok_or_else(|| D::Error::custom("no entity has this number"))
         };
         bits.map(entity).transpose()
-    }
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Sphere")]
-pub(crate) struct SphereFields {
-    radius: f32,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Cuboid")]
-pub(crate) struct CuboidFields {
-    half_size: Vec3,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Capsule3d")]
-pub(crate) struct Capsule3dFields {
-    radius: f32,
-    half_length: f32,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Cylinder")]
-pub(crate) struct CylinderFields {
-    radius: f32,
-    half_height: f32,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Torus")]
-pub(crate) struct TorusFields {
-    minor_radius: f32,
-    major_radius: f32,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Cone")]
-pub(crate) struct ConeFields {
-    radius: f32,
-    height: f32,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "InfinitePlane3d")]
-pub(crate) struct InfinitePlane3dFields {
-    #[serde(with = "direction")]
-    normal: Dir3,
-}
-
-/// A direction, as its vector.
-mod direction {
-    use super::*;
-
-    pub fn serialize<S: Serializer>(direction: &Dir3, to: S) -> Result<S::Ok, S::Error> {
-        direction.as_vec3().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Dir3, D::Error> {
-        let vector = Vec3::deserialize(from)?;
-        // What has a length of one keeps its bits.
-        if vector.is_normalized() {
-            return Ok(Dir3::new_unchecked(vector));
-        }
-        Dir3::new(vector).map_err(|problem| D::Error::custom(format!("no direction: {problem}")))
     }
 }
 

@@ -4,7 +4,7 @@
 use super::{ClothSimulation, attachment::hold_anew};
 use crate::{
     error::{Blame, ClothError, Failures},
-    solver::{ClothSolver, ParameterError, SoftPin, check_soft_pin},
+    solver::{ClothSolver, ParameterError, SoftPin},
 };
 use bevy::prelude::*;
 
@@ -79,7 +79,7 @@ impl ClothGrab {
     }
 
     fn validate(&self) -> Result<(), GrabProblem> {
-        check_soft_pin(self.stiffness, self.damping)?;
+        SoftPin::check(self.stiffness, self.damping)?;
         if self.max_force.is_nan() || self.max_force <= 0.0 {
             let range = "above 0 N";
             let value = self.max_force;

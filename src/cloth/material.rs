@@ -39,16 +39,16 @@ pub struct ClothMaterial {
 impl ClothMaterial {
     /// The default.
     pub(super) const USUAL: Self = Self {
-        area_density: 0.2,
-        thread_stiffness: 2000.0,
-        shear_stiffness: 100.0,
-        flexural_rigidity: 1e-5,
-        damping: 0.0,
-        damping_form: DampingForm::Axial,
-        drag: 0.2,
-        max_strain: 0.1,
-        friction: 0.5,
-        thickness: 0.005,
+        area_density: Material::USUAL.area_density,
+        thread_stiffness: Material::USUAL.thread_stiffness,
+        shear_stiffness: Material::USUAL.shear_stiffness,
+        flexural_rigidity: Material::USUAL.flexural_rigidity,
+        damping: Material::USUAL.damping,
+        damping_form: Material::USUAL.damping_form,
+        drag: Material::USUAL.drag,
+        max_strain: Material::USUAL.max_strain,
+        friction: Material::USUAL.friction,
+        thickness: Material::USUAL.thickness,
     };
 }
 

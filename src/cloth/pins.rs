@@ -3,7 +3,7 @@
 use super::ColorChannel;
 use crate::{
     mesh::RestShape,
-    solver::{ParameterError, check_soft_pin},
+    solver::{ParameterError, SoftPin},
 };
 use bevy::{ecs::entity::MapEntities, prelude::*};
 
@@ -208,7 +208,7 @@ impl PinHold {
         match *self {
             Self::Hard => Ok(()),
             Self::Soft { stiffness, damping } => {
-                check_soft_pin(stiffness, damping).map_err(PinProblem::Hold)
+                SoftPin::check(stiffness, damping).map_err(PinProblem::Hold)
             }
         }
     }

@@ -17,33 +17,56 @@ use std::sync::Arc;
 pub enum SdfShape {
     /// A ball.
     Sphere(
-        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::SphereFields"))] Sphere,
+        #[cfg_attr(
+            feature = "serialize",
+            serde(with = "bevy_drape_core::serialize::SphereFields")
+        )]
+        Sphere,
     ),
     /// A box.
     Cuboid(
-        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::CuboidFields"))] Cuboid,
+        #[cfg_attr(
+            feature = "serialize",
+            serde(with = "bevy_drape_core::serialize::CuboidFields")
+        )]
+        Cuboid,
     ),
     /// A capsule along y.
     Capsule3d(
-        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::Capsule3dFields"))]
+        #[cfg_attr(
+            feature = "serialize",
+            serde(with = "bevy_drape_core::serialize::Capsule3dFields")
+        )]
         Capsule3d,
     ),
     /// A capsule between any two points, such as the ends of a bone.
     CapsuleBetween(CapsuleBetween),
     /// The half-space below a plane.
     InfinitePlane3d(
-        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::InfinitePlane3dFields"))]
+        #[cfg_attr(
+            feature = "serialize",
+            serde(with = "bevy_drape_core::serialize::InfinitePlane3dFields")
+        )]
         InfinitePlane3d,
     ),
     /// A cylinder along y.
     Cylinder(
-        #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::CylinderFields"))]
+        #[cfg_attr(
+            feature = "serialize",
+            serde(with = "bevy_drape_core::serialize::CylinderFields")
+        )]
         Cylinder,
     ),
     /// A ring around y.
-    Torus(#[cfg_attr(feature = "serialize", serde(with = "crate::serialize::TorusFields"))] Torus),
+    Torus(
+        #[cfg_attr(feature = "serialize", serde(with = "bevy_drape_core::serialize::TorusFields"))]
+        Torus,
+    ),
     /// A cone along y.
-    Cone(#[cfg_attr(feature = "serialize", serde(with = "crate::serialize::ConeFields"))] Cone),
+    Cone(
+        #[cfg_attr(feature = "serialize", serde(with = "bevy_drape_core::serialize::ConeFields"))]
+        Cone,
+    ),
     /// A mesh, baked to a field; `asset_server.load("rock.sdf")` loads a saved one. Left out until it is
     /// there.
     #[cfg_attr(feature = "serialize", serde(skip))]

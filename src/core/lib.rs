@@ -1,0 +1,23 @@
+//! What [bevy_drape](https://docs.rs/bevy_drape) simulates cloth with: no ECS, no clock, no window.
+//!
+//! | module | what it is |
+//! | --- | --- |
+//! | [`solver`] | masses and springs: forces, Verlet integration, correction, contact |
+//! | [`sdf`] | what a cloth collides with: signed distances of primitives and of baked meshes |
+//! | [`hang`] | where a cloth hangs: Weil's catenaries, and the relaxation that ends them |
+//!
+//! A game takes the plugin, which has the same three modules. This is for a solver of one's own: positions,
+//! pins and colliders in, positions out.
+//!
+//! A crate of its own, so that it is fully optimised where the rest of a dev build is not:
+//! `[profile.dev.package.bevy_drape_core]`.
+
+// A library does not print.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod hang;
+pub mod sdf;
+#[cfg(feature = "serialize")]
+#[doc(hidden)]
+pub mod serialize;
+pub mod solver;

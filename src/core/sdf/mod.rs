@@ -1,0 +1,192 @@
+//! Signed distance: pure geometry, no ECS, no clock.
+//!
+//! A collider is anything that says how far a point is from its surface and which way is out:
+//! [`SignedDistance`]. Two kinds are here.
+//!
+//! - [`shapes`]: exact distances of `bevy_math`'s own primitives ([`Sphere`], [`Cuboid`],
+//!   [`Capsule3d`], [`InfinitePlane3d`], [`Cylinder`], [`Torus`], [`Cone`]); the trait is implemented on them
+//!   directly.
+//! - [`DistanceField`]: a grid of distances to a closed triangle mesh, made once by
+//!   [`DistanceField::bake`], or read from a file ([`DistanceField::from_bytes`]), and looked up with
+//!   trilinear interpolation.
+//!
+//! Points are in the collider's own frame, lengths in metres. Sampling uses `+ - * /` and square roots
+//! only, never a fused or a transcendental operation, so it gives the same bits wherever it runs, one
+//! point at a time or [`LANES`] at once.
+//!
+//! [`Cylinder`]: bevy_math::primitives::Cylinder
+//! [`Torus`]: bevy_math::primitives::Torus
+//! [`Cone`]: bevy_math::primitives::Cone
+
+#![forbid(unsafe_code)]
+
+mod bake;
+mod field;
+mod file;
+mod lookup;
+pub mod shapes;
+
+pub use bake::{BakeError, BakeSettings, MAX_NODES};
+pub use field::DistanceField;
+pub use file::SavedFieldError;
+pub use lookup::{field_block, field_distance_block};
+
+use bevy_math::{
+    Vec3,
+    bounding::Aabb3d,
+    primitives::{Capsule3d, Cuboid, InfinitePlane3d, Sphere},
+};
+
+/// Number of points in a block.
+///
+/// One AVX-512 register, two of AVX2, four of SSE2.
+pub const LANES: usize = 16;
+
+/// What a surface looks like from a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SdfSample {
+    /// Distance to the surface \[m\]. Negative inside.
+    pub distance: f32,
+    /// Direction in which the distance grows fastest: unit length, outward.
+    ///
+    /// Where no single direction does (a centre, a medial axis) it is one of the shortest ways out, or
+    /// [`Vec3::Y`]; it is never NaN.
+    pub normal: Vec3,
+}
+
+/// [`LANES`] points \[m\] as a structure of arrays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct PointBlock {
+    /// First coordinates \[m\].
+    pub x: [f32; LANES],
+    /// Second coordinates \[m\].
+    pub y: [f32; LANES],
+    /// Third coordinates \[m\].
+    pub z: [f32; LANES],
+}
+
+impl PointBlock {
+    /// The point in one lane.
+    ///
+    /// # Panics
+    ///
+    /// If `lane` is not below [`LANES`].
+    #[inline(always)]
+    pub fn point(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+}
+
+/// [`LANES`] samples as a structure of arrays; see [`SdfSample`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct SampleBlock {
+    /// Distances to the surface \[m\]. Negative inside.
+    pub distance: [f32; LANES],
+    /// First components of the normals.
+    pub nx: [f32; LANES],
+    /// Second components of the normals.
+    pub ny: [f32; LANES],
+    /// Third components of the normals.
+    pub nz: [f32; LANES],
+}
+
+impl SampleBlock {
+    /// Writes one lane.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, distance: f32, normal: [f32; 3]) {
+        self.distance[lane] = distance;
+        self.nx[lane] = normal[0];
+        self.ny[lane] = normal[1];
+        self.nz[lane] = normal[2];
+    }
+}
+
+/// A solid known by the signed distance to its surface.
+///
+/// All points and lengths are in the solid's own frame \[m\]. A point with a coordinate that is NaN has a
+/// distance that is NaN or infinite, so that `distance < epsilon` is false for it, and still a unit normal.
+///
+/// A block gives the same bits, lane by lane, as the single point does.
+pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
+    /// Distance \[m\] and normal at `point`.
+    fn sample(&self, point: Vec3) -> SdfSample;
+
+    /// Distance at `point` \[m\]: that of [`sample`](Self::sample), for less work where there is less.
+    fn distance(&self, point: Vec3) -> f32 {
+        self.sample(point).distance
+    }
+
+    /// [`sample`](Self::sample) at every point of a block.
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        for lane in 0..LANES {
+            let sample = self.sample(points.point(lane));
+            out.set(lane, sample.distance, sample.normal.to_array());
+        }
+    }
+
+    /// [`distance`](Self::distance) at every point of a block.
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        for (lane, distance) in out.iter_mut().enumerate() {
+            *distance = self.distance(points.point(lane));
+        }
+    }
+
+    /// Smallest box around the surface \[m\], or `None` where there is none (a half-space).
+    fn bounds(&self) -> Option<Aabb3d>;
+
+    /// How deep a point may be \[m\] for the nearest way out still to be on the side where it came in.
+    ///
+    /// What moves further than this in one step, and no more than that is thick, has its way looked at.
+    /// Zero, the default, is right for every shape; more saves work.
+    fn core_depth(&self) -> f32 {
+        0.0
+    }
+
+    /// Which of the known solids this is. Code that is compiled for an instruction set of its own can
+    /// call their `*_block` functions, which are inlined into it.
+    fn known(&self) -> Option<KnownShape<'_>> {
+        None
+    }
+
+    /// How far [`distance`](Self::distance) may exceed the true distance, at most \[m\].
+    ///
+    /// Zero for a shape that is computed exactly (up to the rounding of `f32`). What skips points or
+    /// traces rays by the distance subtracts this first.
+    fn overestimate(&self) -> f32 {
+        0.0
+    }
+}
+
+/// A solid whose block functions are inlined where they are called.
+#[derive(Clone, Copy, Debug)]
+pub enum KnownShape<'a> {
+    /// [`shapes::sphere_block`].
+    Sphere(&'a Sphere),
+    /// [`shapes::half_space_block`].
+    HalfSpace(&'a InfinitePlane3d),
+    /// [`shapes::capsule_block`].
+    Capsule(&'a Capsule3d),
+    /// [`shapes::capsule_between_block`].
+    CapsuleBetween(&'a shapes::CapsuleBetween),
+    /// [`shapes::cuboid_block`].
+    Cuboid(&'a Cuboid),
+    /// [`field_block`].
+    Field(&'a DistanceField),
+}
+
+impl KnownShape<'_> {
+    /// [`sample_block`](SignedDistance::sample_block) of the shape, inlined.
+    #[inline(always)]
+    pub fn sample_block(self, points: &PointBlock, out: &mut SampleBlock) {
+        match self {
+            Self::Sphere(s) => shapes::sphere_block(s.radius, points, out),
+            Self::HalfSpace(s) => shapes::half_space_block(s.normal.as_vec3(), points, out),
+            Self::Capsule(s) => shapes::capsule_block(s.radius, s.half_length, points, out),
+            Self::CapsuleBetween(s) => shapes::capsule_between_block(s, points, out),
+            Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
+            Self::Field(field) => field_block(field, points, out),
+        }
+    }
+}

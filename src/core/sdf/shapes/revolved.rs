@@ -1,0 +1,114 @@
+//! Cylinder, torus and cone: solids of revolution, solved in the half-plane of radius and height.
+
+use super::{Kernel, centred, larger, length_and_direction, smaller, to_sample};
+use crate::sdf::{SdfSample, SignedDistance};
+use bevy_math::{
+    Vec3,
+    bounding::Aabb3d,
+    primitives::{Cone, Cylinder, Torus},
+};
+
+/// A profile's distance, and its normal as `[radial, vertical, unused]`.
+type Profile = Kernel;
+
+/// Solves `profile` at the point's radius and height and turns its normal back into space.
+fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> SdfSample {
+    // On the axis every way across is as good.
+    let (radius, across) = length_and_direction([point.x, 0.0, point.z], [1.0, 0.0, 0.0]);
+    let (distance, [radial, vertical, _]) = profile(radius, point.y);
+    to_sample((distance, [across[0] * radial, vertical, across[2] * radial]))
+}
+
+fn cylinder(shape: &Cylinder, radius: f32, height: f32) -> Profile {
+    let beyond_side = radius - shape.radius;
+    let beyond_cap = height.abs() - shape.half_height;
+    let nearest = if beyond_cap >= beyond_side { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
+    let outside = [larger(beyond_side, 0.0), larger(beyond_cap, 0.0), 0.0];
+    let (length, normal) = length_and_direction(outside, nearest);
+    let distance = length + smaller(larger(beyond_side, beyond_cap), 0.0);
+    (distance, [normal[0], normal[1].copysign(height), 0.0])
+}
+
+fn torus(shape: &Torus, radius: f32, height: f32) -> Profile {
+    let (length, normal) =
+        length_and_direction([radius - shape.major_radius, height, 0.0], [0.0, 1.0, 0.0]);
+    (length - shape.minor_radius, normal)
+}
+
+fn cone(shape: &Cone, radius: f32, height: f32) -> Profile {
+    let half_height = 0.5 * shape.height;
+    let slant_squared = shape.radius * shape.radius + shape.height * shape.height;
+    if slant_squared < f32::MIN_POSITIVE {
+        // A point has no sides.
+        return length_and_direction([radius, height, 0.0], [0.0, 1.0, 0.0]);
+    }
+    let slant = slant_squared.sqrt();
+    let side_normal = [shape.height / slant, shape.radius / slant, 0.0];
+    let base_normal = [0.0, -1.0, 0.0];
+
+    let below_tip = half_height - height;
+    let beyond_side = radius * side_normal[0] - below_tip * side_normal[1];
+    let beyond_base = -half_height - height;
+    // How far down the side, from the tip, the foot of the perpendicular lies.
+    let along_side = radius * side_normal[1] + below_tip * side_normal[0];
+
+    // A convex polygon: inside, the nearest side line is the nearest side.
+    if beyond_side <= 0.0 && beyond_base <= 0.0 {
+        return if beyond_base >= beyond_side {
+            (beyond_base, base_normal)
+        } else {
+            (beyond_side, side_normal)
+        };
+    }
+    // Outside, exactly one of side, base, tip and rim has the point in its normal cone.
+    if beyond_side > 0.0 && along_side >= 0.0 && along_side <= slant {
+        return (beyond_side, side_normal);
+    }
+    if beyond_base > 0.0 && radius <= shape.radius {
+        return (beyond_base, base_normal);
+    }
+    if along_side < 0.0 {
+        return length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
+    }
+    length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal)
+}
+
+impl SignedDistance for Cylinder {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        revolve(point, |radius, height| cylinder(self, radius, height))
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.radius.min(self.half_height)
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        centred(Vec3::new(self.radius, self.half_height, self.radius))
+    }
+}
+
+/// Exact where the tube does not overlap itself (`minor_radius <= major_radius`); elsewhere outside only.
+impl SignedDistance for Torus {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        revolve(point, |radius, height| torus(self, radius, height))
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.minor_radius
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        let across = self.major_radius + self.minor_radius;
+        centred(Vec3::new(across, self.minor_radius, across))
+    }
+}
+
+impl SignedDistance for Cone {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        revolve(point, |radius, height| cone(self, radius, height))
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        centred(Vec3::new(self.radius, 0.5 * self.height, self.radius))
+    }
+}

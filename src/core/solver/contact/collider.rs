@@ -1,0 +1,267 @@
+//! What a cloth collides with, and where it is in each substep.
+
+use bevy_math::{Mat3, Quat, Vec3, bounding::Aabb3d};
+
+use crate::sdf::{KnownShape, SignedDistance};
+
+/// Where a collider is: uniform scale, then rotation, then translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct Pose {
+    /// Place of the shape's origin \[m\].
+    pub translation: Vec3,
+    /// Rotation, of length one.
+    pub rotation: Quat,
+    /// Uniform scale, above zero.
+    pub scale: f32,
+}
+
+impl Pose {
+    /// No translation, no rotation, scale one.
+    pub const IDENTITY: Self =
+        Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 };
+
+    /// A pose without rotation or scale.
+    pub fn from_translation(translation: Vec3) -> Self {
+        Self { translation, ..Self::IDENTITY }
+    }
+
+    /// Whether every number can be used.
+    pub fn is_valid(&self) -> bool {
+        self.translation.is_finite()
+            && self.rotation.is_finite()
+            && (self.rotation.length_squared() - 1.0).abs() < 1e-3
+            && self.scale.is_finite()
+            && self.scale > 0.0
+    }
+
+    /// The pose at part `t` of the way to `end`; rotations the shorter way, without transcendental
+    /// functions, so that it gives the same bits everywhere.
+    pub fn interpolate(&self, end: &Self, t: f32) -> Self {
+        if self == end || t <= 0.0 {
+            return *self;
+        }
+        if t >= 1.0 {
+            return *end;
+        }
+        let side = if self.rotation.dot(end.rotation) < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            translation: self.translation + (end.translation - self.translation) * t,
+            rotation: (self.rotation * (1.0 - t) + end.rotation * (side * t)).normalize(),
+            scale: self.scale + (end.scale - self.scale) * t,
+        }
+    }
+
+    fn apply(&self, point: Vec3) -> Vec3 {
+        self.rotation * (point * self.scale) + self.translation
+    }
+}
+
+/// A collider's way through a tick: from pose to pose, evenly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColliderMotion {
+    start: Pose,
+    end: Pose,
+    /// A box around all places that the surface takes, in world space; `None` if unbounded.
+    bounds: Option<Aabb3d>,
+    valid: bool,
+}
+
+impl ColliderMotion {
+    /// The way of a shape between two poses in world space.
+    pub fn new(shape: &dyn SignedDistance, start: Pose, end: Pose) -> Self {
+        let bounds = shape.bounds().map(|shape| swept_box(&shape, &start, &end));
+        Self { start, end, bounds, valid: start.is_valid() && end.is_valid() }
+    }
+
+    /// Pose where the tick begins.
+    pub fn start(&self) -> Pose {
+        self.start
+    }
+
+    /// Pose where it ends.
+    pub fn end(&self) -> Pose {
+        self.end
+    }
+
+    /// A box around all places that the surface takes in the tick, in world space; `None` if it is
+    /// unbounded.
+    pub fn bounds(&self) -> Option<Aabb3d> {
+        self.bounds
+    }
+}
+
+/// A rigid shape that a cloth collides with, and its motion through a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Collider<'a> {
+    /// The shape, in its own frame.
+    pub shape: &'a dyn SignedDistance,
+    /// Its motion.
+    pub motion: ColliderMotion,
+    /// Coulomb's coefficient; the pair's is the geometric mean with the cloth's.
+    pub friction: f32,
+    /// The layers that it is in, a bit each. A cloth that shares none passes through.
+    pub layers: u32,
+    /// Whether the impulse that the cloth gives it is asked for, see
+    /// [`ClothSolver::impulse`](crate::solver::ClothSolver::impulse).
+    pub measured: bool,
+}
+
+impl<'a> Collider<'a> {
+    /// A collider that stays at a pose in world space, with a friction of 0.5, in all layers.
+    pub fn new(shape: &'a dyn SignedDistance, pose: Pose) -> Self {
+        let motion = ColliderMotion::new(shape, pose, pose);
+        Self { shape, motion, friction: 0.5, layers: u32::MAX, measured: false }
+    }
+
+    /// The same between other poses.
+    pub fn between(self, start: Pose, end: Pose) -> Self {
+        Self { motion: ColliderMotion::new(self.shape, start, end), ..self }
+    }
+
+    /// Where it is at the tick's end.
+    pub fn moving_to(self, end: Pose) -> Self {
+        self.between(self.motion.start, end)
+    }
+
+    /// With another coefficient of friction.
+    pub fn with_friction(self, friction: f32) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// In these layers, a bit each.
+    pub fn in_layers(self, layers: u32) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// Asks for the impulse that the cloth gives it.
+    pub fn measured(self) -> Self {
+        Self { measured: true, ..self }
+    }
+
+    /// Whether every number can be used.
+    pub(in crate::solver) fn is_usable(&self) -> bool {
+        self.motion.valid && self.friction >= 0.0 && self.friction <= 1e3
+    }
+}
+
+/// A box around all places of a shape on its way between two poses.
+fn swept_box(shape: &Aabb3d, start: &Pose, end: &Pose) -> Aabb3d {
+    let (min, max) = (Vec3::from(shape.min), Vec3::from(shape.max));
+    let ends = [start, end].into_iter();
+    if start.rotation == end.rotation {
+        // Every point goes straight.
+        let places = ends.flat_map(|pose| corners(min, max).map(|p| pose.apply(p)));
+        return around(places);
+    }
+    // What turns stays within the distance of its farthest corner.
+    let farthest = min.abs().max(max.abs()).length();
+    around(ends.flat_map(|pose| {
+        let far = Vec3::splat(farthest * pose.scale);
+        [pose.translation - far, pose.translation + far]
+    }))
+}
+
+fn around(points: impl Iterator<Item = Vec3>) -> Aabb3d {
+    let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (min, max) = points.fold(none, |(min, max), p| (min.min(p), max.max(p)));
+    Aabb3d { min: min.into(), max: max.into() }
+}
+
+fn corners(min: Vec3, max: Vec3) -> impl Iterator<Item = Vec3> {
+    (0..8).map(move |i| {
+        let pick = |bit: usize, low: f32, high: f32| if i & bit == 0 { low } else { high };
+        Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
+    })
+}
+
+/// A pose in the cloth's frame as the kernel needs it: columns of the rotation, and translation.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    rotation: Mat3,
+    translation: Vec3,
+    pub scale: f32,
+}
+
+impl Frame {
+    fn new(pose: &Pose) -> Self {
+        Self {
+            rotation: Mat3::from_quat(pose.rotation),
+            translation: pose.translation,
+            scale: pose.scale,
+        }
+    }
+
+    #[inline(always)]
+    pub fn to_local(self, x: Vec3) -> Vec3 {
+        let d = x - self.translation;
+        let r = &self.rotation;
+        Vec3::new(d.dot(r.x_axis), d.dot(r.y_axis), d.dot(r.z_axis)) * (1.0 / self.scale)
+    }
+
+    #[inline(always)]
+    pub fn rotate(self, p: Vec3) -> Vec3 {
+        let r = &self.rotation;
+        r.x_axis * p.x + r.y_axis * p.y + r.z_axis * p.z
+    }
+
+    #[inline(always)]
+    pub fn to_world(self, p: Vec3) -> Vec3 {
+        self.rotate(p) * self.scale + self.translation
+    }
+}
+
+/// A collider's motion through one substep.
+pub(super) struct Motion<'a> {
+    pub shape: &'a dyn SignedDistance,
+    pub known: Option<KnownShape<'a>>,
+    pub before: Frame,
+    pub after: Frame,
+    pub moves: bool,
+    /// How far any point of the surface moves at most \[m\].
+    pub reach: f32,
+    /// The pair's coefficient.
+    pub friction: f32,
+    /// How far the shape may overstate a distance \[m\].
+    pub overestimate: f32,
+    /// What moves further in the substep beyond epsilon has its way looked at \[m\].
+    pub fast: f32,
+    pub measured: bool,
+}
+
+impl<'a> Motion<'a> {
+    /// From part `from` of the tick to part `to`.
+    pub fn new(collider: &Collider<'a>, origin: Vec3, friction: f32, from: f32, to: f32) -> Self {
+        // Seen from the cloth: far from the world's origin, poses on the way would be rounded, and so the
+        // collider's speed.
+        let seen = |pose: Pose| Pose { translation: pose.translation - origin, ..pose };
+        let (start, end) = (seen(collider.motion.start), seen(collider.motion.end));
+        let before = start.interpolate(&end, from);
+        let after = start.interpolate(&end, to);
+        let moves = before != after;
+        let reach = match collider.shape.bounds() {
+            _ if !moves => 0.0,
+            Some(bounds) => corners(bounds.min.into(), bounds.max.into())
+                .map(|p| before.apply(p).distance(after.apply(p)))
+                .fold(0.0, f32::max),
+            // Turning an unbounded shape moves its far parts without bound.
+            None if before.rotation != after.rotation || before.scale != after.scale => {
+                f32::INFINITY
+            }
+            None => before.translation.distance(after.translation),
+        };
+        Self {
+            shape: collider.shape,
+            known: collider.shape.known(),
+            before: Frame::new(&before),
+            after: Frame::new(&after),
+            moves,
+            reach,
+            friction: (collider.friction * friction).sqrt(),
+            overestimate: collider.shape.overestimate() * after.scale,
+            // The rest is for what is not met head on: a way may cut off a part of a curved side.
+            fast: 0.125 * collider.shape.core_depth() * after.scale,
+            measured: collider.measured,
+        }
+    }
+}

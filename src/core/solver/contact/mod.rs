@@ -1,0 +1,195 @@
+//! Contact with signed distance fields: particles are held `epsilon` outside, with friction.
+//!
+//! A particle nearer than epsilon is moved out along the gradient. Its displacement, and so its
+//! velocity, loses the approach that this undoes and no more: being moved out of a collider gives no
+//! speed. Coulomb's friction acts on the displacement relative to the collider's surface, with the
+//! impulse of that same undoing.
+//!
+//! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
+//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). What a cloth hangs
+//! from is held by more than its mass (`loads`).
+
+mod collider;
+mod loads;
+mod meet;
+mod room;
+mod sweep;
+
+use bevy_math::Vec3;
+
+use super::bands::{self, Bands};
+use super::isa::Isa;
+use super::lanes::{Block, Block3, LANES, Soa, larger};
+
+pub use collider::{Collider, ColliderMotion, Pose};
+pub(super) use loads::least_load;
+pub(super) use room::ContactRoom;
+
+use collider::Motion;
+use loads::Loads;
+use meet::{FurthestWay, MeetCollider, Tally};
+use room::{Awake, Known};
+
+/// Least way of sliding that has a direction \[m\].
+const LEAST_SLIDING: f32 = 1e-20;
+/// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
+const CALMED: f32 = 4.0;
+/// Makes up for what rounding takes off the sum of many small ways.
+const ROUNDED_UP: f32 = 1.0 + 1e-5;
+
+/// The part of a tick that a substep covers, from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub from: f32,
+    pub to: f32,
+}
+
+/// What a cloth is to colliders.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skin {
+    /// Distance at which particles are held \[m\].
+    pub epsilon: f32,
+    /// The cloth's coefficient of friction.
+    pub friction: f32,
+    /// The layers that it is in, a bit each.
+    pub layers: u32,
+    /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
+    pub most_push: f32,
+    /// Approach that is undone at least where a particle bears a load \[m\].
+    pub least_load: f32,
+    /// Length of the substep \[s\].
+    pub step: f32,
+}
+
+/// Moves particles out of all colliders, in their order, and returns how many touched one.
+pub(super) struct ResolveContacts<'a> {
+    pub bands: &'a Bands,
+    pub colliders: &'a [Collider<'a>],
+    pub origin: Vec3,
+    pub span: Span,
+    pub skin: Skin,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
+    pub pull: Option<&'a mut Soa>,
+    pub room: &'a mut ContactRoom,
+}
+
+impl ResolveContacts<'_> {
+    /// Meets one collider after the other.
+    pub fn run(mut self, isa: Isa) -> u32 {
+        let way =
+            bands::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
+        let Skin { epsilon, layers, .. } = self.skin;
+        let layout = self.bands.rows.layout;
+        self.room.begin_substep();
+        self.room.wake(isa, way, epsilon, layers, self.x, layout, self.origin, self.colliders);
+        let mut touching = 0;
+        for k in 0..self.room.awake.len() {
+            touching += self.meet(isa, k, way);
+        }
+        touching
+    }
+
+    /// Holds all particles out of one collider, and returns how many touched it. `way` is what the
+    /// fastest particle goes in this substep \[m\].
+    fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
+        let room = &mut *self.room;
+        let Awake { collider, first, gone } = room.awake[k];
+        let (from, to) = (self.span.from, self.span.to);
+        let collider_now = &self.colliders[collider];
+        let motion = Motion::new(collider_now, self.origin, self.skin.friction, from, to);
+        room.awake[k].gone = gone + motion.reach;
+        // Particles that another collider has pushed have gone further.
+        let way = way + room.pushed + motion.reach;
+        let gone = (room.gone + room.pushed + gone + motion.reach) * ROUNDED_UP;
+        let met = bands::run(
+            isa,
+            MeetCollider {
+                band: self.bands.sums.clone(),
+                motion: &motion,
+                skin: self.skin,
+                is_fast: way > self.skin.epsilon + motion.fast,
+                gone,
+                inverse_mass: self.inverse_mass,
+                x: self.x.part_mut(),
+                d: self.d.part_mut(),
+                pull: self.pull.as_deref_mut().map(Soa::part_mut),
+                until: Known::all(&mut room.until[first..]),
+                loads_before: &room.loads_before,
+                pressed: &mut room.pressed,
+            },
+        );
+        room.struck |= met.struck;
+        room.note_pressed(motion.measured.then_some(collider));
+        room.pushed += met.deepest;
+        let Tally { given, forgotten, left, touching } = &met.tally;
+        if motion.measured {
+            room.impulses[collider] += sum(given) / self.skin.step;
+            room.forgotten[collider] += sum(forgotten) / self.skin.step;
+        }
+        if left.largest() > 0.0 {
+            self.calm(first, gone, &motion, met.deepest);
+        }
+        touching.iter().sum()
+    }
+
+    /// While particles are so deep inside that they take more than a substep to come out, what is as
+    /// near to the collider as they are deep, or some times that, goes on at the speed allowed and no faster: the
+    /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
+    #[inline(never)]
+    fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
+        // Nothing bears a load on what gives way: it would drive the rest of the cloth out faster.
+        self.room.loads.clear();
+        self.room.struck = true;
+        let most = self.skin.most_push;
+        let layout = self.bands.rows.layout;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                // What is known may be less than the distance, and depends on where the world's origin is.
+                if self.room.until[first + slot / LANES] > gone + CALMED * deepest
+                    || self.gap(slot, motion) > CALMED * deepest
+                {
+                    continue;
+                }
+                let w = Block::load(self.inverse_mass, slot);
+                let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+                for i in 0..LANES {
+                    let at = x.at(i) + d.at(i);
+                    // Far from the collider's origin, what stands still would seem to move.
+                    let moved = at - motion.before.to_world(motion.after.to_local(at));
+                    let surface = if motion.moves { moved } else { Vec3::ZERO };
+                    let relative = d.at(i) - surface;
+                    let way = larger(relative.dot(relative).sqrt(), LEAST_SLIDING);
+                    let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
+                    d.set(i, d.at(i) - relative * beyond);
+                    x.set(i, x.at(i) + relative * beyond);
+                }
+                d.store(self.d, slot);
+                x.store(self.x, slot);
+            }
+        }
+    }
+
+    /// Least distance beyond epsilon of the particles of a block that are not held \[m\].
+    fn gap(&self, slot: usize, motion: &Motion<'_>) -> f32 {
+        let w = Block::load(self.inverse_mass, slot);
+        let x = Block3::load_sum(self.x, self.d, slot);
+        (0..LANES).filter(|&i| w.0[i] > 0.0).fold(f32::INFINITY, |least, i| {
+            let distance = motion.shape.distance(motion.after.to_local(x.at(i)));
+            least.min(distance * motion.after.scale - self.skin.epsilon)
+        })
+    }
+}
+
+/// The sum over the lanes, in their order.
+#[inline(always)]
+fn sum(block: &Block3) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for i in 0..LANES {
+        sum += block.at(i);
+    }
+    sum
+}

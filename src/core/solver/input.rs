@@ -1,0 +1,84 @@
+//! What a tick is given and what it gives back.
+
+use bevy_math::Vec3;
+
+use super::contact::Collider;
+use super::error::SolverError;
+use super::wind::Wind;
+
+/// Coordinates and speeds beyond this are refused.
+pub(super) const FARTHEST: f32 = 1e7;
+
+/// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
+/// is refused.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StepInput<'a> {
+    /// The tick's length \[s\].
+    pub dt: f32,
+    /// Gravity \[m/s2\].
+    pub gravity: Vec3,
+    /// Motions of the pins, in the order of [`ClothSolver::pins`](super::ClothSolver::pins), then those
+    /// of the targets of [`ClothSolver::soft_pins`](super::ClothSolver::soft_pins).
+    pub pins: &'a [PinMotion],
+    /// Colliders, in an order that does not change from run to run.
+    pub colliders: &'a [Collider<'a>],
+    /// The wind. A cloth that has no [`Air`](super::Air) does not feel it.
+    pub wind: Wind<'a>,
+}
+
+/// Where a pin is at the tick's start and end, in world space \[m\]; it moves evenly between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinMotion {
+    /// Where the tick begins.
+    pub start: Vec3,
+    /// Where it ends.
+    pub end: Vec3,
+}
+
+impl PinMotion {
+    /// A pin that stays.
+    pub fn still(at: Vec3) -> Self {
+        Self { start: at, end: at }
+    }
+}
+
+/// What a tick came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct TickReport {
+    /// Substeps taken.
+    pub substeps: u32,
+    /// Largest strain of a structural spring at the end.
+    pub max_strain: f32,
+    /// Contacts in the last substep.
+    pub contact_count: u32,
+}
+
+impl StepInput<'_> {
+    /// Checks every number, for a cloth with so many pins.
+    pub(super) fn check(&self, pins: usize) -> Result<(), SolverError> {
+        if !(self.dt > 0.0 && self.dt <= 1.0) {
+            return Err(SolverError::Tick(self.dt));
+        }
+        if !(self.gravity.is_finite() && self.gravity.abs().max_element() <= 1e6) {
+            return Err(SolverError::Gravity);
+        }
+        let motions = self.pins.len();
+        if pins != motions {
+            return Err(SolverError::WrongPinCount { pins, motions });
+        }
+        if let Some(pin) = self.pins.iter().position(|p| !(is_near(p.start) && is_near(p.end))) {
+            return Err(SolverError::PinTarget(pin));
+        }
+        match self.colliders.iter().position(|c| !c.is_usable()) {
+            Some(collider) => Err(SolverError::Collider(collider)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether a position or velocity can be used.
+pub(super) fn is_near(p: Vec3) -> bool {
+    // The largest element alone would pass over one that is NaN.
+    p.is_finite() && p.abs().max_element() <= FARTHEST
+}

@@ -1,0 +1,245 @@
+//! Making a solver, and changing what its cloth is made of.
+
+use bevy_math::Vec3;
+
+use super::ClothSolver;
+use super::air::{Air, Surface};
+use super::bands::Bands;
+use super::error::SolverError;
+use super::held::Held;
+use super::input::is_near;
+use super::isa::Isa;
+use super::measure::Survey;
+use super::parameters::{Material, ParameterError, Settings};
+use super::plan::{Bound, Plan};
+use super::state::{Scratch, State};
+use super::stillness::Mark;
+use super::taut::steady;
+use super::topology::Topology;
+
+/// The tick that a solver plans for until it is given one \[s\].
+const USUAL_TICK: f32 = 1.0 / 64.0;
+
+impl ClothSolver {
+    /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing held.
+    ///
+    /// # Errors
+    /// [`SolverError`] for positions, a material or settings that cannot be used.
+    pub fn new(
+        topology: impl Into<Topology>,
+        positions: &[Vec3],
+        material: Material,
+        settings: Settings,
+    ) -> Result<Self, SolverError> {
+        let topology = topology.into();
+        material.validate()?;
+        check_settings(&topology, &settings)?;
+        if positions.len() != topology.particle_count() {
+            return Err(SolverError::WrongPositionCount {
+                expected: topology.particle_count(),
+                got: positions.len(),
+            });
+        }
+        if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
+            return Err(SolverError::NonFinite { what: "position", particle });
+        }
+        let mut held = Held::new(&topology, Vec::new());
+        held.set_density(&topology, material.area_density);
+        let bound = Bound::new(&topology, &held);
+        let state = State::new(&topology, positions);
+        let mut solver = Self {
+            plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
+            scratch: Scratch::new(&topology),
+            isa: Isa::detect(),
+            bands: Bands::new(topology.layout(), false),
+            shares: true,
+            tethered_under: None,
+            tether_ease: 1.0,
+            steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
+            air: None,
+            done: 0,
+            contact_count: 0,
+            survey: Survey::default(),
+            surveyed_before: false,
+            mark: Mark::new(topology.layout()),
+            soft: Vec::new(),
+            pushes: None,
+            topology,
+            material,
+            settings,
+            held,
+            bound,
+            state,
+        };
+        solver.replan();
+        solver.survey = solver.take_survey();
+        Ok(solver)
+    }
+
+    /// The same cloth, in the same place and motion, held alike and in the same air, over a rest shape
+    /// of the same particles, joined alike, whose masses or stiffness are others.
+    ///
+    /// # Errors
+    /// As [`ClothSolver::new`].
+    pub fn remade(&self, topology: Topology, settings: Settings) -> Result<Self, SolverError> {
+        let positions: Vec<_> = (0..topology.particle_count()).map(|i| self.position(i)).collect();
+        let mut solver = Self::new(topology, &positions, self.material, settings)?;
+        solver.isa = self.isa;
+        solver.shares = self.shares;
+        // Particles lie in memory as they did. To the bit: far from the world's origin, positions in
+        // the world would be rounded.
+        solver.state = self.state.clone();
+        solver.mark = self.mark.clone();
+        solver.set_pins(self.pins())?;
+        let soft: Vec<_> = self.soft_pins().copied().collect();
+        solver.set_soft_pins(&soft)?;
+        solver.limit_soft_pins_as(self);
+        solver.set_air(self.air().copied())?;
+        solver.plan_ticks(self.plan.tick);
+        solver.survey_anew();
+        Ok(solver)
+    }
+
+    /// Changes the material.
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`]; the old material then stays.
+    pub fn set_material(&mut self, material: Material) -> Result<(), SolverError> {
+        material.validate()?;
+        self.material = material;
+        self.replan();
+        Ok(())
+    }
+
+    /// Puts the cloth into air, or into none. Air takes the place of the material's linear drag.
+    ///
+    /// # Errors
+    /// [`ParameterError`]; the old air then stays.
+    pub fn set_air(&mut self, air: Option<Air>) -> Result<(), ParameterError> {
+        if let Some(air) = &air {
+            air.validate()?;
+        }
+        match (&mut self.air, air) {
+            (Some(surface), Some(air)) => surface.air = air,
+            (surface, air) => *surface = air.map(|air| Surface::new(air, &self.topology)),
+        }
+        // Air loads the tethers.
+        self.tethered_under = None;
+        Ok(())
+    }
+
+    /// The air around the cloth, `None` where it feels none.
+    pub fn air(&self) -> Option<&Air> {
+        self.air.as_ref().map(|surface| &surface.air)
+    }
+
+    /// Changes the settings.
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`] or [`SolverError::OtherLumping`]; the old settings then stay.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), SolverError> {
+        check_settings(&self.topology, &settings)?;
+        self.settings = settings;
+        self.replan();
+        Ok(())
+    }
+
+    /// Holds these particles and no others, in any order. What was held and is no more goes on with
+    /// the velocity it had.
+    ///
+    /// # Errors
+    /// [`SolverError::NoSuchParticle`]; the old pins then stay.
+    pub fn set_pins(&mut self, particles: &[u32]) -> Result<(), SolverError> {
+        let count = self.topology.particle_count();
+        if let Some(&out) = particles.iter().find(|&&p| p as usize >= count) {
+            return Err(SolverError::NoSuchParticle { particle: out as usize, count });
+        }
+        let mut sorted = particles.to_vec();
+        sorted.sort_unstable();
+        sorted.dedup();
+        if sorted != self.held.particles {
+            self.held = Held::new(&self.topology, sorted);
+            self.stop_carrying();
+            self.replan();
+        }
+        Ok(())
+    }
+
+    /// The held particles, ascending.
+    pub fn pins(&self) -> &[u32] {
+        &self.held.particles
+    }
+
+    /// Forces an instruction set: same bits, other speed. The widest is taken by default.
+    pub fn set_isa(&mut self, isa: Isa) {
+        self.isa = isa;
+    }
+
+    /// Says whether all threads of rayon's pool share the work on a large sheet, as they do by default: same
+    /// bits, other speed.
+    pub fn set_shared(&mut self, shares: bool) {
+        self.shares = shares;
+    }
+
+    /// In how many bands of rows the last tick was shared out; 1 where it was taken in one piece.
+    pub fn band_count(&self) -> usize {
+        self.bands.rows.count()
+    }
+
+    /// Whether this is a large sheet that is to be shared.
+    pub(super) fn is_to_share(&self) -> bool {
+        self.shares
+            && self.topology.as_lattice().is_some()
+            && Bands::pays(self.topology.layout(), self.plan.form)
+    }
+
+    /// Cuts it where there is more than one thread to share it.
+    pub(super) fn share_out(&mut self) {
+        let shared = self.is_to_share() && rayon::current_num_threads() > 1;
+        self.bands = Bands::new(self.topology.layout(), shared);
+    }
+
+    /// Works out again what follows from rest shape, pins, material and settings.
+    fn replan(&mut self) {
+        self.held.set_density(&self.topology, self.material.area_density);
+        self.bound = Bound::new(&self.topology, &self.held);
+        if let (Topology::Graph(graph), Some(strengths)) =
+            (&self.topology, &mut self.held.strengths)
+        {
+            strengths.set_bending(graph, self.settings.bending);
+        }
+        self.make_room_for_study();
+        self.plan_ticks(self.plan.tick);
+        self.tethered_under = None;
+    }
+
+    /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.
+    pub(super) fn tether_under(&mut self, load: Option<Vec3>) {
+        if let Some(load) = load {
+            for set in &mut self.held.tethers {
+                set.set_limits(&self.topology, &self.material, load);
+            }
+        }
+        self.tethered_under = load;
+    }
+
+    /// Makes the plan for ticks of another length \[s\].
+    pub(super) fn plan_ticks(&mut self, tick: f32) {
+        let hung = self.held.hung;
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
+        if let (Topology::Graph(graph), Some(strengths)) =
+            (&self.topology, &mut self.held.strengths)
+        {
+            strengths.set(graph, &self.bound, &self.plan.demand);
+        }
+    }
+}
+
+fn check_settings(topology: &Topology, settings: &Settings) -> Result<(), SolverError> {
+    settings.validate()?;
+    let made = topology.lumping();
+    if settings.lumping != made {
+        return Err(SolverError::OtherLumping { made, asked: settings.lumping });
+    }
+    Ok(())
+}
