@@ -6,18 +6,13 @@
 //! | `raw` | reads the asset's data: the door, where they are checked |
 //! | `weld`, `surface` | vertices at one place become one, what is no triangle is left out |
 //! | `intake` | the surface becomes rows and columns, or stays triangles |
-//! | `groups`, `normals` | normals of any triangles, and of rows and columns |
-//! | `tangents` | tangents that turn with the triangles |
-//! | `draw` | writes positions, normals and tangents, once a frame |
+//! | `draw` | writes positions, normals and tangents, once a frame: what `bevy_drape_core::surface` makes of them |
 
 mod draw;
-mod groups;
 mod intake;
-mod normals;
 mod raw;
 mod rest;
 mod surface;
-mod tangents;
 mod weld;
 
 pub use intake::ClothIntake;

@@ -5,8 +5,9 @@
 //! | [`solver`] | masses and springs: forces, Verlet integration, correction, contact |
 //! | [`sdf`] | what a cloth collides with: signed distances of primitives and of baked meshes |
 //! | [`hang`] | where a cloth hangs: Weil's catenaries, and the relaxation that ends them |
+//! | [`surface`] | what is drawn of it: places, normals, tangents |
 //!
-//! A game takes the plugin, which has the same three modules. This is for a solver of one's own: positions,
+//! A game takes the plugin, which has the first three of these modules too. This is for a solver of one's own: positions,
 //! pins and colliders in, positions out.
 //!
 //! A crate of its own, so that it is fully optimised where the rest of a dev build is not:
@@ -21,3 +22,4 @@ pub mod sdf;
 #[doc(hidden)]
 pub mod serialize;
 pub mod solver;
+pub mod surface;

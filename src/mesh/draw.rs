@@ -1,6 +1,6 @@
 //! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
 
-use super::{MeshProblem, RestShape, intake::NormalPlan, normals::CellRows, tangents::Tangents};
+use super::{MeshProblem, RestShape, intake::NormalPlan};
 use crate::{
     cloth::{
         ClothInterpolation, ClothSimulation,
@@ -13,10 +13,11 @@ use crate::{
 use bevy::{
     camera::primitives::Aabb,
     math::{Affine3A, Mat3A},
-    mesh::VertexAttributeValues,
+    mesh::{Indices, PrimitiveTopology, VertexAttributeValues},
     prelude::*,
     time::Fixed,
 };
+use bevy_drape_core::surface::{GridNormals, Placing, Tangents, bounds, has_moved};
 
 /// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
 /// rounding noise of a cloth at rest, far below a pixel. It is taken from what was last written, so
@@ -36,7 +37,7 @@ pub(crate) struct ClothMesh {
     /// The same, as last written.
     written: Vec<Vec3>,
     /// Room to work out normals in, by rows or by groups.
-    cells: CellRows,
+    cells: GridNormals,
     sums: Vec<Vec3>,
     /// Those of the mesh, once that has been looked at.
     tangents: Option<Option<Box<Tangents>>>,
@@ -69,7 +70,7 @@ impl ClothMesh {
             rest,
             points: vec![Vec3::ZERO; count],
             written: vec![Vec3::ZERO; count],
-            cells: CellRows::new(columns),
+            cells: GridNormals::new(columns),
             sums: Vec::new(),
             tangents: None,
             drawn: None,
@@ -137,8 +138,7 @@ pub(crate) fn draw_cloths(
 /// Whether any point is elsewhere than it was last written.
 fn visibly_moved(own: &ClothMesh, bounds: Aabb) -> bool {
     let tolerance = UNSEEN * bounds.half_extents.max_element();
-    let square = tolerance * tolerance;
-    !own.points.iter().zip(&own.written).all(|(a, b)| a.distance_squared(*b) <= square)
+    has_moved(&own.points, &own.written, tolerance)
 }
 
 fn looks_different(drawn: Option<Drawn>, now: Drawn) -> bool {
@@ -189,13 +189,11 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     if !(turn.is_finite() && shift.is_finite()) {
         return None;
     }
-    let [x, y, z] = turn.to_cols_array_2d().map(Vec3::from_array);
-    let points = &mut own.points;
-    solver.for_each_blended(now.blend, |particle, p| {
-        points[particle] = x * p.x + y * p.y + z * p.z + shift;
-    });
+    let placing = Placing { blend: now.blend, turn: turn.into(), shift: shift.into() };
+    placing.write(solver, &mut own.points);
     place_pinned(&cloth.attachments, own, now, &inverse);
-    let bounds = Aabb::enclosing(&own.points)?;
+    let (min, max) = bounds(&own.points);
+    let bounds = Aabb::from_min_max(min, max);
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
 
@@ -248,7 +246,7 @@ fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProbl
     let mesh = &mut *mesh;
     if own.tangents.is_none() {
         let is_sheet = matches!(own.rest, RestShape::Sheet { .. });
-        let tangents = if is_sheet { None } else { Tangents::take(mesh).map(Box::new) };
+        let tangents = if is_sheet { None } else { take_tangents(mesh).map(Box::new) };
         own.tangents = Some(tangents);
     }
     if let VertexAttributeValues::Float32x3(out) =
@@ -264,6 +262,26 @@ fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProbl
     }
     own.written.copy_from_slice(&own.points);
     Ok(())
+}
+
+/// Those of a mesh that has not been written yet; `None` where it has none, or none that can be used.
+fn take_tangents(mesh: &Mesh) -> Option<Tangents> {
+    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+        return None;
+    }
+    let attribute = |which| mesh.try_attribute_option(which).ok().flatten();
+    let VertexAttributeValues::Float32x4(tangents) = attribute(Mesh::ATTRIBUTE_TANGENT)? else {
+        return None;
+    };
+    let VertexAttributeValues::Float32x3(places) = attribute(Mesh::ATTRIBUTE_POSITION)? else {
+        return None;
+    };
+    let corners: Vec<u32> = match mesh.try_indices_option().ok()? {
+        Some(Indices::U16(indices)) => indices.iter().map(|&index| index.into()).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..places.len() as u32).collect(),
+    };
+    Some(Tangents::new(places, tangents, &corners))
 }
 
 fn write_tangents(tangents: &mut Tangents, mesh: &mut Mesh) -> Result<(), MeshProblem> {
@@ -303,20 +321,14 @@ fn write_positions(own: &ClothMesh, out: &mut [[f32; 3]]) {
 fn write_normals(own: &mut ClothMesh, out: &mut [[f32; 3]]) {
     let ClothMesh { rest, points, cells, sums, .. } = own;
     match rest {
-        RestShape::Sheet { particles, .. } => {
-            let write = |particle: usize, normal: Vec3| out[particle] = normal.to_array();
-            cells.write_normals(points, particles.x as usize, write);
+        RestShape::Sheet { .. } => {
+            cells.write(points, None, out);
         }
         RestShape::Mesh(shape) => match &shape.normals {
-            NormalPlan::Grid { columns, vertex_of_particle } => {
-                let vertex = |particle: usize| match vertex_of_particle {
-                    Some(map) => map[particle] as usize,
-                    None => particle,
-                };
-                let write = |particle, normal: Vec3| out[vertex(particle)] = normal.to_array();
-                cells.write_normals(points, *columns, write);
+            NormalPlan::Grid { vertex_of_particle, .. } => {
+                cells.write(points, vertex_of_particle.as_deref(), out);
             }
-            NormalPlan::Groups(groups) => groups.write_normals(points, sums, out),
+            NormalPlan::Groups(groups) => groups.write(points, sums, out),
         },
     }
 }

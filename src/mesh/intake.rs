@@ -2,7 +2,6 @@
 
 use super::{
     MeshProblem,
-    groups::NormalGroups,
     raw::RawMesh,
     surface::{SkippedTriangles, Surface, follow},
 };
@@ -11,6 +10,7 @@ use crate::cloth::{
     grid::{GridTopology, recognize},
 };
 use bevy::math::{UVec2, Vec3};
+use bevy_drape_core::surface::NormalGroups;
 
 /// What became of a mesh as it was made a cloth.
 #[derive(Clone, Debug, PartialEq, Eq)]

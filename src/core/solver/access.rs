@@ -77,7 +77,7 @@ impl ClothSolver {
     /// Calls `act` with every particle and its place at part `blend` of the last tick, relative to
     /// [`ClothSolver::origin`].
     #[inline]
-    pub fn for_each_blended(&self, blend: f32, mut act: impl FnMut(usize, Vec3)) {
+    pub(crate) fn for_each_blended(&self, blend: f32, mut act: impl FnMut(usize, Vec3)) {
         let (start, end) = (&self.state.start, &self.state.x);
         let place = |slot: usize| {
             if blend >= 1.0 {

@@ -1,14 +1,14 @@
 //! Area-weighted normals of a grid of points.
 
-use bevy::math::Vec3;
+use bevy_math::Vec3;
 
 /// Vectors side by side, coordinate by coordinate: loops over them become vector instructions.
 #[derive(Default)]
 struct Row([Vec<f32>; 3]);
 
-/// Room to work normals out in, a row of cells at a time.
+/// Works out the normals of rows and columns of points, a row of cells at a time, in room of its own.
 #[derive(Default)]
-pub(super) struct CellRows {
+pub struct GridNormals {
     /// Points of two rows.
     upper: Row,
     lower: Row,
@@ -40,24 +40,25 @@ impl Row {
     }
 }
 
-impl CellRows {
+impl GridNormals {
+    /// For rows of so many points, at least one.
     pub fn new(columns: usize) -> Self {
         let [upper, lower, normals] = core::array::from_fn(|_| Row::new(columns));
         let [above, below] = core::array::from_fn(|_| Row::new(columns + 1));
         Self { upper, lower, above, below, normals }
     }
 
-    /// Calls `write` with the normal of every point of a grid, row by row.
+    /// Writes the normal of every point, given row by row. `places` are where in `out`, in the order of the
+    /// points without them.
     ///
     /// A point's normal is the sum over the cells around it of their vector areas, which half the
     /// cross product of a cell's diagonals is, whichever way it is split. Where they cancel it is
     /// +y.
-    pub fn write_normals(
-        &mut self,
-        points: &[Vec3],
-        columns: usize,
-        mut write: impl FnMut(usize, Vec3),
-    ) {
+    ///
+    /// # Panics
+    /// If there are no whole rows, or a place is beyond `out`.
+    pub fn write(&mut self, points: &[Vec3], places: Option<&[u32]>, out: &mut [[f32; 3]]) {
+        let columns = self.normals.0[0].len();
         let rows = points.len() / columns;
         self.below.clear();
         self.lower.take(&points[..columns]);
@@ -71,9 +72,23 @@ impl CellRows {
                 self.below.clear();
             }
             self.add_cells(columns);
-            for column in 0..columns {
-                write(row * columns + column, self.normals.get(column));
+            let points = row * columns..(row + 1) * columns;
+            match places {
+                Some(places) => self.scatter(&places[points], out),
+                None => self.copy(&mut out[points]),
             }
+        }
+    }
+
+    fn copy(&self, out: &mut [[f32; 3]]) {
+        for (column, out) in out.iter_mut().enumerate() {
+            *out = self.normals.get(column).to_array();
+        }
+    }
+
+    fn scatter(&self, places: &[u32], out: &mut [[f32; 3]]) {
+        for (column, &place) in places.iter().enumerate() {
+            out[place as usize] = self.normals.get(column).to_array();
         }
     }
 
@@ -148,9 +163,15 @@ mod tests {
     use super::*;
 
     fn normals(points: &[Vec3], columns: usize) -> Vec<Vec3> {
-        let mut out = vec![Vec3::NAN; points.len()];
-        CellRows::new(columns).write_normals(points, columns, |at, normal| out[at] = normal);
-        out
+        let mut out = vec![[f32::NAN; 3]; points.len()];
+        GridNormals::new(columns).write(points, None, &mut out);
+        // The other way round, from the last to the first.
+        let places: Vec<_> = (0..points.len() as u32).rev().collect();
+        let mut other = out.clone();
+        GridNormals::new(columns).write(points, Some(&places), &mut other);
+        other.reverse();
+        assert_eq!(out, other);
+        out.into_iter().map(Vec3::from_array).collect()
     }
 
     fn grid(rows: usize, columns: usize, place: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {

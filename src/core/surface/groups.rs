@@ -1,15 +1,15 @@
 //! Area-weighted normals of any triangles: smooth across seams, split where the mesh was split.
 
 use super::normals::unit;
-use bevy::math::Vec3;
+use bevy_math::Vec3;
 
 /// Cosine of the largest angle, 10 degrees, between two normals that are meant to be one. Both
 /// sides of a UV seam differ by rounding, both sides of a hard edge by more than this.
 const SAME: f32 = 0.984_807_7;
 
-/// Vertices of one particle that share a normal.
+/// Works out the normals of any triangles: vertices of one particle that share a normal are a group.
 #[derive(Debug, PartialEq)]
-pub(super) struct NormalGroups {
+pub struct NormalGroups {
     /// The group of each vertex.
     of_vertex: Box<[u32]>,
     /// The particle of each group.
@@ -20,7 +20,10 @@ pub(super) struct NormalGroups {
 
 impl NormalGroups {
     /// Groups the vertices of each particle whose normals agree at rest, all of them where the mesh
-    /// has no normals.
+    /// has no normals. Triangles are of vertices.
+    ///
+    /// # Panics
+    /// If a particle or a vertex is beyond their number.
     pub fn new(
         particle_of_vertex: &[u32],
         particle_count: usize,
@@ -62,7 +65,10 @@ impl NormalGroups {
     /// Writes the normal of every vertex, for particles at these points. `sums` is room to work in.
     ///
     /// A normal is the sum of the vector areas of its group's triangles; +y where they cancel.
-    pub fn write_normals(&self, points: &[Vec3], sums: &mut Vec<Vec3>, out: &mut [[f32; 3]]) {
+    ///
+    /// # Panics
+    /// If there are fewer points than particles.
+    pub fn write(&self, points: &[Vec3], sums: &mut Vec<Vec3>, out: &mut [[f32; 3]]) {
         sums.clear();
         sums.resize(self.particles.len(), Vec3::ZERO);
         for corners in &self.triangles {
@@ -114,7 +120,7 @@ mod tests {
 
     fn normals(groups: &NormalGroups, points: &[Vec3], vertices: usize) -> Vec<Vec3> {
         let mut out = vec![[f32::NAN; 3]; vertices];
-        groups.write_normals(points, &mut Vec::new(), &mut out);
+        groups.write(points, &mut Vec::new(), &mut out);
         out.into_iter().map(Vec3::from_array).collect()
     }
 

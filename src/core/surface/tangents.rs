@@ -1,39 +1,22 @@
 //! Tangents that turn with the cloth, so that a normal map is lit as it is folded.
 
-use bevy::{
-    mesh::{Indices, PrimitiveTopology, VertexAttributeValues},
-    prelude::*,
-};
+use bevy_math::{Vec2, Vec3};
 
 /// Least doubled area of a triangle that tells a direction, over the square of its longest edge.
 const LEAST_AREA: f32 = 1e-6;
 
 /// Each vertex's tangent as it was loaded, in the edges of the triangles around it: where these go, it goes. What
 /// the modelling program made of its UVs is kept as it is.
-pub(super) struct Tangents {
+pub struct Tangents {
     /// The vertices of a triangle, and for each of them its tangent's part along both edges from the first.
     triangles: Vec<([u32; 3], [Vec2; 3])>,
     sums: Vec<Vec3>,
 }
 
 impl Tangents {
-    /// Takes those of a mesh that has not been written yet; `None` where it has none, or none that can be used.
-    pub fn take(mesh: &Mesh) -> Option<Self> {
-        if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-            return None;
-        }
-        let attribute = |which| mesh.try_attribute_option(which).ok().flatten();
-        let VertexAttributeValues::Float32x4(tangents) = attribute(Mesh::ATTRIBUTE_TANGENT)? else {
-            return None;
-        };
-        let VertexAttributeValues::Float32x3(places) = attribute(Mesh::ATTRIBUTE_POSITION)? else {
-            return None;
-        };
-        let corners: Vec<u32> = match mesh.try_indices_option().ok()? {
-            Some(Indices::U16(indices)) => indices.iter().map(|&index| index.into()).collect(),
-            Some(Indices::U32(indices)) => indices.clone(),
-            None => (0..places.len() as u32).collect(),
-        };
+    /// Those of the vertices of a mesh, at the places where they were loaded; `corners` are its triangles'
+    /// vertices, three by three. What is beyond the vertices is left out, and triangles without an area.
+    pub fn new(places: &[[f32; 3]], tangents: &[[f32; 4]], corners: &[u32]) -> Self {
         let is_known = |&corner: &u32| (corner as usize) < places.len().min(tangents.len());
         let (corners, _) = corners.as_chunks::<3>();
         let triangles = corners.iter().filter(|corners| corners.iter().all(is_known));
@@ -51,10 +34,13 @@ impl Tangents {
             let is_one = area > LEAST_AREA * ee.max(ff).powi(2);
             (is_one && parts.iter().all(|part| part.is_finite())).then_some((corners, parts))
         });
-        Some(Self { triangles: triangles.collect(), sums: Vec::new() })
+        Self { triangles: triangles.collect(), sums: Vec::new() }
     }
 
     /// Writes them, for vertices at their places and with their normals.
+    ///
+    /// # Panics
+    /// If there are fewer vertices than it was made for.
     pub fn write(&mut self, places: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [[f32; 4]]) {
         self.sums.clear();
         self.sums.resize(out.len(), Vec3::ZERO);

@@ -1,0 +1,12 @@
+//! What is drawn of a cloth: where its particles are in some frame, and the normals and tangents of the surface
+//! between them. Pure geometry over slices, once a frame; no mesh asset.
+
+mod groups;
+mod normals;
+mod points;
+mod tangents;
+
+pub use groups::NormalGroups;
+pub use normals::GridNormals;
+pub use points::{Placing, bounds, has_moved};
+pub use tangents::Tangents;
