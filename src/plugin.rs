@@ -1,14 +1,15 @@
 //! The whole data flow on one page.
 //!
-//! Where does something new go?
+//! What is simulated is in `core`, a crate of its own without an ECS; here is what brings it into Bevy. Where does
+//! something new go?
 //!
 //! | new | goes to | and |
 //! | --- | --- | --- |
 //! | a force of a game's own | nowhere: `ClothForces`, `PushCloth`, or a system between two stages of [`ClothSubstep`] | |
-//! | a force | `solver`: see *A new force* there | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
+//! | a force | `core/solver`: see *A new force* there | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
 //! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
-//! | a collider shape | `sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `serialize.rs`; for speed a `KnownShape` in `sdf` |
-//! | a setting, a number of the material | `solver/parameters.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `solver/plan.rs` if substeps depend on it |
+//! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
+//! | a setting, a number of the material | `core/solver/parameters.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan.rs` if substeps depend on it |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
 //! | a component | its file in `cloth`, `register_type` and its system in `build` below, `lib.rs` | `ClothError` and its `Blame` in `error.rs`, for numbers that are out of range |
 //!

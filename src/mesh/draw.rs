@@ -189,7 +189,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     if !(turn.is_finite() && shift.is_finite()) {
         return None;
     }
-    let placing = Placing { blend: now.blend, turn: turn.into(), shift: shift.into() };
+    let placing = Placing { blend: now.blend, turn: turn.into(), shift };
     placing.write(solver, &mut own.points);
     place_pinned(&cloth.attachments, own, now, &inverse);
     let (min, max) = bounds(&own.points);
