@@ -1,4 +1,4 @@
-//! What [bevy_drape](https://docs.rs/bevy_drape) simulates cloth with: no ECS, no clock, no window.
+//! What [bevy_drape](https://docs.rs/bevy_drape) computes cloth with: no ECS, no clock, no window.
 //!
 //! | module | what it is |
 //! | --- | --- |
@@ -10,8 +10,14 @@
 //! A game takes the plugin, which has the first three of these modules too. This is for a solver of one's own: positions,
 //! pins and colliders in, positions out.
 //!
-//! A crate of its own, so that it is fully optimised where the rest of a dev build is not:
-//! `[profile.dev.package.bevy_drape_core]`.
+//! A crate of its own, so that it can be fully optimised where the rest of a dev build is not:
+//!
+//! ```toml
+//! [profile.dev.package.bevy_drape_core]
+//! opt-level = 3
+//! ```
+//!
+//! The feature `serialize` is for serde, `asset` makes a distance field one of Bevy's assets.
 
 // A library does not print.
 #![warn(clippy::print_stdout, clippy::print_stderr)]

@@ -3,6 +3,7 @@
 //! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
 
 mod air;
+mod automatic;
 mod bending;
 mod carry;
 mod common;

@@ -114,6 +114,21 @@ fn particles_that_are_not_there_or_nowhere_are_refused() {
 }
 
 #[test]
+fn a_rest_shape_of_other_particles_is_refused() {
+    let solver = solver();
+    let remade = |[rows, columns]: [usize; 2], lumping| {
+        let lattice = sheet(Vec2::ONE, rows, columns, lumping);
+        let settings = Settings { lumping, ..Settings::default() };
+        solver.remade(lattice.into(), settings).map(|remade| positions(&remade))
+    };
+    // As many particles in other rows, and another number of them.
+    for other in [[5, 4], [2, 10], [4, 6], [3, 5]] {
+        assert_eq!(remade(other, MassLumping::Lumped).err(), Some(SolverError::OtherParticles));
+    }
+    assert_eq!(remade([4, 5], MassLumping::Equal), Ok(positions(&solver)));
+}
+
+#[test]
 fn a_tick_with_bad_input_does_not_begin() {
     let pins = [PinMotion::still(Vec3::ZERO), PinMotion::still(Vec3::X)];
     let good = StepInput {

@@ -10,7 +10,8 @@
 //! A curve's length is that of the straight line in the cloth at rest, spread out flat. A rest shape that
 //! is not flat is flattened first (`flatten`): its ways along the cloth become distances in a plane.
 //!
-//! In a game, the plugin's `ClothHung` does both. To a solver of one's own:
+//! In a game, the plugin's [`ClothHung`](https://docs.rs/bevy_drape/latest/bevy_drape/struct.ClothHung.html) does both.
+//! To a solver of one's own (with the plugin, these are `bevy_drape::hang`, `bevy_drape::solver` and `bevy::math`):
 //!
 //! ```
 //! use bevy_math::{Vec2, Vec3};

@@ -1,7 +1,6 @@
 //! What a distance field is: a grid of distances and the facts known about it.
 
 use super::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance, lookup};
-use bevy_asset::Asset;
 use bevy_math::{UVec3, Vec3, bounding::Aabb3d};
 use bevy_reflect::TypePath;
 use core::fmt;
@@ -18,7 +17,8 @@ use core::fmt;
 /// [`sample`](SignedDistance::sample).
 ///
 /// A field is rigid: its collider may be moved, turned and scaled alike in all directions, not bent.
-#[derive(Asset, TypePath, Clone, PartialEq)]
+#[derive(TypePath, Clone, PartialEq)]
+#[cfg_attr(feature = "asset", derive(bevy_asset::Asset))]
 pub struct DistanceField {
     pub(super) origin: Vec3,
     pub(super) cell_size: f32,

@@ -43,10 +43,10 @@ pub enum SavedFieldError {
     /// It does not begin as a saved field does.
     #[error("it is not a saved distance field: bake one, and give the file that came of it")]
     Foreign,
-    /// It was written by a newer version of this crate.
+    /// It was written by a newer version.
     #[error(
         "it is a distance field of version {version}, and only up to {known} can be read: bake it again, or update \
-         `bevy_drape`"
+         `bevy_drape`, or `bevy_drape_core`"
     )]
     Version {
         /// The file's version.

@@ -44,6 +44,9 @@ pub enum SolverError {
         /// Masses of the settings.
         asked: MassLumping,
     },
+    /// A cloth is to go on over a rest shape of other particles.
+    #[error("the rest shape has other particles than the cloth, or other rows: make a new solver")]
+    OtherParticles,
     /// A particle that is to be held or set does not exist.
     #[error("there is no particle {particle}: the cloth has {count}")]
     NoSuchParticle {

@@ -2,29 +2,31 @@
 
 use super::lattice::MassLumping;
 
-/// The material of a cloth. `ClothMaterial` says what each number means to a user.
+/// The material of a cloth. All numbers are of the cloth, not of its springs: a finer sheet of the same material
+/// behaves the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Mass per area \[kg/m2\].
+    /// Mass per area \[kg/m2\]. Higher is heavier.
     pub area_density: f32,
-    /// Resistance of the threads to stretching \[N/m\].
+    /// Resistance of the threads to stretching \[N/m\]. Higher is stiffer and costs more substeps.
     pub thread_stiffness: f32,
-    /// Resistance to shearing \[N/m\].
+    /// Resistance to shearing, a square turning into a rhombus \[N/m\]. Higher is stiffer.
     pub shear_stiffness: f32,
-    /// Resistance to bending \[N m\].
+    /// Resistance to bending \[N m\]. Higher makes wider folds.
     pub flexural_rigidity: f32,
-    /// Damping constant of a spring in a square cell \[N s/m\].
+    /// Damping constant of a spring in a square cell \[N s/m\]. Higher stops ripples sooner.
     pub damping: f32,
     /// Which relative velocity the damping acts on.
     pub damping_form: DampingForm,
-    /// Rate at which still air stops the cloth \[1/s\]; of no effect on a cloth that is in
+    /// Rate at which still air stops the cloth \[1/s\]. Higher stops it sooner; of no effect on a cloth that is in
     /// [`Air`](super::Air).
     pub drag: f32,
-    /// Provot's critical deformation rate: the strain that corrections do not let a spring exceed.
+    /// Provot's critical deformation rate: the strain that corrections do not let a spring exceed \[1\].
+    /// Higher stretches more.
     pub max_strain: f32,
-    /// Coulomb's coefficient against a collider of the same coefficient.
+    /// Coulomb's coefficient against a collider of the same coefficient \[1\]. Higher slides less.
     pub friction: f32,
-    /// Distance at which particles are held from colliders \[m\].
+    /// Distance at which particles are held from colliders \[m\]. Higher is safer and shows a gap.
     pub thickness: f32,
 }
 
@@ -121,26 +123,27 @@ impl Default for Substeps {
     }
 }
 
-/// How a cloth is solved. `ClothSettings` says what each choice means to a user.
+/// How a cloth is solved; the defaults suit nearly every scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Substeps in a tick.
+    /// Substeps in a tick. More are more accurate, carry stiffer springs, and cost in proportion.
     pub substeps: Substeps,
-    /// Springs or threads.
+    /// Springs, whole threads, or whichever carries the material.
     pub form: FormChoice,
-    /// Passes of Provot's correction in a substep.
+    /// Passes of Provot's correction in a substep. More hold the strain limit closer.
     pub provot_passes: u32,
     /// Whether masses and springs of the border count half.
     pub lumping: MassLumping,
     /// Bending model.
     pub bending: Bending,
-    /// How the motion is integrated.
+    /// How the motion is integrated. All but Verlet are there to be compared with it: they are not stable.
     pub integrator: Integrator,
-    /// Whether particles are tethered to the pins.
+    /// Whether no particle gets further from the pins than the cloth between them allows.
     pub tethers: bool,
-    /// Speed that no particle exceeds \[m/s\].
+    /// Speed that no particle exceeds \[m/s\]. Higher than any real motion of the scene, and no higher.
     pub max_speed: f32,
-    /// Speed at which particles inside a collider are pushed out \[m/s\].
+    /// Speed at which particles inside a collider are pushed out \[m/s\]. Higher frees a cloth sooner that began inside
+    /// of one.
     pub max_push_speed: f32,
     /// The layers of colliders that it meets, a bit each.
     pub layers: u32,

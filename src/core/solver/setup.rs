@@ -80,8 +80,13 @@ impl ClothSolver {
     /// of the same particles, joined alike, whose masses or stiffness are others.
     ///
     /// # Errors
-    /// As [`ClothSolver::new`].
+    /// [`SolverError::OtherParticles`], and as [`ClothSolver::new`].
     pub fn remade(&self, topology: Topology, settings: Settings) -> Result<Self, SolverError> {
+        let count = |topology: &Topology| topology.particle_count();
+        if count(&topology) != count(&self.topology) || topology.layout() != self.topology.layout()
+        {
+            return Err(SolverError::OtherParticles);
+        }
         let positions: Vec<_> = (0..topology.particle_count()).map(|i| self.position(i)).collect();
         let mut solver = Self::new(topology, &positions, self.material, settings)?;
         solver.isa = self.isa;

@@ -23,7 +23,7 @@ impl NormalGroups {
     /// has no normals. Triangles are of vertices.
     ///
     /// # Panics
-    /// If a particle or a vertex is beyond their number.
+    /// If a particle or a vertex is beyond their number, or there are fewer normals than vertices.
     pub fn new(
         particle_of_vertex: &[u32],
         particle_count: usize,

@@ -3,11 +3,11 @@
 use bevy_math::Vec3;
 
 /// Vectors side by side, coordinate by coordinate: loops over them become vector instructions.
-#[derive(Default)]
+#[derive(Debug)]
 struct Row([Vec<f32>; 3]);
 
 /// Works out the normals of rows and columns of points, a row of cells at a time, in room of its own.
-#[derive(Default)]
+#[derive(Debug)]
 pub struct GridNormals {
     /// Points of two rows.
     upper: Row,
@@ -41,7 +41,7 @@ impl Row {
 }
 
 impl GridNormals {
-    /// For rows of so many points, at least one.
+    /// For rows of so many points; of none where there is no grid to write.
     pub fn new(columns: usize) -> Self {
         let [upper, lower, normals] = core::array::from_fn(|_| Row::new(columns));
         let [above, below] = core::array::from_fn(|_| Row::new(columns + 1));
@@ -56,7 +56,8 @@ impl GridNormals {
     /// +y.
     ///
     /// # Panics
-    /// If there are no whole rows, or a place is beyond `out`.
+    /// If its rows have no points, there are fewer points than in one, or more than places or than in `out`; or if
+    /// a place is beyond that.
     pub fn write(&mut self, points: &[Vec3], places: Option<&[u32]>, out: &mut [[f32; 3]]) {
         let columns = self.normals.0[0].len();
         let rows = points.len() / columns;

@@ -28,14 +28,61 @@ impl Placing {
     }
 }
 
-/// The corners of the box around points; infinite and the wrong way round without any.
+/// The corners of the box around points \[m\]; infinite and the wrong way round without any. They mean
+/// nothing where a point is NaN.
 pub fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     points.iter().fold(none, |(min, max), &point| (min.min(point), max.max(point)))
 }
 
-/// Whether any point is further than this from where it was; so is what is NaN.
+/// Whether any point is further than this \[m\] from where it was; so is what is NaN. Points that only one of the
+/// two has are not looked at.
 pub fn has_moved(points: &[Vec3], before: &[Vec3], distance: f32) -> bool {
     let square = distance * distance;
     !points.iter().zip(before).all(|(a, b)| a.distance_squared(*b) <= square)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::{Lattice, MassLumping, Material, Settings, StepInput};
+    use bevy_math::Vec2;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_cloth_is_placed_between_two_ticks() {
+        let lattice = Arc::new(Lattice::sheet(Vec2::ONE, 3, 20, MassLumping::Lumped).unwrap());
+        let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p + Vec3::Y * 2.0).collect();
+        let (material, settings) = (Material::USUAL, Settings::default());
+        let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
+        let gravity = Vec3::NEG_Y * 8.0;
+        solver.tick(&StepInput { dt: 0.125, gravity, ..StepInput::default() }).unwrap();
+        let fallen = solver.position(0).y - start[0].y;
+        assert!(fallen < -0.05);
+        // A quarter turn about y, at twice the size, from the solver's own origin.
+        let turn = Mat3::from_cols(Vec3::NEG_Z, Vec3::Y, Vec3::X) * 2.0;
+        let mut points = vec![Vec3::NAN; start.len()];
+        for blend in [0.0, 0.25, 1.0] {
+            Placing { blend, turn, shift: Vec3::X }.write(&solver, &mut points);
+            for (point, start) in points.iter().zip(&start) {
+                let p = *start + Vec3::Y * fallen * blend - solver.origin();
+                let expected = Vec3::new(p.z, p.y, -p.x) * 2.0 + Vec3::X;
+                assert!(point.distance(expected) < 1e-5, "{blend}: {point} not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_is_around_all_points() {
+        let points = [Vec3::new(1.0, -2.0, 3.0), Vec3::new(-4.0, 5.0, 0.0), Vec3::ZERO];
+        assert_eq!(bounds(&points), (Vec3::new(-4.0, -2.0, 0.0), Vec3::new(1.0, 5.0, 3.0)));
+        assert_eq!(bounds(&[]), (Vec3::INFINITY, Vec3::NEG_INFINITY));
+    }
+
+    #[test]
+    fn what_moves_further_than_is_let_has_moved() {
+        let before = [Vec3::ZERO, Vec3::X];
+        let moved = |way: f32| has_moved(&[Vec3::ZERO, Vec3::X + Vec3::Z * way], &before, 0.1);
+        assert!(!moved(0.0) && !moved(0.09) && moved(0.11) && moved(f32::NAN));
+    }
 }

@@ -7,6 +7,7 @@ const LEAST_AREA: f32 = 1e-6;
 
 /// Each vertex's tangent as it was loaded, in the edges of the triangles around it: where these go, it goes. What
 /// the modelling program made of its UVs is kept as it is.
+#[derive(Debug)]
 pub struct Tangents {
     /// The vertices of a triangle, and for each of them its tangent's part along both edges from the first.
     triangles: Vec<([u32; 3], [Vec2; 3])>,

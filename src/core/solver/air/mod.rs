@@ -29,15 +29,19 @@ use cells::Cells;
 use law::Law;
 use triangles::Triangles;
 
-/// What the air does to a cloth. `ClothAir` says what each number means to a user.
+/// What the air does to a cloth.
+///
+/// A face of area A that the air meets with velocity u feels `density / 2 * A * |u . n|` times
+/// `drag * u + lift * (|u| sign(u . n) n - |u . n| u / |u|)`, n being its normal (Keckeisen, Kimmerle,
+/// Thomaszewski and Wacker 2004).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct Air {
-    /// Density of the air \[kg/m3\].
+    /// Density of the air \[kg/m3\]. Higher pushes harder.
     pub density: f32,
-    /// Coefficient of drag, along the relative wind \[1\].
+    /// Coefficient of drag, along the relative wind \[1\]. Higher is carried along better and falls slower.
     pub drag: f32,
-    /// Coefficient of lift, across the relative wind \[1\].
+    /// Coefficient of lift, across the relative wind \[1\]. Higher sails and flutters more.
     pub lift: f32,
 }
 
