@@ -1,7 +1,7 @@
 //! What each optional part costs, each with and without in turns; and that what is unused costs and changes
 //! nothing.
 //!
-//! `cargo run --example costs`
+//! `cargo run --release --example costs`
 
 #[path = "common/costs/mod.rs"]
 mod costs;
