@@ -17,7 +17,7 @@ use bevy::{
     prelude::*,
     time::Fixed,
 };
-use bevy_drape_core::surface::{GridNormals, Placing, Tangents, bounds, has_moved};
+use bevy_drape_core::surface::{GridNormals, Placing, Tangents, has_moved};
 
 /// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
 /// rounding noise of a cloth at rest, far below a pixel. It is taken from what was last written, so
@@ -192,8 +192,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     let placing = Placing { blend: now.blend, turn: turn.into(), shift };
     placing.write(solver, &mut own.points);
     place_pinned(&cloth.attachments, own, now, &inverse);
-    let (min, max) = bounds(&own.points);
-    let bounds = Aabb::from_min_max(min, max);
+    let bounds = Aabb::enclosing(&own.points)?;
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
 

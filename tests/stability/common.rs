@@ -4,8 +4,8 @@ use std::{fmt, sync::Arc};
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
-    PinMotion, Settings, StepInput, Topology, Weights,
+    ClothSolver, Collider, FormChoice, Graph, Lattice, MassLumping, Material, PinMotion, Settings,
+    StepInput, Topology, Weights,
 };
 
 pub use crate::other::common::Dice;
@@ -60,18 +60,7 @@ impl Variant {
     }
 
     pub fn material(self) -> Material {
-        let usual = Material {
-            area_density: 0.2,
-            thread_stiffness: 2000.0,
-            shear_stiffness: 100.0,
-            flexural_rigidity: 1e-5,
-            damping: 0.0,
-            damping_form: DampingForm::Axial,
-            drag: 0.2,
-            max_strain: LIMIT,
-            friction: 0.5,
-            thickness: 0.005,
-        };
+        let usual = Material { max_strain: LIMIT, ..Material::USUAL };
         match self.stuff {
             Stuff::Automatic | Stuff::Springs => usual,
             Stuff::Stiffest => Material {

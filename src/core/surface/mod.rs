@@ -8,5 +8,5 @@ mod tangents;
 
 pub use groups::NormalGroups;
 pub use normals::GridNormals;
-pub use points::{Placing, bounds, has_moved};
+pub use points::{Placing, has_moved};
 pub use tangents::Tangents;

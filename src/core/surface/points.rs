@@ -28,13 +28,6 @@ impl Placing {
     }
 }
 
-/// The corners of the box around points \[m\]; infinite and the wrong way round without any. They mean
-/// nothing where a point is NaN.
-pub fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
-    let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    points.iter().fold(none, |(min, max), &point| (min.min(point), max.max(point)))
-}
-
 /// Whether any point is further than this \[m\] from where it was; so is what is NaN. Points that only one of the
 /// two has are not looked at.
 pub fn has_moved(points: &[Vec3], before: &[Vec3], distance: f32) -> bool {
@@ -70,13 +63,6 @@ mod tests {
                 assert!(point.distance(expected) < 1e-5, "{blend}: {point} not {expected}");
             }
         }
-    }
-
-    #[test]
-    fn a_box_is_around_all_points() {
-        let points = [Vec3::new(1.0, -2.0, 3.0), Vec3::new(-4.0, 5.0, 0.0), Vec3::ZERO];
-        assert_eq!(bounds(&points), (Vec3::new(-4.0, -2.0, 0.0), Vec3::new(1.0, 5.0, 3.0)));
-        assert_eq!(bounds(&[]), (Vec3::INFINITY, Vec3::NEG_INFINITY));
     }
 
     #[test]
