@@ -121,6 +121,7 @@ impl ClothSolver {
         self.check_particle(particle, "position", position)?;
         let slot = self.slot(particle);
         self.state.x.set(slot, position - self.state.origin);
+        self.state.contacts.forget(slot);
         self.surveyed_before = true;
         self.stop_carrying();
         Ok(())

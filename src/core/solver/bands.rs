@@ -58,11 +58,6 @@ impl Band {
         self.rows.len().div_ceil(self.each)
     }
 
-    /// Slots of a band at most.
-    pub fn most_slots(&self) -> usize {
-        self.each.min(self.rows.len()) * self.layout.stride
-    }
-
     /// Where it is cut next, if it is.
     pub fn middle(&self) -> Option<usize> {
         let count = self.count();

@@ -12,10 +12,10 @@
 //! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
 //! sum up to none but at its pins, so that carrying a part of all of them keeps its momentum.
 //!
-//! What touches a collider does not follow all of what pulls it, and the collider bears the rest: its pulls are
-//! forgotten. Nor is carried what holds springs to their strain limit, or anything at all where the cloth is far
-//! out of shape or struck: there it mends, and is no force that lasts. Threads are of first order there, and on a
-//! mesh, whose chains of edges pull one after the other.
+//! What lies on a collider does not follow all of what pulls it, and the collider bears the rest. That is a pull all
+//! the same, and is noted as one (`contact`). What holds springs to their strain limit is not carried on, nor is
+//! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
+//! first order there, and on a mesh, whose chains of edges pull one after the other.
 
 use bevy_math::Vec3;
 
@@ -97,27 +97,7 @@ impl ClothSolver {
 
     /// Says whether this substep's pulls are to be carried on.
     pub(super) fn end_carrying(&mut self) {
-        let contact = &mut self.scratch.contact;
-        let carries = self.scratch.carries && !contact.struck;
-        // What goes on pulls at particles that do not follow, and their colliders bear it: a half in the next
-        // substep, a quarter in the one after, and so on. They are given it at once, and lose what is left of
-        // it where nothing goes on any more.
-        let owed = contact.owed.iter_mut().zip(&mut contact.forgotten);
-        for (impulse, (owed, forgotten)) in contact.impulses.iter_mut().zip(owed) {
-            let forgotten = core::mem::take(forgotten);
-            if self.state.carries {
-                *owed *= 1.0 - CARRIED;
-            } else {
-                *impulse -= core::mem::take(owed);
-            }
-            if carries {
-                *impulse += forgotten;
-                *owed += forgotten;
-            } else {
-                *impulse -= core::mem::take(owed);
-            }
-        }
-        self.state.carries = carries;
+        self.state.carries = self.scratch.carries && !self.scratch.contact.struck;
     }
 
     /// Leaves out what corrects between this and [`Self::go_on_pulling`].
@@ -135,7 +115,6 @@ impl ClothSolver {
     /// Particles that corrections see with another mass are pulled by more than they follow: all of it lasts.
     pub(super) fn note_unfollowed(&mut self, adds: bool) {
         if self.scratch.carries {
-            self.note_loads(adds);
             self.note_soft_pins(adds);
         }
     }

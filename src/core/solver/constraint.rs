@@ -6,6 +6,7 @@
 use bevy_math::Vec3;
 
 use super::bands::{self, Band, Cut, CutAt};
+use super::contact::{Contacts, LEAST_MOBILITY, divide};
 use super::isa::{Isa, Kernel};
 use super::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
 use super::lattice::Lattice;
@@ -23,15 +24,19 @@ pub(super) struct CorrectSprings<'a> {
     pub x: &'a Soa,
     pub d: &'a mut Soa,
     pub rule: Rule,
+    /// What particles lie on, where any do.
+    pub contacts: Option<Contacts<'a>>,
 }
 
 impl CorrectSprings<'_> {
     /// Corrects all of the rule's springs, batch by batch.
     pub fn run(self, isa: Isa) {
-        let Self { band, lattice, inverse_mass, x, d, rule } = self;
+        let Self { band, lattice, inverse_mass, x, d, rule, mut contacts } = self;
         let mut correct = |batch| {
             let (band, d) = (band.clone(), d.part_mut());
-            bands::run(isa, CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch });
+            let contacts = contacts.as_mut().map(Contacts::reborrow);
+            let batch = CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch, contacts };
+            bands::run(isa, batch);
         };
         let shear = match rule {
             Rule::Shear { .. } => true,
@@ -77,6 +82,7 @@ struct CorrectBatch<'a> {
     d: PartMut<'a>,
     rule: Rule,
     batch: Batch,
+    contacts: Option<Contacts<'a>>,
 }
 
 /// How far springs are corrected.
@@ -131,9 +137,12 @@ impl Cut for CorrectBatch<'_> {
     }
 
     fn cut(self, row: usize) -> (Self, Self) {
-        let (d, d_below) = self.d.cut(self.band.slot(row + self.batch.offset()));
+        let slot = self.band.slot(row + self.batch.offset());
+        let (d, d_below) = self.d.cut(slot);
+        let (contacts, contacts_below) = self.contacts.cut(slot);
         let (above, below) = self.band.cut(row);
-        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+        let below = Self { band: below, d: d_below, contacts: contacts_below, ..self };
+        (Self { band: above, d, contacts, ..self }, below)
     }
 
     fn run(self, isa: Isa) {
@@ -162,7 +171,37 @@ impl Spring {
     }
 }
 
+/// What of the sum `all` of the inverse masses `w` of both ends moves along a spring, for what it goes `across` the
+/// surfaces that they lie on, along the normals \[1/kg\].
+#[inline(always)]
+pub(super) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
+    let still = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
+    larger(all - still / (length * length), all * LEAST_MOBILITY)
+}
+
 impl CorrectBatch<'_> {
+    /// Normals of what a block of particles lies on, where any particle lies on anything.
+    #[inline(always)]
+    fn normals(&self, slot: usize) -> Option<Block3> {
+        match &self.contacts {
+            Some(contacts) => Some(Block3::load(&contacts.normals.normal, slot)),
+            None => None,
+        }
+    }
+
+    /// Inverse masses of a block of particles, as far as friction lets them go.
+    #[inline(always)]
+    fn mobile(&self, slot: usize) -> Block {
+        let mut w = Block::load(self.inverse_mass, slot);
+        if let Some(contacts) = &self.contacts {
+            let slip = Block::load(&contacts.normals.slip, slot);
+            for i in 0..LANES {
+                w.0[i] *= slip.0[i];
+            }
+        }
+        w
+    }
+
     /// The first rows of the batch's pairs.
     #[inline(always)]
     fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
@@ -217,15 +256,34 @@ impl CorrectBatch<'_> {
     ) {
         let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
         let (mut dp, mut dq) = (Block3::load(&self.d, p), Block3::load(&self.d, q));
-        let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
+        let (wp, wq) = (self.mobile(p), self.mobile(q));
+        let (np, nq) = (self.normals(p), self.normals(q));
+        let mut pulls = Block3::ZERO;
         for i in 0..LANES {
             let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
             let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
-            let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
+            let all = wp.0[i] + wq.0[i];
+            let both = match (&np, &nq) {
+                (Some(np), Some(nq)) => {
+                    let across = [np.at(i).dot(span), nq.at(i).dot(span)];
+                    mobility(all, across, length, [wp.0[i], wq.0[i]])
+                }
+                _ => all,
+            };
+            let inverse_masses = larger(both, LEAST_DIVISOR);
             let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
-            let pull = span * (law(spring) / length);
-            dp.set(i, dp.at(i) + pull * wp.0[i]);
-            dq.set(i, dq.at(i) - pull * wq.0[i]);
+            pulls.set(i, span * (law(spring) / length));
+        }
+        let (mut pull_p, mut pull_q) = (pulls, pulls);
+        if let (Some(np), Some(nq), Some(contacts)) = (&np, &nq, &mut self.contacts) {
+            let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, np), divide(&pulls, nq));
+            contacts.add(p, &load_p);
+            contacts.add(q, &load_q.negated());
+            (pull_p, pull_q) = (along_p, along_q);
+        }
+        for i in 0..LANES {
+            dp.set(i, dp.at(i) + pull_p.at(i) * wp.0[i]);
+            dq.set(i, dq.at(i) - pull_q.at(i) * wq.0[i]);
         }
         dp.store(&mut self.d, p);
         dq.store(&mut self.d, q);
@@ -259,11 +317,10 @@ impl CorrectBatch<'_> {
             before = x.at(LANES - 1);
             let right = Block3::load_sum(self.x, &self.d, slot + 1);
             let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
-            let w = Block::load(self.inverse_mass, slot);
-            let other = (
-                Block::load(self.inverse_mass, slot - 1),
-                Block::load(self.inverse_mass, slot + 1),
-            );
+            let w = self.mobile(slot);
+            let other = (self.mobile(slot - 1), self.mobile(slot + 1));
+            let normals = [self.normals(slot), self.normals(slot - 1), self.normals(slot + 1)];
+            let mut pulls = Block3::ZERO;
             for i in 0..LANES {
                 let is_first = i % 2 == parity;
                 let partner = if is_first { right.at(i) } else { left.at(i) };
@@ -273,8 +330,28 @@ impl CorrectBatch<'_> {
                 let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
                 // No spring has the rest length zero: beside the sheet there is nothing to correct.
                 let excess = if rest > 0.0 { larger(length - rest * limit, 0.0) } else { 0.0 };
-                let divisor = larger(w.0[i] + other, LEAST_DIVISOR) * length;
-                d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
+                let mut both = w.0[i] + other;
+                if let [Some(n), Some(left), Some(right)] = &normals {
+                    let partner = if is_first { right.at(i) } else { left.at(i) };
+                    let across = [n.at(i).dot(span), partner.dot(span)];
+                    both = mobility(both, across, length, [w.0[i], other]);
+                }
+                let divisor = larger(both, LEAST_DIVISOR) * length;
+                if self.contacts.is_some() {
+                    pulls.set(i, span * (excess / divisor));
+                } else {
+                    d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
+                }
+            }
+            if let ([Some(n), ..], Some(contacts)) = (&normals, &mut self.contacts) {
+                let (along, load) = divide(&pulls, n);
+                contacts.add(slot, &load);
+                pulls = along;
+            }
+            if self.contacts.is_some() {
+                for i in 0..LANES {
+                    d.set(i, d.at(i) + pulls.at(i) * w.0[i]);
+                }
             }
             d.store(&mut self.d, slot);
         }

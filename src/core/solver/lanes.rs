@@ -48,6 +48,15 @@ impl Block {
         slice[at..at + LANES].copy_from_slice(&self.0);
     }
 
+    /// The sums of each lane.
+    #[inline(always)]
+    pub fn plus(mut self, other: &Self) -> Self {
+        for i in 0..LANES {
+            self.0[i] += other.0[i];
+        }
+        self
+    }
+
     /// Each lane with its sign changed.
     #[inline(always)]
     pub fn negated(mut self) -> Self {
@@ -181,6 +190,12 @@ impl<'a> BlocksMut<'a> {
     #[inline(always)]
     pub fn set(&mut self, block: usize, value: Block) {
         self.0[block] = value.0;
+    }
+
+    /// Adds to a block.
+    #[inline(always)]
+    pub fn add(&mut self, block: usize, value: &Block) {
+        self.set(block, self.at(block).plus(value));
     }
 }
 
@@ -426,6 +441,46 @@ impl SlotsMut for PartMut<'_> {
     #[inline(always)]
     fn axes_mut(&mut self) -> [&mut [f32]; 3] {
         [self.x, self.y, self.z]
+    }
+}
+
+/// A number for each of some neighbouring slots, written while others write those of the rest.
+#[derive(Debug)]
+pub(super) struct ValuesMut<'a> {
+    first: usize,
+    values: &'a mut [f32],
+}
+
+impl<'a> ValuesMut<'a> {
+    /// Those of all slots.
+    pub fn all(values: &'a mut [f32]) -> Self {
+        Self { first: 0, values }
+    }
+
+    /// The same, for a while.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> ValuesMut<'_> {
+        ValuesMut { first: self.first, values: self.values }
+    }
+
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn blocks(&mut self, slot: usize, count: usize) -> BlocksMut<'_> {
+        BlocksMut::new(self.values, slot - self.first, count)
+    }
+
+    /// Adds to the block of a slot.
+    #[inline(always)]
+    pub fn add(&mut self, slot: usize, more: &Block) {
+        let at = slot - self.first;
+        Block::load(self.values, at).plus(more).store(self.values, at);
+    }
+}
+
+impl CutAt for ValuesMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (values, below) = self.values.split_at_mut(slot - self.first);
+        (Self { first: self.first, values }, Self { first: slot, values: below })
     }
 }
 

@@ -121,12 +121,13 @@ use bending::Bend;
 use beyond::IsAnyBeyond;
 use carry::Carry;
 use constraint::{CorrectSprings, Rule};
-use contact::{ResolveContacts, Skin, Span, least_load};
+use contact::{HoldOnto, ResolveContacts, Skin, Span};
 use damping::{AddDamping, DampedSprings, DampingTarget};
 use forces::AccumulateForces;
 use held::Held;
 use input::is_near;
 use integrate::{Acceleration, Advance, Displace, Integrate, Kick};
+use lanes::ValuesMut;
 use measure::{Survey, TakeSurvey};
 use plan::Bound;
 use shear::{Cells, CorrectShear, ShearRule};
@@ -171,6 +172,9 @@ pub struct ClothSolver {
     surveyed_before: bool,
     mark: stillness::Mark,
 }
+
+/// Without gravity, what only touches is pressed by its weight in this \[m/s2\].
+const LEAST_GRAVITY: f32 = 9.81;
 
 impl ClothSolver {
     /// Takes one tick, all substeps.
@@ -395,7 +399,7 @@ impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
-        self.weigh_loads();
+        self.hold_onto_colliders();
         self.fill_places();
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let mut tethered = self.plan.clamped.thread || self.plan.gives;
@@ -414,8 +418,17 @@ impl ClothSolver {
             self.pull_tethers();
         }
         self.note_unfollowed(true);
-        self.unweigh_loads();
         self.unweigh_soft_pins();
+    }
+
+    /// Lets what lay on a collider go only where it can.
+    fn hold_onto_colliders(&mut self) {
+        let State { d, pull, contacts, .. } = &mut self.state;
+        if contacts.now.any {
+            let carried = self.scratch.carries.then_some(&*pull);
+            let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
+            self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
+        }
     }
 
     fn correct_shear(&mut self) {
@@ -429,16 +442,20 @@ impl ClothSolver {
                     if self.bands.rows.count() > 1 {
                         seams.copy(&self.state.d);
                     }
+                    let State { x, d, contacts, .. } = &mut self.state;
+                    let contacts = contacts.contacts();
                     let cells = Cells {
+                        normals: contacts.as_ref().map(|contacts| contacts.normals),
                         lattice,
                         inverse_mass: &self.held.inverse_mass,
                         rule: ShearRule { compliance, limit, crowd: lattice.crowd },
-                        x: &self.state.x,
+                        x,
                     };
                     let shear = CorrectShear {
                         band: self.bands.rows.clone(),
                         cells,
-                        d: self.state.d.part_mut(),
+                        d: d.part_mut(),
+                        contacts,
                         seams,
                         rooms: row_pulls,
                     };
@@ -478,16 +495,18 @@ impl ClothSolver {
 
     fn correct_springs(&mut self, rule: Rule) {
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
-            room.correct_springs(self.isa, graph, rule);
+            room.correct_springs(self.isa, graph, rule, self.state.contacts.now.any);
         }
         let Topology::Lattice(lattice) = &self.topology else { return };
+        let State { x, d, contacts, .. } = &mut self.state;
         let springs = CorrectSprings {
             band: self.bands.rows.clone(),
             lattice,
             inverse_mass: &self.held.inverse_mass,
-            x: &self.state.x,
-            d: &mut self.state.d,
+            x,
+            d,
             rule,
+            contacts: contacts.contacts(),
         };
         springs.run(self.isa);
     }
@@ -503,7 +522,7 @@ impl ClothSolver {
         let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
         if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
-            return room.solve_chains(isa, graph, reach);
+            return room.solve_chains(isa, graph, reach, self.state.contacts.now.any);
         }
         let weft_beyond = self.solve_weft(reach);
         let warp_beyond = self.solve_warp(reach);
@@ -512,14 +531,16 @@ impl ClothSolver {
 
     fn solve_weft(&mut self, reach: Reach) -> bool {
         let Topology::Lattice(lattice) = &self.topology else { return false };
+        let State { x, d, contacts, .. } = &mut self.state;
         let weft = SolveWeft {
             band: self.bands.rows.clone(),
             lines: lattice.layout.transposed(),
             springs: &lattice.weft_transposed,
             inverse_mass: &self.held.inverse_mass_transposed,
             reach,
-            x: &self.state.x,
-            d: self.state.d.part_mut(),
+            x,
+            d: d.part_mut(),
+            contacts: contacts.contacts(),
             rooms: &self.scratch.threads,
         };
         bands::run(self.isa, weft)
@@ -528,14 +549,19 @@ impl ClothSolver {
     fn solve_warp(&mut self, reach: Reach) -> bool {
         let Topology::Lattice(lattice) = &self.topology else { return false };
         let Bands { rows, columns, .. } = &self.bands;
-        let State { x, d, .. } = &mut self.state;
-        let Scratch { threads: rooms, apart, .. } = &mut self.scratch;
+        let State { x, d, contacts, .. } = &mut self.state;
+        let Scratch { threads: rooms, apart, load_apart, .. } = &mut self.scratch;
         let (layout, springs) = (lattice.layout, &lattice.warp);
         let inverse_mass = &self.held.inverse_mass;
         if columns.count() == 1 {
             let line = &mut rooms.take().line;
             let lines = Lines { layout, springs, reach, inverse_mass, line };
-            return self.isa.run(SolveWarp { layout, lines, x, d });
+            let contacts = contacts.contacts();
+            return self.isa.run(SolveWarp { layout, lines, x, d, contacts });
+        }
+        let touches = contacts.now.any;
+        if touches {
+            load_apart.fill(0.0);
         }
         let warp = SolveWarpApart {
             band: columns.clone(),
@@ -546,10 +572,12 @@ impl ClothSolver {
             x,
             d,
             apart: apart.part_mut(),
+            contacts: touches.then(|| (&contacts.now, ValuesMut::all(load_apart))),
             rooms,
         };
         let beyond = bands::run(self.isa, warp);
-        bands::run(self.isa, PutBack { band: rows.clone(), apart, d: d.part_mut() });
+        let loads = contacts.contacts().map(|contacts| (&*load_apart, contacts.load));
+        bands::run(self.isa, PutBack { band: rows.clone(), apart, d: d.part_mut(), loads });
         beyond
     }
 
@@ -575,9 +603,11 @@ impl ClothSolver {
 
     /// Fourth stage: contact and friction. Ends the substep.
     pub fn collide(&mut self, input: &StepInput<'_>) {
-        if input.colliders.is_empty() {
+        if input.colliders.is_empty() && !self.state.contacts.now.any {
             self.contact_count = 0;
         } else {
+            let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
+            let (heavy, lighter) = Skin::heavy(weight);
             let contacts = ResolveContacts {
                 bands: &self.bands,
                 colliders: input.colliders,
@@ -587,8 +617,10 @@ impl ClothSolver {
                     epsilon: self.material.thickness,
                     friction: self.material.friction,
                     layers: self.settings.layers,
-                    least_load: least_load(input.gravity) * self.state.response,
                     most_push: self.settings.max_push_speed * self.plan.step,
+                    heavy,
+                    lighter,
+                    following: Skin::following(self.plan.step),
                     step: self.plan.step,
                 },
                 inverse_mass: &self.held.inverse_mass,
@@ -596,6 +628,7 @@ impl ClothSolver {
                 d: &mut self.state.d,
                 pull: self.scratch.carries.then_some(&mut self.state.pull),
                 room: &mut self.scratch.contact,
+                set: &mut self.state.contacts,
             };
             self.contact_count = contacts.run(self.isa);
         }
@@ -709,7 +742,7 @@ impl ClothSolver {
 
     fn empty_places(&mut self) {
         if let Some(room) = &self.scratch.graph {
-            room.empty(self.isa, &mut self.state.d);
+            room.empty(self.isa, &mut self.state);
         }
     }
 }

@@ -158,7 +158,7 @@ impl ClothSolver {
         self.state.d.clear();
         self.state.last_step = 0.0;
         self.stop_carrying();
-        self.scratch.contact.owed.clear();
+        self.state.contacts.clear();
     }
 
     /// Says that the cloth does not move at present, as no tick is taken: what is drawn between two
@@ -209,8 +209,15 @@ impl ClothSolver {
         self.isa.run(place.of(layout, &mut self.state.x, false));
         self.isa.run(place.of(layout, &mut self.state.d, true));
         self.isa.run(place.of(layout, &mut self.state.pull, true));
+        if self.state.contacts.now.any {
+            self.isa.run(place.of(layout, &mut self.state.contacts.pulled, true));
+        }
+        for normals in [&mut self.state.contacts.now, &mut self.state.contacts.before] {
+            if normals.any {
+                self.isa.run(place.of(layout, &mut normals.normal, true));
+            }
+        }
         self.state.origin = place.origin;
-        // Contact knows nothing from before a tick, so that nothing else has to be told.
         self.survey_anew();
     }
 }

@@ -8,8 +8,9 @@ use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::air::Air;
+use super::contact::ActiveSet;
 use super::error::SolverError;
-use super::input::is_near;
+use super::input::{FARTHEST, is_near};
 use super::lanes::Soa;
 use super::push::Pushes;
 use super::soft::SoftPin;
@@ -34,8 +35,8 @@ pub struct SolverState {
     response: f32,
     /// What corrections carry on, where they do.
     pull: Option<Vec<Vec3>>,
-    /// What colliders were given that is still to come \[kg m/s\].
-    owed: Vec<Vec3>,
+    /// What lay on colliders, if anything did.
+    contacts: Option<SavedContacts>,
     /// The tick that was planned for \[s\].
     tick: f32,
     pins: Vec<u32>,
@@ -47,6 +48,38 @@ pub struct SolverState {
     mark: Vec<Vec3>,
     /// Forces that wait for the next tick, and their strength \[N\].
     pushes: Option<(Vec<Vec3>, f32)>,
+}
+
+/// The normals of the surfaces that particles lay on in the last substep and in the one before, and the speeds of those along
+/// them \[m/s\]; see `contact`.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+struct SavedContacts {
+    normals: Vec<Vec3>,
+    before: Vec<Vec3>,
+    pulled: Vec<Vec3>,
+    slips: Vec<[f32; 2]>,
+    pressed: Vec<f32>,
+    speeds: Vec<f32>,
+    holders: Vec<u32>,
+}
+
+impl SavedContacts {
+    /// Whether a cloth of so many particles may have been in such contact.
+    fn is_good(&self, particles: usize) -> bool {
+        let Self { normals, before, pulled, slips, pressed, speeds, holders } = self;
+        let is_normal =
+            |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && (n.length() - 1.0).abs() < 1e-3);
+        [normals, before]
+            .iter()
+            .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
+            && [slips.len(), pressed.len(), speeds.len(), pulled.len(), holders.len()]
+                == [particles; 5]
+            && pulled.iter().all(|pulled| is_near(*pulled))
+            && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
+            && pressed.iter().all(|pressed| (0.0..=FARTHEST).contains(pressed))
+            && speeds.iter().all(|speed| speed.abs() <= FARTHEST)
+    }
 }
 
 /// Why a state cannot be put back. Nothing has changed then.
@@ -101,7 +134,7 @@ impl SolverState {
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
-        good(self.owed.iter().all(|owed| owed.is_finite()), "impulses")?;
+        good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
@@ -143,7 +176,7 @@ impl ClothSolver {
             survey: _,
             surveyed_before: _,
             // These do not outlive a tick.
-            scratch,
+            scratch: _,
             done: _,
             tether_ease: _,
             contact_count: _,
@@ -152,7 +185,14 @@ impl ClothSolver {
             state,
             mark,
         } = self;
-        let State { origin, x, d, pull, carries, unit, start, last_step, response } = state;
+        let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
+            state;
+        // What else it has is of one substep.
+        let ActiveSet { now, before, next: _, speed, holder, pressed, pulled, lost: _, load: _ } =
+            contacts;
+        let values = |values: &[f32]| -> Vec<f32> {
+            (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
+        };
         let Mark { origin: mark_origin, x: mark } = mark;
         let by_particle = |soa: &Soa| by_particle(topology, soa);
         SolverState {
@@ -165,7 +205,19 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
-            owed: scratch.contact.owed.clone(),
+            contacts: now.any.then(|| SavedContacts {
+                normals: by_particle(&now.normal),
+                before: by_particle(&before.normal),
+                pulled: by_particle(pulled),
+                slips: values(&now.slip)
+                    .into_iter()
+                    .zip(values(&before.slip))
+                    .map(Into::into)
+                    .collect(),
+                pressed: values(pressed),
+                speeds: values(speed),
+                holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+            }),
             tick: plan.tick,
             pins: held.particles.clone(),
             soft: soft.iter().map(|spring| (spring.pin, spring.most_force())).collect(),
@@ -203,7 +255,7 @@ impl ClothSolver {
             last_step,
             response,
             pull,
-            owed,
+            contacts,
             tick,
             pins,
             soft,
@@ -235,8 +287,25 @@ impl ClothSolver {
             start: by_slot(start),
             last_step: *last_step,
             response: *response,
+            contacts: ActiveSet::new(topology.layout().len()),
         };
-        self.scratch.contact.owed.clone_from(owed);
+        if let Some(SavedContacts { normals, before, pulled, slips, pressed, speeds, holders }) =
+            contacts
+        {
+            let set = &mut self.state.contacts;
+            for (to, from) in [(&mut set.now, normals), (&mut set.before, before)] {
+                to.normal = by_slot(from);
+                to.find();
+            }
+            set.pulled = by_slot(pulled);
+            for particle in 0..topology.particle_count() {
+                let slot = topology.slot(particle);
+                set.speed[slot] = speeds[particle];
+                set.holder[slot] = holders[particle] as f32;
+                set.pressed[slot] = pressed[particle];
+                [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
+            }
+        }
         self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };
         self.pushes = pushes.as_ref().map(|(forces, strength)| {
             Box::new(Pushes { forces: by_slot(forces), strength: *strength })

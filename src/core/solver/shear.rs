@@ -8,9 +8,12 @@
 use core::mem;
 
 use super::bands::{Band, CutAt, Rooms, Seams, cut_between_rows};
-use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH};
+use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, mobility};
+use super::contact::{Contacts, Normals, divide};
 use super::isa::Kernel;
-use super::lanes::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger};
+use super::lanes::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger,
+};
 use super::lattice::Lattice;
 
 /// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no
@@ -50,6 +53,8 @@ pub(super) struct Cells<'a> {
     pub inverse_mass: &'a [f32],
     pub rule: ShearRule,
     pub x: &'a Soa,
+    /// Normals of what particles lie on, where any do.
+    pub normals: Option<&'a Normals>,
 }
 
 /// Corrects the shear springs of a lattice.
@@ -57,6 +62,8 @@ pub(super) struct CorrectShear<'a> {
     pub band: Band,
     pub cells: Cells<'a>,
     pub d: PartMut<'a>,
+    /// What particles lie on, where any do.
+    pub contacts: Option<Contacts<'a>>,
     /// Displacements on both sides of the cuts, before any is corrected.
     pub seams: &'a Seams,
     pub rooms: &'a Rooms<RowPulls>,
@@ -101,7 +108,8 @@ impl Kernel for CorrectShear<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { band: Band { layout, rows, .. }, cells, mut d, seams, rooms } = self;
+        let Self { band: Band { layout, rows, .. }, cells, mut d, mut contacts, seams, rooms } =
+            self;
         let mut pulls = rooms.take();
         pulls.clear();
         if rows.start > 0 {
@@ -110,17 +118,18 @@ impl Kernel for CorrectShear<'_> {
         for row in rows.clone() {
             pulls.turn();
             let (mut own, below) = d.reborrow().cut(layout.slot(row + 1, 0) - LANES);
+            // What is below has been corrected by now, perhaps.
             if row + 1 == rows.end && rows.end < layout.rows {
-                // What is below has been corrected by now, perhaps.
-                cells.correct(row, &mut own, &seams.row(rows.end), &mut pulls);
+                let below = seams.row(rows.end);
+                cells.correct_row(row, &mut own, &below, &mut pulls, &mut contacts);
             } else {
-                cells.correct(row, &mut own, &below, &mut pulls);
+                cells.correct_row(row, &mut own, &below, &mut pulls, &mut contacts);
             }
         }
     }
 }
 
-cut_between_rows!(CorrectShear, d);
+cut_between_rows!(CorrectShear, d, contacts);
 
 impl<'a> Cells<'a> {
     /// Works out the pulls between the row before the band and its first.
@@ -128,34 +137,89 @@ impl<'a> Cells<'a> {
     fn pull_from_above(&self, first: usize, seams: &Seams, pulls: &mut RowPulls) {
         let (above, below) = (seams.row(first - 1), seams.row(first));
         let springs = RowSprings::new(self, first - 1, &below);
+        let touch = self.touch(first - 1);
         let d = Blocks3::new(&above, self.lattice.layout.slot(first - 1, 0), springs.blocks);
         let mut right = Blocks3Mut::new(&mut pulls.right, LANES, springs.blocks);
         let mut left = Blocks3Mut::new(&mut pulls.left, LANES, springs.blocks);
         for block in 0..springs.blocks {
-            let found = springs.pulls(block, &d.at(block));
+            let d = d.at(block);
+            let found = if touch {
+                springs.pulls::<true>(block, &d)
+            } else {
+                springs.pulls::<false>(block, &d)
+            };
             right.set(block, found[0]);
             left.set(block, found[1]);
         }
     }
 
+    /// Whether any particle of a row and the next lies on a collider.
+    #[inline(always)]
+    fn touch(&self, row: usize) -> bool {
+        let layout = self.lattice.layout;
+        let of = |normals: &Normals, row| {
+            normals.touch(layout.slot(row, 0) / LANES, layout.blocks_across(), 1)
+        };
+        match self.normals {
+            Some(normals) => of(normals, row) || of(normals, row + 1),
+            None => false,
+        }
+    }
+
     /// Corrects a row, at which nothing looks any more afterwards.
     #[inline(always)]
-    fn correct(&self, row: usize, own: &mut PartMut<'_>, below: &impl Slots, pulls: &mut RowPulls) {
+    fn correct_row(
+        &self,
+        row: usize,
+        own: &mut PartMut<'_>,
+        below: &impl Slots,
+        pulls: &mut RowPulls,
+        contacts: &mut Option<Contacts<'_>>,
+    ) {
+        match contacts {
+            Some(contacts) if self.touch(row) => {
+                self.correct::<true>(row, own, below, pulls, Some(contacts));
+            }
+            _ => self.correct::<false>(row, own, below, pulls, None),
+        }
+    }
+
+    /// The same, where any of its particles or their neighbours lies on a collider, or none does.
+    #[inline(always)]
+    fn correct<const TOUCH: bool>(
+        &self,
+        row: usize,
+        own: &mut PartMut<'_>,
+        below: &impl Slots,
+        pulls: &mut RowPulls,
+        mut contacts: Option<&mut Contacts<'_>>,
+    ) {
         let springs = RowSprings::new(self, row, below);
-        let blocks = springs.blocks;
-        let mut d = Blocks3Mut::new(own, self.lattice.layout.slot(row, 0), blocks);
+        let (blocks, slot) = (springs.blocks, self.lattice.layout.slot(row, 0));
+        let mut d = Blocks3Mut::new(own, slot, blocks);
         let mut right = Blocks3Mut::new(&mut pulls.right, LANES, blocks);
         let mut left = Blocks3Mut::new(&mut pulls.left, LANES, blocks);
         let above_right = Blocks3::new(&pulls.right_before, LANES - 1, blocks);
         let above_left = Blocks3::new(&pulls.left_before, LANES + 1, blocks);
         for block in 0..blocks {
             let mut corrected = d.at(block);
-            let [to_right, to_left] = springs.pulls(block, &corrected);
+            let [to_right, to_left] = springs.pulls::<TOUCH>(block, &corrected);
             let (from_right, from_left) = (above_right.at(block), above_left.at(block));
-            let w = springs.w[0].at(block);
+            let w = if TOUCH { springs.mobile(0, block) } else { springs.w[0].at(block) };
+            let mut pull = Block3::ZERO;
             for i in 0..LANES {
-                let pull = to_right.at(i) + to_left.at(i) - from_right.at(i) - from_left.at(i);
-                corrected.set(i, corrected.at(i) + pull * w.0[i]);
+                let both = to_right.at(i) + to_left.at(i) - from_right.at(i) - from_left.at(i);
+                pull.set(i, both);
+            }
+            if TOUCH {
+                let (along, load) = divide(&pull, &springs.normal(0, block));
+                pull = along;
+                if let Some(contacts) = &mut contacts {
+                    contacts.add(slot + block * LANES, &load);
+                }
+            }
+            for i in 0..LANES {
+                corrected.set(i, corrected.at(i) + pull.at(i) * w.0[i]);
             }
             d.set(block, corrected);
             right.set(block, to_right);
@@ -174,6 +238,8 @@ struct RowSprings<'a> {
     d: [Blocks3<'a>; 2],
     /// Inverse masses of the row and of those ends.
     w: [Blocks<'a>; 3],
+    /// Normals of what they lie on, where any do.
+    normals: Option<[(Blocks3<'a>, Blocks<'a>); 3]>,
     rest: [Blocks<'a>; 2],
     factor: [Blocks<'a>; 2],
 }
@@ -181,7 +247,7 @@ struct RowSprings<'a> {
 impl<'a> RowSprings<'a> {
     #[inline(always)]
     fn new(cells: &Cells<'a>, row: usize, below: &'a impl Slots) -> Self {
-        let Cells { lattice, inverse_mass, rule, x } = *cells;
+        let Cells { lattice, inverse_mass, rule, x, normals } = *cells;
         let blocks = lattice.layout.blocks_across();
         let (slot, next) = (lattice.layout.slot(row, 0), lattice.layout.slot(row + 1, 0));
         let (right, left) = (next + 1, next - 1);
@@ -195,6 +261,14 @@ impl<'a> RowSprings<'a> {
             x: [at(slot), at(right), at(left)],
             d: [Blocks3::new(below, right, blocks), Blocks3::new(below, left, blocks)],
             w: [masses(slot), masses(right), masses(left)],
+            normals: match normals {
+                Some(Normals { normal, slip, .. }) => Some([
+                    (Blocks3::new(normal, slot, blocks), Blocks::new(slip, slot, blocks)),
+                    (Blocks3::new(normal, right, blocks), Blocks::new(slip, right, blocks)),
+                    (Blocks3::new(normal, left, blocks), Blocks::new(slip, left, blocks)),
+                ]),
+                None => None,
+            },
             // A cell's springs stand at its first corner, the one across it too.
             rest: [
                 Blocks::new(&lattice.diagonal.rest, slot, blocks),
@@ -204,24 +278,62 @@ impl<'a> RowSprings<'a> {
         }
     }
 
+    /// Normals of what the ends of springs lie on: of the row, of those to the right, of those to the left.
+    #[inline(always)]
+    fn normal(&self, end: usize, block: usize) -> Block3 {
+        match &self.normals {
+            Some(normals) => normals[end].0.at(block),
+            None => Block3::ZERO,
+        }
+    }
+
+    /// Inverse masses of the same, as far as friction lets them go.
+    #[inline(always)]
+    fn mobile(&self, end: usize, block: usize) -> Block {
+        let mut w = self.w[end].at(block);
+        if let Some(normals) = &self.normals {
+            let slip = normals[end].1.at(block);
+            for i in 0..LANES {
+                w.0[i] *= slip.0[i];
+            }
+        }
+        w
+    }
+
     /// Pulls on a block of the row, of displacements `d`: both springs in one loop, whose roots and quotients then
     /// follow each other without waiting.
     #[inline(always)]
-    fn pulls(&self, block: usize, d: &Block3) -> [Block3; 2] {
+    fn pulls<const TOUCH: bool>(&self, block: usize, d: &Block3) -> [Block3; 2] {
         let here = self.x[0].at(block);
         let (x_right, d_right) = (self.x[1].at(block), self.d[0].at(block));
         let (x_left, d_left) = (self.x[2].at(block), self.d[1].at(block));
-        let [w, w_right, w_left] = [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)];
+        let [w, w_right, w_left] = if TOUCH {
+            [self.mobile(0, block), self.mobile(1, block), self.mobile(2, block)]
+        } else {
+            [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)]
+        };
         let [rest_right, rest_left] = [self.rest[0].at(block), self.rest[1].at(block)];
         let [factor_right, factor_left] = [self.factor[0].at(block), self.factor[1].at(block)];
         let (mut right, mut left) = (Block3::ZERO, Block3::ZERO);
+        let normals = if TOUCH {
+            [self.normal(0, block), self.normal(1, block), self.normal(2, block)]
+        } else {
+            [Block3::ZERO; 3]
+        };
         for i in 0..LANES {
             let here = here.at(i) + d.at(i);
             let to_right = x_right.at(i) + d_right.at(i) - here;
             let to_left = x_left.at(i) + d_left.at(i) - here;
             let length_right = larger(to_right.dot(to_right).sqrt(), LEAST_LENGTH);
             let length_left = larger(to_left.dot(to_left).sqrt(), LEAST_LENGTH);
-            let (both_right, both_left) = (w.0[i] + w_right.0[i], w.0[i] + w_left.0[i]);
+            let (mut both_right, mut both_left) = (w.0[i] + w_right.0[i], w.0[i] + w_left.0[i]);
+            if TOUCH {
+                let [n, n_right, n_left] = [normals[0].at(i), normals[1].at(i), normals[2].at(i)];
+                let across = [n.dot(to_right), n_right.dot(to_right)];
+                both_right = mobility(both_right, across, length_right, [w.0[i], w_right.0[i]]);
+                let across = [n.dot(to_left), n_left.dot(to_left)];
+                both_left = mobility(both_left, across, length_left, [w.0[i], w_left.0[i]]);
+            }
             let rule = &self.rule;
             let by_right = rule.pull(length_right, rest_right.0[i], factor_right.0[i], both_right);
             let by_left = rule.pull(length_left, rest_left.0[i], factor_left.0[i], both_left);

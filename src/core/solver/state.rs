@@ -4,7 +4,7 @@ use bevy_math::Vec3;
 
 use super::bands::{Band, Bands, Rooms, Seams};
 use super::bending::Moments;
-use super::contact::ContactRoom;
+use super::contact::{ActiveSet, ContactRoom};
 use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
 use super::lattice::Layout;
@@ -15,7 +15,7 @@ use super::threads;
 use super::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct State {
     /// Where the cloth's own coordinates begin, in world space \[m\]: a multiple of 1/16 m, so that
     /// moving it by such multiples changes no bit of what the positions mean.
@@ -42,6 +42,8 @@ pub(crate) struct State {
     /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
     /// substep, less what drag takes. Corrections with a compliance answer forces through it.
     pub response: f32,
+    /// What lay on colliders in the last substep.
+    pub contacts: ActiveSet,
 }
 
 impl State {
@@ -68,6 +70,7 @@ impl State {
             x,
             last_step: 0.0,
             response: 0.0,
+            contacts: ActiveSet::new(layout.len()),
         }
     }
 
@@ -106,6 +109,8 @@ pub(crate) struct Scratch {
     pub seams: Seams,
     /// Displacements of columns, where they are solved apart from each other.
     pub apart: Soa,
+    /// What is borne by what particles of such columns lie on.
+    pub load_apart: Array,
     /// Displacements predicted for the damping.
     pub b: Soa,
     /// What only a graph's stages work in.
@@ -160,6 +165,7 @@ impl Scratch {
             row_pulls: Rooms::new(count, || RowPulls::new(woven.columns)),
             threads: Rooms::new(bands.most(), || threads::Room::new(woven)),
             apart: Soa::zeros(apart),
+            load_apart: Array::zeros(apart),
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,
             carries: false,

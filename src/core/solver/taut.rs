@@ -11,6 +11,7 @@
 //! `(1 + G) z = c`, where `G` is the Laplacian of the thread weighted by what `w t / l` has too much.
 //! Momentum is kept, and what moves the thread as a whole.
 
+use super::contact::divide;
 use super::lanes::{Block, Block3, LANES, larger};
 use super::state::Line;
 
@@ -30,6 +31,8 @@ pub(super) trait Threads {
     fn inverse_mass(&self, place: usize) -> Block;
     /// Rest lengths of the springs after a place \[m\]; 0 where there are none.
     fn rest(&self, place: usize) -> Block;
+    /// Normals of what the particles at a place lie on, where any do.
+    fn normals(&self, place: usize) -> Option<Block3>;
     /// Takes what the particles at a place are to be corrected by more than they were.
     fn correct_more(&mut self, place: usize, more: Block3);
 }
@@ -52,6 +55,8 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
     for place in (0..threads.places()).rev() {
         let at = place * LANES;
         let w = threads.inverse_mass(place);
+        let normals = threads.normals(place);
+        let after_pull = moving(&pull, &normals);
         let (mut pull_before, mut before) = (Block3::ZERO, Block::ZERO);
         if place > 0 {
             let spring = at - LANES;
@@ -61,7 +66,7 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
             let length = Block::load(&line.length, spring);
             let (next, rest) = (threads.inverse_mass(place - 1), threads.rest(place - 1));
             for i in 0..LANES {
-                let beside = w.0[i] * span.at(i).dot(pull.at(i));
+                let beside = w.0[i] * span.at(i).dot(after_pull.at(i));
                 let tension = (residual.0[i] + beside) * inverse.0[i];
                 pull_before.set(i, span.at(i) * tension);
                 let pulled = tension * length.0[i] / rest.0[i];
@@ -69,9 +74,13 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
                 before.0[i] = if rest.0[i] > 0.0 { larger(over, 0.0) } else { 0.0 };
             }
         }
-        let mut correction = Block3::ZERO;
+        let (mut both, mut correction) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
-            let c = (pull.at(i) - pull_before.at(i)) * w.0[i];
+            both.set(i, pull.at(i) - pull_before.at(i));
+        }
+        let both = moving(&both, &normals);
+        for i in 0..LANES {
+            let c = both.at(i) * w.0[i];
             let (a, b) = (w.0[i] * after.0[i], w.0[i] * before.0[i]);
             let inverse = 1.0 / (1.0 + b + a * (1.0 - factor.0[i]));
             right.set(i, (c + right.at(i) * a) * inverse);
@@ -99,6 +108,17 @@ fn substitute(line: &Line, threads: &mut impl Threads) {
             z.set(i, right.at(i) + z.at(i) * factor.0[i]);
             more.set(i, z.at(i) - c.at(i));
         }
+        // What a particle lies on keeps it where it is.
+        let more = moving(&more, &threads.normals(place));
         threads.correct_more(place, more);
+    }
+}
+
+/// What of pulls moves particles that lie on surfaces of these normals, if any do.
+#[inline(always)]
+fn moving(pull: &Block3, normals: &Option<Block3>) -> Block3 {
+    match normals {
+        Some(normals) => divide(pull, normals).0,
+        None => *pull,
     }
 }

@@ -7,10 +7,16 @@
 //! force still moves in a substep stands for `h^2`), so that a thread
 //! at rest carries its load with the stiffness asked for.
 //!
+//! Where particles lie on colliders their inverse masses `w` give way to mobilities `w (1 - n n^T)` (`contact`): of
+//! each product of two directions what is along the normals `n` is left out. The matrix stays tridiagonal.
+//!
 //! What is solved for is each tension over the spring's length, with each equation times that length: springs
 //! then stand in it as they are, and none has to be divided by its length for a direction.
 
-use super::lanes::{Block, Block3, Blocks, Blocks3Mut, BlocksMut, LANES, Soa, larger};
+use super::contact::{LEAST_MOBILITY, divide};
+use super::lanes::{
+    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, Soa, larger,
+};
 use super::lattice::{Family, Layout};
 use super::state::Line;
 use super::taut::{Threads, ease};
@@ -28,6 +34,10 @@ const LEAST_PIVOT: f32 = 1e-30;
 pub(super) struct Room {
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
+    /// The same of normals, where particles lie on colliders, and of what these bear.
+    pub normals: Soa,
+    pub slip: Array,
+    pub load: Array,
     /// The unknowns of [`LANES`] threads.
     pub line: Line,
 }
@@ -35,8 +45,12 @@ pub(super) struct Room {
 impl Room {
     /// Room for either direction's threads.
     pub fn new(layout: Layout) -> Self {
+        let strip = layout.columns.next_multiple_of(LANES) * LANES;
         Self {
-            strip: Soa::zeros(layout.columns.next_multiple_of(LANES) * LANES),
+            strip: Soa::zeros(strip),
+            normals: Soa::zeros(strip),
+            slip: Array::zeros(strip),
+            load: Array::zeros(strip),
             line: Line::new(layout.rows.max(layout.columns) * LANES),
         }
     }
@@ -54,6 +68,14 @@ pub(super) struct Lines<'a> {
 
 /// Where the particles of [`LANES`] threads are, and where their corrections go.
 pub(super) trait Ends {
+    /// Whether any of them lies on a collider.
+    const TOUCH: bool;
+    /// Normals of what the particles at a place lie on.
+    fn normals(&self, place: usize) -> Block3;
+    /// Parts of their inverse masses that move them.
+    fn slip(&self, place: usize) -> Block;
+    /// Takes what pulls them along those.
+    fn load(&mut self, place: usize, load: &Block);
     /// Positions of the particles at a place along the threads.
     fn positions(&self, place: usize) -> Block3;
     /// Takes their corrections.
@@ -62,10 +84,75 @@ pub(super) trait Ends {
     fn correct_more(&mut self, place: usize, correction: Block3);
 }
 
+/// Particles of which some lie on colliders.
+pub(super) struct OnColliders<'a, E> {
+    pub ends: E,
+    /// Blocks from one place to the next of normals, and of loads.
+    pub hops: [usize; 2],
+    pub normals: Blocks3<'a>,
+    pub slips: Blocks<'a>,
+    pub loads: BlocksMut<'a>,
+}
+
+impl<E: Ends> Ends for OnColliders<'_, E> {
+    const TOUCH: bool = true;
+
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        self.ends.positions(place)
+    }
+
+    #[inline(always)]
+    fn normals(&self, place: usize) -> Block3 {
+        self.normals.at(place * self.hops[0])
+    }
+
+    #[inline(always)]
+    fn slip(&self, place: usize) -> Block {
+        self.slips.at(place * self.hops[0])
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        self.ends.correct(place, correction);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        self.ends.correct_more(place, correction);
+    }
+
+    #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        self.loads.add(place * self.hops[1], load);
+    }
+}
+
+/// Makes the methods of [`Ends`] that have no meaning where none touches a collider.
+macro_rules! touch_nothing {
+    () => {
+        const TOUCH: bool = false;
+
+        #[inline(always)]
+        fn normals(&self, _: usize) -> Block3 {
+            Block3::ZERO
+        }
+
+        #[inline(always)]
+        fn slip(&self, _: usize) -> Block {
+            Block::splat(1.0)
+        }
+
+        #[inline(always)]
+        fn load(&mut self, _: usize, _: &Block) {}
+    };
+}
+pub(super) use touch_nothing;
+
 impl Lines<'_> {
     /// Solves and corrects the threads from one on.
     #[inline(always)]
-    pub fn solve(&mut self, thread: usize, ends: &mut impl Ends, excess: &mut Block) {
+    pub fn solve<E: Ends>(&mut self, thread: usize, ends: &mut E, excess: &mut Block) {
         let bundle = Bundle::new(self, thread);
         let mut pivots = Pivots::new(self.line, bundle.places - 1);
         bundle.eliminate(&self.reach, ends, &mut pivots, excess);
@@ -106,35 +193,40 @@ impl<'a> Bundle<'a> {
 
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
-    fn eliminate(
+    fn eliminate<E: Ends>(
         &self,
         reach: &Reach,
-        ends: &impl Ends,
+        ends: &E,
         pivots: &mut Pivots<'_>,
         excess: &mut Block,
     ) {
-        let (mut x0, mut w0) = (ends.positions(0), self.inverse_mass.at(0));
+        let (mut x0, mut w0) = (ends.positions(0), mobile(&self.inverse_mass.at(0), ends, 0));
+        let mut n0 = ends.normals(0);
         let mut last = Pivot::default();
         for place in 1..self.places {
             let (spring, end) = ((place - 1) * self.hop, place * self.hop);
-            let (x1, w1) = (ends.positions(place), self.inverse_mass.at(end));
+            let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass.at(end), ends, place));
+            let n1 = ends.normals(place);
             let (rest, factor) = (self.rest.at(spring), self.compliance.at(spring));
-            let next = last.next(reach, [&x0, &x1], [&w0, &w1], &rest, &factor, excess);
+            let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
+            let next = last.next::<E>(reach, &between, &rest, &factor, excess);
             pivots.set(place - 1, &next);
-            (x0, w0, last) = (x1, w1, next);
+            (x0, w0, n0, last) = (x1, w1, n1, next);
         }
     }
 
     /// Back substitution: tensions from the last spring to the first, and the corrections of the particles between
     /// them. Tells what a spring moved a particle by at most \[m\].
     #[inline(always)]
-    fn substitute(&self, pivots: &Pivots<'_>, ends: &mut impl Ends) -> f32 {
+    fn substitute<E: Ends>(&self, pivots: &Pivots<'_>, ends: &mut E) -> f32 {
         let mut tension = Tension::default();
         for place in (1..self.places).rev() {
-            let w = self.inverse_mass.at(place * self.hop);
-            ends.correct(place, tension.next(&pivots.at(place - 1), &w));
+            let w = mobile(&self.inverse_mass.at(place * self.hop), ends, place);
+            let correction = tension.next(&pivots.at(place - 1), &w, ends, place);
+            ends.correct(place, correction);
         }
-        ends.correct(0, tension.last(&self.inverse_mass.at(0)));
+        let correction = tension.last(&mobile(&self.inverse_mass.at(0), ends, 0), ends);
+        ends.correct(0, correction);
         tension.most.largest()
     }
 }
@@ -153,7 +245,7 @@ impl<E: Ends> Threads for Woven<'_, E> {
 
     #[inline(always)]
     fn inverse_mass(&self, place: usize) -> Block {
-        self.bundle.inverse_mass.at(place * self.bundle.hop)
+        mobile(&self.bundle.inverse_mass.at(place * self.bundle.hop), self.ends, place)
     }
 
     #[inline(always)]
@@ -162,9 +254,27 @@ impl<E: Ends> Threads for Woven<'_, E> {
     }
 
     #[inline(always)]
+    fn normals(&self, place: usize) -> Option<Block3> {
+        if E::TOUCH { Some(self.ends.normals(place)) } else { None }
+    }
+
+    #[inline(always)]
     fn correct_more(&mut self, place: usize, more: Block3) {
         self.ends.correct_more(place, more);
     }
+}
+
+/// Inverse masses of particles, as far as friction lets them go.
+#[inline(always)]
+fn mobile<E: Ends>(w: &Block, ends: &E, place: usize) -> Block {
+    let mut mobile = *w;
+    if E::TOUCH {
+        let slip = ends.slip(place);
+        for i in 0..LANES {
+            mobile.0[i] *= slip.0[i];
+        }
+    }
+    mobile
 }
 
 /// How soft the springs are, and how long they may be.
@@ -176,6 +286,13 @@ pub(super) struct Reach {
     pub limit: f32,
     /// What a spring may move a particle by without its thread trembling \[m\].
     pub steady: f32,
+}
+
+/// What springs are between: positions, inverse masses, and normals of what their ends lie on.
+pub(super) struct Between<'a> {
+    pub x: [&'a Block3; 2],
+    pub w: [&'a Block; 2],
+    pub normals: [&'a Block3; 2],
 }
 
 /// One step of the elimination.
@@ -198,18 +315,18 @@ impl Default for Pivot {
 }
 
 impl Pivot {
-    /// The step after this one, for springs between particles at `x` of inverse masses `w`. Notes by
-    /// how much they exceed their limit; those without a rest length are none.
+    /// The step after this one, for the springs between two places. Notes by how much they exceed their limit; those
+    /// without a rest length are none.
     #[inline(always)]
-    pub fn next(
+    pub fn next<E: Ends>(
         &self,
         reach: &Reach,
-        x: [&Block3; 2],
-        w: [&Block; 2],
+        between: &Between<'_>,
         rest: &Block,
         factor: &Block,
         excess: &mut Block,
     ) -> Self {
+        let Between { x, w, normals } = between;
         let mut next = Self::default();
         for i in 0..LANES {
             let span = x[1].at(i) - x[0].at(i);
@@ -222,9 +339,19 @@ impl Pivot {
             let diagonal = w[0].0[i] + w[1].0[i];
             // In this order the larger of the two is a number even where the first is NaN.
             let soft = larger(factor.0[i] * reach.compliance, diagonal * LEAST_COMPLIANCE);
-            let beside = w[0].0[i] * span.dot(self.span.at(i));
+            let mut whole = square * (diagonal + soft);
+            let mut along = span.dot(self.span.at(i));
+            if E::TOUCH {
+                let (n0, n1) = (normals[0].at(i), normals[1].at(i));
+                let (across0, across1) = (n0.dot(span), n1.dot(span));
+                let still = w[0].0[i] * (across0 * across0) + w[1].0[i] * (across1 * across1);
+                let all = square * diagonal;
+                whole = larger(all - still, all * LEAST_MOBILITY) + square * soft;
+                along -= across0 * n0.dot(self.span.at(i));
+            }
+            let beside = w[0].0[i] * along;
             let carried = beside * self.inverse.0[i];
-            let pivot = larger(square * (diagonal + soft) - beside * carried, LEAST_PIVOT);
+            let pivot = larger(whole - beside * carried, LEAST_PIVOT);
             next.span.set(i, span);
             next.length.0[i] = length;
             next.inverse.0[i] = 1.0 / pivot;
@@ -288,30 +415,58 @@ impl Default for Tension {
 }
 
 impl Tension {
-    /// Goes on to the springs before particles of inverse masses `w`; gives these their corrections.
+    /// Goes on to the springs before the particles of a place, of inverse masses `w`; gives these their corrections.
     #[inline(always)]
-    pub fn next(&mut self, pivot: &Pivot, w: &Block) -> Block3 {
-        let mut pull = Block3::ZERO;
-        let mut correction = Block3::ZERO;
+    pub fn next<E: Ends>(
+        &mut self,
+        pivot: &Pivot,
+        w: &Block,
+        ends: &mut E,
+        place: usize,
+    ) -> Block3 {
+        let normals = ends.normals(place);
+        let (mut pull, mut both) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
-            let span = pivot.span.at(i);
-            let beside = w.0[i] * span.dot(self.pull.at(i));
-            let tension = (pivot.residual.0[i] + beside) * pivot.inverse.0[i];
+            let (span, after) = (pivot.span.at(i), self.pull.at(i));
+            let mut along = span.dot(after);
+            if E::TOUCH {
+                along -= span.dot(normals.at(i)) * normals.at(i).dot(after);
+            }
+            let tension = (pivot.residual.0[i] + w.0[i] * along) * pivot.inverse.0[i];
             self.most.0[i] = larger(tension * pivot.length.0[i] * w.0[i], self.most.0[i]);
             pull.set(i, span * tension);
-            correction.set(i, (self.pull.at(i) - pull.at(i)) * w.0[i]);
+            both.set(i, after - pull.at(i));
         }
         self.pull = pull;
-        correction
+        answer(both, w, &normals, ends, place)
     }
 
     /// Corrections of the first particles.
     #[inline(always)]
-    pub fn last(&self, w: &Block) -> Block3 {
-        let mut correction = Block3::ZERO;
-        for i in 0..LANES {
-            correction.set(i, self.pull.at(i) * w.0[i]);
-        }
-        correction
+    pub fn last<E: Ends>(&self, w: &Block, ends: &mut E) -> Block3 {
+        let normals = ends.normals(0);
+        answer(self.pull, w, &normals, ends, 0)
     }
+}
+
+/// Corrections of the particles of a place that are pulled; what they lie on takes the rest.
+#[inline(always)]
+fn answer<E: Ends>(
+    pull: Block3,
+    w: &Block,
+    normals: &Block3,
+    ends: &mut E,
+    place: usize,
+) -> Block3 {
+    let mut along = pull;
+    if E::TOUCH {
+        let (moves, load) = divide(&pull, normals);
+        ends.load(place, &load);
+        along = moves;
+    }
+    let mut correction = Block3::ZERO;
+    for i in 0..LANES {
+        correction.set(i, along.at(i) * w.0[i]);
+    }
+    correction
 }

@@ -3,11 +3,14 @@
 //! Cores cannot share the rows of a large sheet by columns. There each works on a band of columns and puts what it
 //! comes to apart, from where it is put back by rows.
 
-use super::bands::{Band, Cut, CutAt, Rooms, cut_between_rows};
+use super::bands::{Band, Cut, CutAt, Rooms};
+use super::contact::{Contacts, Normals};
 use super::isa::{Isa, Kernel};
-use super::lanes::{Block, Block3, Blocks3, Blocks3Mut, LANES, PartMut, Soa};
+use super::lanes::{
+    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut,
+};
 use super::lattice::{Family, Layout};
-use super::threads::{Ends, Lines, Reach, Room};
+use super::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
 
 /// Solves all warp threads.
 pub(super) struct SolveWarp<'a> {
@@ -15,6 +18,7 @@ pub(super) struct SolveWarp<'a> {
     pub lines: Lines<'a>,
     pub x: &'a Soa,
     pub d: &'a mut Soa,
+    pub contacts: Option<Contacts<'a>>,
 }
 
 /// Tells whether any spring was longer than its limit before it was corrected.
@@ -26,12 +30,25 @@ impl Kernel for SolveWarp<'_> {
         let mut excess = Block::ZERO;
         for column in (0..self.layout.columns).step_by(LANES) {
             let (first, count) = (self.layout.slot(0, column), self.layout.blocks_down());
+            let hop = self.layout.stride / LANES;
             let mut ends = InPlace {
                 x: Blocks3::new(self.x, first, count),
                 d: Blocks3Mut::new(self.d, first, count),
-                hop: self.layout.stride / LANES,
+                hop,
             };
-            self.lines.solve(column, &mut ends, &mut excess);
+            match &mut self.contacts {
+                Some(contacts) if contacts.normals.touch(first / LANES, count, hop) => {
+                    let mut ends = OnColliders {
+                        ends,
+                        hops: [hop, hop],
+                        normals: Blocks3::new(&contacts.normals.normal, first, count),
+                        slips: Blocks::new(&contacts.normals.slip, first, count),
+                        loads: contacts.load.blocks(first, count),
+                    };
+                    self.lines.solve(column, &mut ends, &mut excess);
+                }
+                _ => self.lines.solve(column, &mut ends, &mut excess),
+            }
         }
         excess.largest() > 0.0
     }
@@ -46,6 +63,8 @@ struct InPlace<'a> {
 }
 
 impl Ends for InPlace<'_> {
+    touch_nothing!();
+
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
         self.x.at(place * self.hop).plus(&self.d.at(place * self.hop))
@@ -74,6 +93,8 @@ pub(super) struct SolveWarpApart<'a> {
     pub d: &'a Soa,
     /// What displacements become: bundle by bundle of [`LANES`] columns, and in each row by row.
     pub apart: PartMut<'a>,
+    /// What particles lie on, and where they are to put what that bears, apart as well.
+    pub contacts: Option<(&'a Normals, ValuesMut<'a>)>,
     pub rooms: &'a Rooms<Room>,
 }
 
@@ -88,25 +109,50 @@ impl Kernel for SolveWarpApart<'_> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let Self { band, layout, springs, inverse_mass, reach, x, d, mut apart, rooms } = self;
+        let Self {
+            band,
+            layout,
+            springs,
+            inverse_mass,
+            reach,
+            x,
+            d,
+            mut apart,
+            mut contacts,
+            rooms,
+        } = self;
         let line = &mut rooms.take().line;
         let mut lines = Lines { layout, springs, reach, inverse_mass, line };
         let mut excess = Block::ZERO;
         for column in band.rows.step_by(LANES) {
             let (first, count) = (layout.slot(0, column), layout.blocks_down());
+            let hop = layout.stride / LANES;
+            let put = place_apart(layout, 0, column);
             let mut ends = Apart {
                 x: Blocks3::new(x, first, count),
                 d: Blocks3::new(d, first, count),
-                hop: layout.stride / LANES,
-                to: Blocks3Mut::new(&mut apart, place_apart(layout, 0, column), layout.rows),
+                hop,
+                to: Blocks3Mut::new(&mut apart, put, layout.rows),
             };
-            lines.solve(column, &mut ends, &mut excess);
+            match &mut contacts {
+                Some((normals, load)) if normals.touch(first / LANES, count, hop) => {
+                    let mut ends = OnColliders {
+                        ends,
+                        hops: [hop, 1],
+                        normals: Blocks3::new(&normals.normal, first, count),
+                        slips: Blocks::new(&normals.slip, first, count),
+                        loads: load.blocks(put, layout.rows),
+                    };
+                    lines.solve(column, &mut ends, &mut excess);
+                }
+                _ => lines.solve(column, &mut ends, &mut excess),
+            }
         }
         excess.largest() > 0.0
     }
 }
 
-impl Cut for SolveWarpApart<'_> {
+impl<'a> Cut for SolveWarpApart<'a> {
     type Output = bool;
 
     fn band(&self) -> &Band {
@@ -114,10 +160,16 @@ impl Cut for SolveWarpApart<'_> {
     }
 
     fn cut(self, column: usize) -> (Self, Self) {
-        let (apart, apart_after) = self.apart.cut(place_apart(self.layout, 0, column));
+        let place = place_apart(self.layout, 0, column);
+        let (apart, apart_after) = self.apart.cut(place);
+        let cut = |(normals, load): (&'a Normals, ValuesMut<'a>)| {
+            let (load, after) = load.cut(place);
+            ((normals, load), (normals, after))
+        };
+        let (contacts, contacts_after) = self.contacts.map(cut).unzip();
         let (before, after) = self.band.cut(column);
-        let after = Self { band: after, apart: apart_after, ..self };
-        (Self { band: before, apart, ..self }, after)
+        let after = Self { band: after, apart: apart_after, contacts: contacts_after, ..self };
+        (Self { band: before, apart, contacts, ..self }, after)
     }
 
     fn run(self, isa: Isa) -> bool {
@@ -135,6 +187,8 @@ struct Apart<'a> {
 }
 
 impl Ends for Apart<'_> {
+    touch_nothing!();
+
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
         self.x.at(place * self.hop).plus(&self.d.at(place * self.hop))
@@ -156,6 +210,8 @@ pub(super) struct PutBack<'a> {
     pub band: Band,
     pub apart: &'a Soa,
     pub d: PartMut<'a>,
+    /// What is borne, from apart, and where it goes.
+    pub loads: Option<(&'a Array, ValuesMut<'a>)>,
 }
 
 impl Kernel for PutBack<'_> {
@@ -172,8 +228,38 @@ impl Kernel for PutBack<'_> {
             for block in 0..blocks {
                 d.set(block, apart.at(block * layout.rows + row));
             }
+            if let Some((apart, to)) = &mut self.loads {
+                let apart = Blocks::new(apart, 0, blocks * layout.rows);
+                let mut to = to.blocks(layout.slot(row, 0), blocks);
+                for block in 0..blocks {
+                    to.add(block, &apart.at(block * layout.rows + row));
+                }
+            }
         }
     }
 }
 
-cut_between_rows!(PutBack, d);
+impl<'a> Cut for PutBack<'a> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (d, d_below) = self.d.cut(slot);
+        let cut = |(apart, to): (&'a Array, ValuesMut<'a>)| {
+            let (to, below) = to.cut(slot);
+            ((apart, to), (apart, below))
+        };
+        let (loads, loads_below) = self.loads.map(cut).unzip();
+        let (above, below) = self.band.cut(row);
+        let below = Self { band: below, d: d_below, loads: loads_below, ..self };
+        (Self { band: above, d, loads, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}

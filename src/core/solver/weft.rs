@@ -1,12 +1,13 @@
 //! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
 
 use super::bands::{Band, Cut, CutAt, Rooms};
+use super::contact::Contacts;
 use super::isa::{Isa, TransposingKernel};
 use super::lanes::{
-    Block, Block3, Blocks, Blocks3Mut, BlocksMut, LANES, PartMut, Slots, SlotsMut, Soa,
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, PartMut, Slots, SlotsMut, Soa,
 };
 use super::lattice::{Family, Layout};
-use super::threads::{Ends, Lines, Reach, Room};
+use super::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
 use super::transpose::Transpose;
 
 /// Solves all weft threads, a row a lane.
@@ -19,6 +20,7 @@ pub(super) struct SolveWeft<'a> {
     pub reach: Reach,
     pub x: &'a Soa,
     pub d: PartMut<'a>,
+    pub contacts: Option<Contacts<'a>>,
     pub rooms: &'a Rooms<Room>,
 }
 
@@ -28,15 +30,34 @@ impl TransposingKernel for SolveWeft<'_> {
 
     #[inline(always)]
     fn run(self, transpose: impl Transpose) -> bool {
-        let Self { band, lines, springs, inverse_mass, reach, x, mut d, rooms } = self;
+        let Self { band, lines, springs, inverse_mass, reach, x, mut d, mut contacts, rooms } =
+            self;
         let mut room = rooms.take();
-        let Room { strip, line } = &mut *room;
+        let Room { strip, line, normals, slip, load } = &mut *room;
         let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line };
         let mut excess = Block::ZERO;
         for row in band.rows.step_by(LANES) {
             fill_strip(transpose, band.layout, row, x, &d, strip);
             let mut ends = Strip(Blocks3Mut::new(strip, 0, band.layout.columns));
-            lines.solve(row, &mut ends, &mut excess);
+            let tiles = Tiles::new(band.layout, row);
+            match &mut contacts {
+                Some(contacts) if contacts.normals.touch(tiles.first / LANES, tiles.count, 1) => {
+                    fill_normals(transpose, &tiles, &contacts.normals.normal, normals);
+                    fill_axis(transpose, &tiles, &contacts.normals.slip, slip);
+                    load.fill(0.0);
+                    let mut ends = OnColliders {
+                        ends,
+                        hops: [1, 1],
+                        normals: Blocks3::new(normals, 0, band.layout.columns),
+                        slips: Blocks::new(slip, 0, band.layout.columns),
+                        loads: BlocksMut::new(load, 0, band.layout.columns),
+                    };
+                    lines.solve(row, &mut ends, &mut excess);
+                    let mut to = contacts.load.blocks(tiles.first, tiles.count);
+                    add_axis(transpose, &tiles, load, &mut to);
+                }
+                _ => lines.solve(row, &mut ends, &mut excess),
+            }
             add_strip(transpose, band.layout, row, strip, &mut d);
         }
         excess.largest() > 0.0
@@ -51,9 +72,12 @@ impl Cut for SolveWeft<'_> {
     }
 
     fn cut(self, row: usize) -> (Self, Self) {
-        let (d, d_below) = self.d.cut(self.band.slot(row));
+        let slot = self.band.slot(row);
+        let (d, d_below) = self.d.cut(slot);
+        let (contacts, contacts_below) = self.contacts.cut(slot);
         let (above, below) = self.band.cut(row);
-        (Self { band: above, d, ..self }, Self { band: below, d: d_below, ..self })
+        let below = Self { band: below, d: d_below, contacts: contacts_below, ..self };
+        (Self { band: above, d, contacts, ..self }, below)
     }
 
     fn run(self, isa: Isa) -> bool {
@@ -65,6 +89,8 @@ impl Cut for SolveWeft<'_> {
 struct Strip<'a>(Blocks3Mut<'a>);
 
 impl Ends for Strip<'_> {
+    touch_nothing!();
+
     #[inline(always)]
     fn positions(&self, place: usize) -> Block3 {
         self.0.at(place)
@@ -114,27 +140,51 @@ fn fill_strip(
     }
 }
 
+/// Writes the normals of [`LANES`] rows to a strip.
+#[inline(always)]
+fn fill_normals(t: impl Transpose, tiles: &Tiles, from: &Soa, strip: &mut Soa) {
+    for (from, to) in [&from.x, &from.y, &from.z].into_iter().zip(strip.axes_mut()) {
+        fill_axis(t, tiles, from, to);
+    }
+}
+
+/// Writes the numbers of [`LANES`] rows to a strip.
+#[inline(always)]
+fn fill_axis(t: impl Transpose, tiles: &Tiles, from: &[f32], to: &mut [f32]) {
+    let from = Blocks::new(from, tiles.first, tiles.count);
+    let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+    for block in 0..tiles.across {
+        let mut tile = [Block::ZERO; LANES];
+        for (i, line) in tile.iter_mut().enumerate() {
+            *line = from.at(block + i * tiles.hop);
+        }
+        for (j, line) in t.tile(&tile).into_iter().enumerate() {
+            to.set(block * LANES + j, line);
+        }
+    }
+}
+
 /// Adds a strip to displacements.
 #[inline(always)]
 fn add_strip(t: impl Transpose, layout: Layout, row: usize, strip: &Soa, d: &mut PartMut<'_>) {
     let tiles = Tiles::new(layout, row);
     let own = tiles.first - d.first();
     for (strip, d) in strip.axes().into_iter().zip(d.axes_mut()) {
-        let strip = Blocks::new(strip, 0, tiles.across * LANES);
-        let mut d = BlocksMut::new(d, own, tiles.count);
-        for block in 0..tiles.across {
-            let mut tile = [Block::ZERO; LANES];
-            for (j, line) in tile.iter_mut().enumerate() {
-                *line = strip.at(block * LANES + j);
-            }
-            for (i, line) in t.tile(&tile).into_iter().enumerate() {
-                let at = block + i * tiles.hop;
-                let mut new = d.at(at);
-                for j in 0..LANES {
-                    new.0[j] += line.0[j];
-                }
-                d.set(at, new);
-            }
+        add_axis(t, &tiles, strip, &mut BlocksMut::new(d, own, tiles.count));
+    }
+}
+
+/// Adds one coordinate of a strip to that of [`LANES`] rows.
+#[inline(always)]
+fn add_axis(t: impl Transpose, tiles: &Tiles, strip: &[f32], to: &mut BlocksMut<'_>) {
+    let strip = Blocks::new(strip, 0, tiles.across * LANES);
+    for block in 0..tiles.across {
+        let mut tile = [Block::ZERO; LANES];
+        for (j, line) in tile.iter_mut().enumerate() {
+            *line = strip.at(block * LANES + j);
+        }
+        for (i, line) in t.tile(&tile).into_iter().enumerate() {
+            to.add(block + i * tiles.hop, &line);
         }
     }
 }

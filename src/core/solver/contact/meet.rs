@@ -5,21 +5,19 @@ use bevy_math::Vec3;
 use super::super::bands::{Band, Cut, CutAt, Merge, cut_between_rows};
 use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
 };
+use super::active_set::Normals;
 use super::collider::Motion;
-use super::loads::Loads;
-use super::room::Known;
+use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{LEAST_SLIDING, Skin};
+use super::{LEAST_SLIDING, LEAST_SLIP, STICKS, Skin};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
 pub(super) struct Tally {
     /// Momentum that they gave it, times the substep \[kg m\].
     pub given: Block3,
-    /// Pulls that they will not follow in the next substep, times their masses \[kg m\].
-    pub forgotten: Block3,
     /// How far they are still inside, as they may come out no faster \[m\].
     pub left: Block,
     /// How many touched it.
@@ -29,7 +27,7 @@ pub(super) struct Tally {
 impl Default for Tally {
     fn default() -> Self {
         let none = Block3::ZERO;
-        Self { given: none, forgotten: none, left: Block::ZERO, touching: [0; LANES] }
+        Self { given: none, left: Block::ZERO, touching: [0; LANES] }
     }
 }
 
@@ -76,6 +74,8 @@ pub(super) struct MeetCollider<'a> {
     pub band: Band,
     pub motion: &'a Motion<'a>,
     pub skin: Skin,
+    /// Which one it is.
+    pub collider: usize,
     /// Whether any particle may pass the collider's surface by more than epsilon.
     pub is_fast: bool,
     /// The way that has been gone, as `until` counts it \[m\].
@@ -85,10 +85,60 @@ pub(super) struct MeetCollider<'a> {
     pub d: PartMut<'a>,
     /// See [`ResolveContacts`].
     pub pull: Option<PartMut<'a>>,
-    pub until: Known<'a>,
-    pub loads_before: &'a Loads,
-    /// Particles pressed by as much as makes a load, for each band.
-    pub pressed: &'a mut [Vec<usize>],
+    pub until: ByBlock<'a, f32>,
+    /// The active set as the corrections saw it.
+    pub held: Held<'a>,
+    /// What lies on a collider now.
+    pub found: Found<'a>,
+}
+
+/// Particles that have been held by what they lay on. What has met a collider is held no longer.
+pub(super) struct Held<'a> {
+    pub set: &'a Normals,
+    pub lost: ValuesMut<'a>,
+    pub load: ValuesMut<'a>,
+}
+
+impl CutAt for Held<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (lost, lost_below) = self.lost.cut(slot);
+        let (load, load_below) = self.load.cut(slot);
+        let below = Self { set: self.set, lost: lost_below, load: load_below };
+        (Self { set: self.set, lost, load }, below)
+    }
+}
+
+/// Where a band puts the active set of the next substep.
+pub(super) struct Found<'a> {
+    pub blocks: ByBlock<'a, bool>,
+    pub normal: PartMut<'a>,
+    pub slip: ValuesMut<'a>,
+    pub speed: ValuesMut<'a>,
+    pub holder: ValuesMut<'a>,
+    pub pressed: ValuesMut<'a>,
+    pub pulled: PartMut<'a>,
+}
+
+impl CutAt for Found<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (blocks, blocks_below) = self.blocks.cut(slot);
+        let (normal, normal_below) = self.normal.cut(slot);
+        let (slip, slip_below) = self.slip.cut(slot);
+        let (speed, speed_below) = self.speed.cut(slot);
+        let (holder, holder_below) = self.holder.cut(slot);
+        let (pressed, pressed_below) = self.pressed.cut(slot);
+        let (pulled, pulled_below) = self.pulled.cut(slot);
+        let below = Self {
+            blocks: blocks_below,
+            normal: normal_below,
+            slip: slip_below,
+            speed: speed_below,
+            holder: holder_below,
+            pressed: pressed_below,
+            pulled: pulled_below,
+        };
+        (Self { blocks, normal, slip, speed, holder, pressed, pulled }, below)
+    }
 }
 
 /// What a band comes to.
@@ -115,7 +165,6 @@ impl Merge for Tally {
     fn merge(mut self, below: Self) -> Self {
         for i in 0..LANES {
             self.given.set(i, self.given.at(i) + below.given.at(i));
-            self.forgotten.set(i, self.forgotten.at(i) + below.forgotten.at(i));
             self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
             self.touching[i] += below.touching[i];
         }
@@ -132,10 +181,8 @@ impl Kernel for MeetCollider<'_> {
         let (motion, skin, gone) = (self.motion, self.skin, self.gone);
         let meeting = Meeting { motion, skin };
         let sweep = Sweep { motion, epsilon: skin.epsilon };
-        let least_load = Loads::least_of_all(skin.least_load);
         let blocks = layout.blocks_across();
         let mut met = Met::default();
-        self.pressed[0].clear();
         for row in rows {
             let first = layout.slot(row, 0);
             let w = Blocks::new(self.inverse_mass, first, blocks);
@@ -155,6 +202,8 @@ impl Kernel for MeetCollider<'_> {
                 }
                 let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
                 if self.is_fast {
+                    self.held.free(first + block * LANES, &mut d, sweep.slow());
+                    ds.set(block, d);
                     // Of copies: what a call is shown has to be in memory, and would stay there.
                     let (mut swept, given) = (d, &mut met.tally.given);
                     if sweep.block(&{ w }, &{ x }, &mut swept, given) {
@@ -163,29 +212,42 @@ impl Kernel for MeetCollider<'_> {
                         d = swept;
                     }
                 }
-                let near = meeting.sample(&w, &x, &d);
+                let slot = first + block * LANES;
+                let held = self.held.of(slot, &w);
+                let near = meeting.sample(&w, &x, &d, held.as_ref());
                 let nearest = near.least - motion.overestimate;
                 *until = gone + larger(nearest, 0.0);
-                met.deepest = larger(-nearest, met.deepest);
+                met.deepest = larger(motion.overestimate - near.deepest, met.deepest);
                 if near.least >= 0.0 {
                     continue;
                 }
+                let hold = match held {
+                    Some(hold) => hold,
+                    None => Hold::NONE,
+                };
                 let before = d;
-                let load = meeting.push_out(&near, &w, &mut x, &mut d, &mut met.tally);
+                let tally = &mut met.tally;
+                let pushed = meeting.push_out(&near, &w, &mut x, &mut d, &hold, tally);
                 xs.set(block, x);
                 ds.set(block, d);
                 if let Some(pulls) = &mut pulls {
                     let noted = pulls.at(block);
-                    pulls.set(block, near.kept(&noted, &d));
+                    pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold));
                     if motion.measured {
-                        near.forget(&noted, &before, &w, &mut met.tally);
+                        near.forget(&noted, &before, &w, &hold, tally);
                     }
                 }
-                if load.largest() > least_load {
-                    let slot = first + block * LANES;
-                    let loads = (self.loads_before, skin.least_load);
-                    note_pressed(slot, &load, loads, &mut self.pressed[0]);
+                if held.is_some() {
+                    self.held.let_go(slot, &near);
                 }
+                self.found.take(
+                    slot,
+                    &near,
+                    &pushed,
+                    &hold,
+                    (motion.friction, self.collider),
+                    &skin,
+                );
             }
         }
         met
@@ -206,21 +268,160 @@ impl Cut for MeetCollider<'_> {
         let (d, d_below) = self.d.cut(slot);
         let (pull, pull_below) = self.pull.cut(slot);
         let (until, until_below) = self.until.cut(slot);
-        let (pressed, pressed_below) = self.pressed.split_at_mut(above.count());
+        let (held, held_below) = self.held.cut(slot);
+        let (found, found_below) = self.found.cut(slot);
         let below = Self {
             band: below,
             x: x_below,
             d: d_below,
             pull: pull_below,
             until: until_below,
-            pressed: pressed_below,
+            held: held_below,
+            found: found_below,
             ..self
         };
-        (Self { band: above, x, d, pull, until, pressed, ..self }, below)
+        (Self { band: above, x, d, pull, until, held, found, ..self }, below)
     }
 
     fn run(self, isa: Isa) -> Met {
         isa.run(self)
+    }
+}
+
+/// How a block of particles was held.
+#[derive(Clone, Copy)]
+struct Hold {
+    /// What they would have gone by along the normals beyond what they went, had nothing held them \[m\].
+    unfollowed: Block3,
+    /// What they would have gone by along the surface, to what they went.
+    unslipped: Block,
+    /// One where a particle was held.
+    was: Block,
+}
+
+impl Hold {
+    const NONE: Self =
+        Self { unfollowed: Block3::ZERO, unslipped: Block([1.0; LANES]), was: Block::ZERO };
+}
+
+impl Held<'_> {
+    /// How a block's particles were held; `None` where none was.
+    #[inline(always)]
+    fn of(&mut self, slot: usize, w: &Block) -> Option<Hold> {
+        if !self.set.any || !self.set.blocks[slot / LANES] {
+            return None;
+        }
+        let mut hold = Hold { unfollowed: Block3::load(&self.set.normal, slot), ..Hold::NONE };
+        let slip = Block::load(&self.set.slip, slot);
+        let (lost, load) = (self.lost.blocks(slot, 1).at(0), self.load.blocks(slot, 1).at(0));
+        for i in 0..LANES {
+            let n = hold.unfollowed.at(i);
+            let all = lost.0[i] + load.0[i] * w.0[i];
+            // What another collider has met is held no more.
+            let was = n.dot(n) > 0.0 && all != 0.0;
+            hold.was.0[i] = if was { 1.0 } else { 0.0 };
+            hold.unslipped.0[i] = if was { 1.0 / slip.0[i] } else { 1.0 };
+            hold.unfollowed.set(i, n * all);
+        }
+        Some(hold)
+    }
+
+    /// Lets those of a block's particles go that would go further than `slow`: the whole way of what is fast is looked
+    /// at.
+    #[inline(always)]
+    fn free(&mut self, slot: usize, d: &mut Block3, slow: f32) {
+        if !self.set.any || !self.set.blocks[slot / LANES] {
+            return;
+        }
+        let n = Block3::load(&self.set.normal, slot);
+        let mut values = self.lost.blocks(slot, 1);
+        let mut lost = values.at(0);
+        for i in 0..LANES {
+            let own = d.at(i) + n.at(i) * lost.0[i];
+            let is_fast = own.dot(own) > slow * slow && lost.0[i] != 0.0;
+            d.set(i, if is_fast { own } else { d.at(i) });
+            lost.0[i] = if is_fast { 0.0 } else { lost.0[i] };
+        }
+        values.set(0, lost);
+    }
+
+    /// Forgets what held those of a block's particles that touch.
+    #[inline(always)]
+    fn let_go(&mut self, slot: usize, near: &Near) {
+        for values in [&mut self.lost, &mut self.load] {
+            let mut values = values.blocks(slot, 1);
+            let mut left = values.at(0);
+            for i in 0..LANES {
+                left.0[i] = if near.depth.0[i] > 0.0 { 0.0 } else { left.0[i] };
+            }
+            values.set(0, left);
+        }
+    }
+}
+
+/// What contact did to a block of particles.
+struct Pushed {
+    /// How far the collider moves at each \[m\].
+    surface: Block3,
+    /// Approach that was undone \[m\].
+    undone: Block,
+    /// What they would have gone by along the surface, had nothing held them \[m\].
+    pulled: Block3,
+    /// What they would have gone by beyond what they went, had nothing held them \[m\].
+    unfollowed: Block3,
+}
+
+impl Found<'_> {
+    /// Takes a block's particles that touch into the active set.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        slot: usize,
+        near: &Near,
+        pushed: &Pushed,
+        hold: &Hold,
+        (friction, collider): (f32, usize),
+        skin: &Skin,
+    ) {
+        self.blocks.row(slot, 1)[0] = true;
+        let mut normals = Block3::load(&self.normal, slot);
+        let mut pulled = Block3::load(&self.pulled, slot);
+        let mut speeds = self.speed.blocks(slot, 1);
+        let mut slips = self.slip.blocks(slot, 1);
+        let mut presses = self.pressed.blocks(slot, 1);
+        let mut holders = self.holder.blocks(slot, 1);
+        let mut holder = holders.at(0);
+        let (mut speed, mut slip, mut pressed) = (speeds.at(0), slips.at(0), presses.at(0));
+        let rate = 1.0 / skin.step;
+        for i in 0..LANES {
+            let touches = near.depth.0[i] > 0.0;
+            let n = near.normals.at(i);
+            let goes = n.dot(pushed.surface.at(i));
+            // What is fast may be gone in the next substep.
+            let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
+            normals.set(i, if touches { lies } else { normals.at(i) });
+            speed.0[i] = if touches { goes * rate } else { speed.0[i] };
+            holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
+            // What begins to touch slides at first: a blow is no load that lasts.
+            let known = if hold.was.0[i] > 0.0 { 1.0 } else { 0.0 };
+            let (mean, pulls) = (pressed.0[i] * known, pulled.at(i) * known);
+            let mean = mean + (pushed.undone.0[i] - mean) * skin.following * known;
+            let pulls = pulls + (pushed.pulled.at(i) - pulls) * (skin.following * known);
+            pressed.0[i] = if touches { mean } else { pressed.0[i] };
+            pulled.set(i, if touches { pulls } else { pulled.at(i) });
+            let most = larger(friction * mean, LEAST_SLIDING);
+            let slides = (pulls.dot(pulls).sqrt() / most - STICKS) * (1.0 / (1.0 - STICKS));
+            let light = (skin.heavy - mean) * skin.lighter;
+            let free = larger(larger(slides, light), LEAST_SLIP);
+            let free = if free < 1.0 { free } else { 1.0 };
+            slip.0[i] = if touches { free } else { slip.0[i] };
+        }
+        speeds.set(0, speed);
+        slips.set(0, slip);
+        presses.set(0, pressed);
+        holders.set(0, holder);
+        pulled.store(&mut self.pulled, slot);
+        normals.store(&mut self.normal, slot);
     }
 }
 
@@ -235,17 +436,20 @@ struct Meeting<'a> {
 struct Near {
     /// In the collider's frame.
     points: PointBlock,
-    samples: SampleBlock,
-    /// How far they are to be moved out \[m\]; 0 where they do not touch.
+    /// Outward, in the cloth's frame, of length one.
+    normals: Block3,
+    /// How far they are to be moved out, had nothing held them \[m\]; 0 where they do not touch.
     depth: Block,
-    /// Least gap above epsilon of any \[m\]; below zero where it touches.
+    /// Least of the gaps above epsilon that any would have \[m\]; below zero where it touches.
     least: f32,
+    /// Least gap above epsilon of any where they are \[m\].
+    deepest: f32,
 }
 
 impl Meeting<'_> {
     /// Looks where particles are that began the substep at `x`.
     #[inline(always)]
-    fn sample(&self, w: &Block, x: &Block3, d: &Block3) -> Near {
+    fn sample(&self, w: &Block, x: &Block3, d: &Block3, held: Option<&Hold>) -> Near {
         let motion = self.motion;
         let mut points = PointBlock::default();
         for i in 0..LANES {
@@ -257,17 +461,29 @@ impl Meeting<'_> {
             Some(shape) => shape.sample_block(&points, &mut samples),
             None => motion.shape.sample_block(&points, &mut samples),
         }
+        let mut normals = Block3::ZERO;
         let (mut depth, mut gap) = (Block::ZERO, Block::ZERO);
         for i in 0..LANES {
+            let outward = Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]);
+            normals.set(i, motion.after.rotate(outward));
             let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
             gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
             depth.0[i] = larger(-gap.0[i], 0.0);
         }
-        Near { points, samples, depth, least: gap.smallest() }
+        let deepest = gap.smallest();
+        let mut least = deepest;
+        if let Some(Hold { unfollowed, .. }) = held {
+            for i in 0..LANES {
+                gap.0[i] += unfollowed.at(i).dot(normals.at(i));
+                depth.0[i] = larger(-gap.0[i], 0.0);
+            }
+            least = gap.smallest();
+        }
+        Near { points, normals, depth, least, deepest }
     }
 
-    /// Moves particles out by their depth, and takes approach and friction from their displacements.
-    /// Returns the approach that was undone.
+    /// Moves particles out by their depth, and takes approach and friction from their displacements, with all that
+    /// they are pressed by. Returns how far the collider moves at each \[m\].
     #[inline(always)]
     fn push_out(
         &self,
@@ -275,24 +491,31 @@ impl Meeting<'_> {
         w: &Block,
         x: &mut Block3,
         d: &mut Block3,
+        hold: &Hold,
         tally: &mut Tally,
-    ) -> Block {
+    ) -> Pushed {
         let Self { motion, skin } = self;
-        let Near { points, samples, depth, .. } = near;
+        let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
-        let mut load = Block::ZERO;
+        let none = Block3::ZERO;
+        let mut pushed = Pushed { surface, undone: Block::ZERO, pulled: none, unfollowed: none };
         for i in 0..LANES {
-            let normal =
-                motion.after.rotate(Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]));
+            let normal = normals.at(i);
             let relative = d.at(i) - surface.at(i);
-            let approach = relative.dot(normal);
+            let along = relative.dot(normal);
+            let pressed = normal * hold.unfollowed.at(i).dot(normal);
+            let approach = along + pressed.dot(normal);
             // What the push undoes of the approach belongs to the substep. The rest is a displacement
             // without velocity: being pushed out gives no speed.
             let push = depth.0[i];
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
-            load.0[i] = undone;
-            let tangential = relative - normal * approach;
+            let tangential = relative - normal * along;
+            let pulled = tangential * hold.unslipped.0[i];
+            pushed.undone.0[i] = undone;
+            pushed.pulled.set(i, pulled);
+            let unfollowed = pressed + pulled - tangential;
+            pushed.unfollowed.set(i, unfollowed);
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
             let part = motion.friction * undone / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
@@ -302,57 +525,56 @@ impl Meeting<'_> {
             let allowed = larger(skin.most_push - larger(approach, 0.0), 0.0);
             let moved = if rest < allowed { rest } else { allowed };
             tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
-            let into_d = if touching { normal * undone - braked } else { Vec3::ZERO };
+            let change = approach + undone - along;
+            let into_d = normal * change - braked;
+            let into_d = if touching { into_d } else { Vec3::ZERO };
             let into_x = if touching { normal * moved } else { Vec3::ZERO };
-            d.set(i, d.at(i) + into_d);
-            x.set(i, x.at(i) + into_x);
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let part = if touching { into_d * mass } else { Vec3::ZERO };
-                tally.given.set(i, tally.given.at(i) - part);
+                let given = (into_d - unfollowed) * mass;
+                let given = if touching { given } else { Vec3::ZERO };
+                tally.given.set(i, tally.given.at(i) - given);
             }
+            d.set(i, d.at(i) + into_d);
+            x.set(i, x.at(i) + into_x);
         }
-        load
+        pushed
     }
 }
 
 impl Near {
-    /// What is kept of the pulls noted: what is pressed onto a collider does not follow all of what pulls it, and the
-    /// collider bears the rest. Neither is what it is to expect once more.
+    /// Pulls as they are noted, after contact: what contact does is no pull, and what it bore of one is. What begins to
+    /// touch is struck, and expects nothing of that once more.
     #[inline(always)]
-    fn kept(&self, noted: &Block3, d: &Block3) -> Block3 {
+    fn kept(
+        &self,
+        noted: &Block3,
+        before: &Block3,
+        after: &Block3,
+        pushed: &Pushed,
+        hold: &Hold,
+    ) -> Block3 {
         let mut kept = *noted;
         for i in 0..LANES {
             // The substep's end adds the displacement.
-            kept.set(i, if self.depth.0[i] > 0.0 { -d.at(i) } else { noted.at(i) });
+            let all = noted.at(i) + before.at(i) + pushed.unfollowed.at(i);
+            let lasts = if hold.was.0[i] > 0.0 { all } else { Vec3::ZERO };
+            let touches = self.depth.0[i] > 0.0;
+            kept.set(i, if touches { lasts - after.at(i) } else { noted.at(i) });
         }
         kept
     }
 
-    /// Tallies what is not. `before` are the displacements before contact.
+    /// Tallies what is not: it would have moved the particles by as much again, and their neighbours it does.
     #[inline(always)]
-    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, tally: &mut Tally) {
+    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, hold: &Hold, tally: &mut Tally) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-            let mass = if self.depth.0[i] > 0.0 { mass } else { 0.0 };
+            let is_struck = self.depth.0[i] > 0.0 && hold.was.0[i] == 0.0;
             let forgotten = (noted.at(i) + before.at(i)) * mass;
-            tally.forgotten.set(i, tally.forgotten.at(i) + forgotten);
-        }
-    }
-}
-
-/// Notes the particles of a block that are pressed by as much as makes a load.
-#[inline(never)]
-fn note_pressed(
-    slot: usize,
-    load: &Block,
-    (before, least): (&Loads, f32),
-    pressed: &mut Vec<usize>,
-) {
-    for (slot, &load) in (slot..).zip(&load.0) {
-        if load > before.least(slot, least) {
-            pressed.push(slot);
+            let forgotten = if is_struck { forgotten } else { Vec3::ZERO };
+            tally.given.set(i, tally.given.at(i) + forgotten);
         }
     }
 }

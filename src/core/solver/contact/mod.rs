@@ -6,11 +6,11 @@
 //! impulse of that same undoing.
 //!
 //! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
-//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). What a cloth hangs
-//! from is held by more than its mass (`loads`).
+//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). Corrections know what
+//! lies on a collider (`active_set`).
 
+mod active_set;
 mod collider;
-mod loads;
 mod meet;
 mod room;
 mod sweep;
@@ -19,16 +19,16 @@ use bevy_math::Vec3;
 
 use super::bands::{self, Bands};
 use super::isa::Isa;
-use super::lanes::{Block, Block3, LANES, Soa, larger};
+use super::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
 
+pub(super) use active_set::{ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, divide};
 pub use collider::{Collider, ColliderMotion, Pose};
-pub(super) use loads::least_load;
 pub(super) use room::ContactRoom;
 
+use active_set::LetGo;
 use collider::Motion;
-use loads::Loads;
-use meet::{FurthestWay, MeetCollider, Tally};
-use room::{Awake, Known};
+use meet::{Found, FurthestWay, Held, MeetCollider, Tally};
+use room::{Awake, ByBlock};
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
@@ -55,11 +55,39 @@ pub(super) struct Skin {
     pub layers: u32,
     /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
     pub most_push: f32,
-    /// Approach that is undone at least where a particle bears a load \[m\].
-    pub least_load: f32,
+    /// Approach that is undone where a particle is pressed so much that corrections know of friction \[m\], and 1 /
+    /// what it is more than where they do not at all \[1/m\].
+    pub heavy: f32,
+    pub lighter: f32,
+    /// Part of a substep in the mean of what presses and pulls a particle.
+    pub following: f32,
     /// Length of the substep \[s\].
     pub step: f32,
 }
+
+impl Skin {
+    /// Sets what depends on the displacement that gravity makes in a substep \[m\], and on its length \[s\].
+    pub fn heavy(weight: f32) -> (f32, f32) {
+        (HEAVY * weight, 1.0 / ((HEAVY - LIGHT) * weight))
+    }
+
+    /// Part of a substep in the means.
+    pub fn following(step: f32) -> f32 {
+        (step / FOLLOWING).min(1.0)
+    }
+}
+
+/// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
+/// all. What lies in a few layers, or is laid over a smooth edge, is below them.
+const LIGHT: f32 = 8.0;
+const HEAVY: f32 = 32.0;
+/// Part of what friction can hold up to which corrections see a particle as held; between it and the whole, ever less.
+const STICKS: f32 = 0.5;
+/// The least part of its inverse mass that corrections see of what friction holds.
+const LEAST_SLIP: f32 = 0.05;
+/// Time over which the mean is taken of what presses and pulls a particle \[s\]: a mobility that followed each substep's
+/// would shake the cloth.
+const FOLLOWING: f32 = 0.04;
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
@@ -74,6 +102,7 @@ pub(super) struct ResolveContacts<'a> {
     /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
     pub pull: Option<&'a mut Soa>,
     pub room: &'a mut ContactRoom,
+    pub set: &'a mut ActiveSet,
 }
 
 impl ResolveContacts<'_> {
@@ -89,13 +118,24 @@ impl ResolveContacts<'_> {
         for k in 0..self.room.awake.len() {
             touching += self.meet(isa, k, way);
         }
+        if self.set.now.any {
+            isa.run(LetGo { set: self.set, d: self.d });
+            if !self.room.impulses.is_empty() {
+                for (holder, momentum) in self.set.taken(self.inverse_mass, self.pull.is_some()) {
+                    if self.colliders.get(holder).is_some_and(|collider| collider.measured) {
+                        self.room.impulses[holder] += momentum / self.skin.step;
+                    }
+                }
+            }
+        }
+        self.set.turn();
         touching
     }
 
     /// Holds all particles out of one collider, and returns how many touched it. `way` is what the
     /// fastest particle goes in this substep \[m\].
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
-        let room = &mut *self.room;
+        let (room, set) = (&mut *self.room, &mut *self.set);
         let Awake { collider, first, gone } = room.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
@@ -109,6 +149,7 @@ impl ResolveContacts<'_> {
             MeetCollider {
                 band: self.bands.sums.clone(),
                 motion: &motion,
+                collider,
                 skin: self.skin,
                 is_fast: way > self.skin.epsilon + motion.fast,
                 gone,
@@ -116,18 +157,28 @@ impl ResolveContacts<'_> {
                 x: self.x.part_mut(),
                 d: self.d.part_mut(),
                 pull: self.pull.as_deref_mut().map(Soa::part_mut),
-                until: Known::all(&mut room.until[first..]),
-                loads_before: &room.loads_before,
-                pressed: &mut room.pressed,
+                until: ByBlock::all(&mut room.until[first..]),
+                held: Held {
+                    set: &set.now,
+                    lost: ValuesMut::all(&mut set.lost),
+                    load: ValuesMut::all(&mut set.load),
+                },
+                found: Found {
+                    blocks: ByBlock::all(&mut set.next.blocks),
+                    normal: set.next.normal.part_mut(),
+                    slip: ValuesMut::all(&mut set.next.slip),
+                    speed: ValuesMut::all(&mut set.speed),
+                    holder: ValuesMut::all(&mut set.holder),
+                    pressed: ValuesMut::all(&mut set.pressed),
+                    pulled: set.pulled.part_mut(),
+                },
             },
         );
         room.struck |= met.struck;
-        room.note_pressed(motion.measured.then_some(collider));
         room.pushed += met.deepest;
-        let Tally { given, forgotten, left, touching } = &met.tally;
+        let Tally { given, left, touching } = &met.tally;
         if motion.measured {
             room.impulses[collider] += sum(given) / self.skin.step;
-            room.forgotten[collider] += sum(forgotten) / self.skin.step;
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);
@@ -140,8 +191,8 @@ impl ResolveContacts<'_> {
     /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
     #[inline(never)]
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
-        // Nothing bears a load on what gives way: it would drive the rest of the cloth out faster.
-        self.room.loads.clear();
+        // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
+        self.set.next.clear();
         self.room.struck = true;
         let most = self.skin.most_push;
         let layout = self.bands.rows.layout;

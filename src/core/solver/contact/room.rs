@@ -11,7 +11,7 @@ use super::super::bands::{Band, CutAt};
 use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
-use super::{Collider, Loads};
+use super::Collider;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -40,43 +40,32 @@ pub(in crate::solver) struct ContactRoom {
     slack: f32,
     /// Momentum that the cloth has given to each collider in the tick \[kg m/s\].
     pub impulses: Vec<Vec3>,
-    /// Momentum of the pulls that what touched each collider in this substep is not to follow in the next
-    /// \[kg m/s\].
-    pub forgotten: Vec<Vec3>,
-    /// What each collider was given of such momentum that is still to come \[kg m/s\]. This alone outlives
-    /// the tick.
-    pub owed: Vec<Vec3>,
-    /// Particles that bear a load, and those that did in the substep before.
-    pub loads: Loads,
-    pub loads_before: Loads,
-    /// Particles that the present collider presses by as much as makes a load, for each band.
-    pub pressed: Vec<Vec<usize>>,
 }
 
-/// The ways at which the blocks of a band may touch a collider \[m\].
-pub(in crate::solver) struct Known<'a> {
+/// Values of the blocks of a band.
+pub(in crate::solver) struct ByBlock<'a, T> {
     first: usize,
-    until: &'a mut [f32],
+    values: &'a mut [T],
 }
 
-impl<'a> Known<'a> {
+impl<'a, T> ByBlock<'a, T> {
     /// Those of all blocks, from the first slot on.
-    pub fn all(until: &'a mut [f32]) -> Self {
-        Self { first: 0, until }
+    pub fn all(values: &'a mut [T]) -> Self {
+        Self { first: 0, values }
     }
 
-    /// The ways of so many blocks from a slot on.
+    /// Those of so many blocks from a slot on.
     #[inline(always)]
-    pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [f32] {
-        &mut self.until[slot / LANES - self.first..][..blocks]
+    pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [T] {
+        &mut self.values[slot / LANES - self.first..][..blocks]
     }
 }
 
-impl CutAt for Known<'_> {
+impl<T> CutAt for ByBlock<'_, T> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let block = slot / LANES;
-        let (until, below) = self.until.split_at_mut(block - self.first);
-        (Self { first: self.first, until }, Self { first: block, until: below })
+        let (values, below) = self.values.split_at_mut(block - self.first);
+        (Self { first: self.first, values }, Self { first: block, values: below })
     }
 }
 
@@ -107,19 +96,6 @@ impl ContactRoom {
             high: Vec3::ZERO,
             slack: 0.0,
             impulses: Vec::new(),
-            forgotten: Vec::new(),
-            owed: Vec::new(),
-            loads: Loads::new(layout.len()),
-            loads_before: Loads::new(layout.len()),
-            // Each made by itself: a clone of an empty one has no room.
-            pressed: (0..band.count()).map(|_| Vec::with_capacity(band.most_slots())).collect(),
-        }
-    }
-
-    /// Takes the particles that a collider pressed among those that bear a load.
-    pub fn note_pressed(&mut self, given_to: Option<usize>) {
-        for &slot in self.pressed.iter().flatten() {
-            self.loads.add(slot, given_to, &self.loads_before);
         }
     }
 
@@ -136,15 +112,10 @@ impl ContactRoom {
     ) {
         self.awake.clear();
         self.until.clear();
-        self.loads.clear();
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
         self.impulses.clear();
-        self.forgotten.clear();
-        if self.owed.len() != colliders.len() {
-            self.owed.clear();
-        }
         let mut measured = false;
         self.until_next = f32::INFINITY;
         for collider in colliders {
@@ -155,10 +126,6 @@ impl ContactRoom {
         }
         if measured {
             self.impulses.resize(colliders.len(), Vec3::ZERO);
-            self.forgotten.resize(colliders.len(), Vec3::ZERO);
-            self.owed.resize(colliders.len(), Vec3::ZERO);
-        } else {
-            self.owed.clear();
         }
     }
 
@@ -169,11 +136,9 @@ impl ContactRoom {
         larger(collider.motion.bounds().map_or(0.0, gap), 0.0)
     }
 
-    /// Forgets which particles bore a load, but for the substep before.
+    /// Forgets what has been struck.
     pub fn begin_substep(&mut self) {
         self.struck = false;
-        core::mem::swap(&mut self.loads, &mut self.loads_before);
-        self.loads.clear();
     }
 
     /// Adds the way of a substep, and wakes the colliders that the cloth may have come to. `epsilon`

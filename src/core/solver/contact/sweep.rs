@@ -36,6 +36,12 @@ struct Meeting {
 }
 
 impl Sweep<'_> {
+    /// What goes no further than this in the substep does not pass the surface \[m\].
+    #[inline(always)]
+    pub fn slow(&self) -> f32 {
+        (self.epsilon + self.motion.fast - self.motion.reach).max(0.0)
+    }
+
     /// Changes the displacements of particles that would pass through the surface, and adds what the
     /// collider is given of their momentum, times the substep, to `given`. Tells whether there were any.
     ///

@@ -2,7 +2,8 @@
 
 use super::Link;
 use super::places::Places;
-use crate::solver::constraint::{LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring};
+use crate::solver::constraint::{LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility};
+use crate::solver::contact::divide;
 use crate::solver::isa::{Kernel, TransposingKernel};
 use crate::solver::lanes::{Array, Block, Block3, LANES, Soa, larger};
 use crate::solver::transpose::Transpose;
@@ -83,6 +84,8 @@ impl Pairs {
 pub(crate) struct CorrectPairs<'a> {
     pub pairs: &'a Pairs,
     pub rule: Rule,
+    /// Whether any particle lies on a collider.
+    pub touches: bool,
     pub places: &'a mut Places,
 }
 
@@ -113,23 +116,49 @@ impl CorrectPairs<'_> {
             let factor = Block::load(&self.pairs.compliance, at);
             let (xp, wp) = self.places.gather_moved(t, first, at);
             let (xq, wq) = self.places.gather_moved(t, second, at);
-            let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
+            // Not by closures, which would be calls.
+            let normals = if self.touches {
+                let np = self.places.gather_normals(t, first, at);
+                Some([np, self.places.gather_normals(t, second, at)])
+            } else {
+                None
+            };
+            let mut pulls = Block3::ZERO;
             let mut strongest = Block::ZERO;
             for i in 0..LANES {
                 let way = xq.at(i) - xp.at(i);
                 let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
-                let inverse_masses = larger(wp.0[i] + wq.0[i], LEAST_DIVISOR);
+                let all = wp.0[i] + wq.0[i];
+                let both = match &normals {
+                    Some([np, nq]) => {
+                        let across = [np.at(i).dot(way), nq.at(i).dot(way)];
+                        mobility(all, across, length, [wp.0[i], wq.0[i]])
+                    }
+                    None => all,
+                };
+                let inverse_masses = larger(both, LEAST_DIVISOR);
                 let spring =
                     Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
                 let strength = law(spring);
                 strongest.0[i] = strength.abs();
-                let pull = way * (strength / length);
-                dp.set(i, pull * wp.0[i]);
-                dq.set(i, pull * -wq.0[i]);
+                pulls.set(i, way * (strength / length));
             }
             // Few springs are beyond their limit, and to put back what has not moved is dear.
             if strongest.largest() == 0.0 {
                 continue;
+            }
+            let (mut pull_p, mut pull_q) = (pulls, pulls);
+            if let Some([np, nq]) = &normals {
+                let ((along_p, load_p), (along_q, load_q)) =
+                    (divide(&pulls, np), divide(&pulls, nq));
+                self.places.load(t, first, at, &load_p);
+                self.places.load(t, second, at, &load_q.negated());
+                (pull_p, pull_q) = (along_p, along_q);
+            }
+            let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
+            for i in 0..LANES {
+                dp.set(i, pull_p.at(i) * wp.0[i]);
+                dq.set(i, pull_q.at(i) * -wq.0[i]);
             }
             self.places.scatter(t, first, at, dp);
             self.places.scatter(t, second, at, dq);

@@ -1,6 +1,7 @@
 //! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
 //! in one piece.
 
+use crate::solver::contact::ActiveSet;
 use crate::solver::isa::TransposingKernel;
 use crate::solver::lanes::{Array, Block, Block3, LANES, Soa};
 use crate::solver::transpose::{Four, Transpose};
@@ -12,11 +13,14 @@ pub(crate) struct Places {
     pub x: Vec<Four>,
     /// Displacements, and zero.
     pub d: Vec<Four>,
+    /// Normals of what the particles lie on, and what that bears.
+    pub normals: Vec<Four>,
 }
 
 impl Places {
     pub fn new(slots: usize) -> Self {
-        Self { x: vec![Four::default(); slots], d: vec![Four::default(); slots] }
+        let none = vec![Four::default(); slots];
+        Self { x: none.clone(), d: none.clone(), normals: none }
     }
 
     /// Where particles are, and their inverse masses.
@@ -30,6 +34,22 @@ impl Places {
             sum(all_x[slot], all_d[slot])
         });
         (Block3 { x, y, z }, w)
+    }
+
+    /// Normals of what particles lie on.
+    #[inline(always)]
+    pub fn gather_normals(&self, t: impl Transpose, slots: &[u32], at: usize) -> Block3 {
+        gather(t, &self.normals, slots, at)
+    }
+
+    /// Adds what the particles lie on bears.
+    #[inline(always)]
+    pub fn load(&mut self, t: impl Transpose, slots: &[u32], at: usize, load: &Block) {
+        let fours = t.together(&[Block::ZERO, Block::ZERO, Block::ZERO, *load]);
+        for (load, slot) in fours.into_iter().zip(row(slots, at)) {
+            let to = &mut self.normals[slot as usize];
+            *to = sum(*to, load);
+        }
     }
 
     /// Displaces particles, which are all different but for the one beside the cloth.
@@ -86,6 +106,8 @@ pub(crate) struct FillPlaces<'a> {
     pub inverse_mass: &'a Array,
     pub x: &'a Soa,
     pub d: &'a Soa,
+    /// What they lie on, where any do.
+    pub contacts: Option<&'a ActiveSet>,
     pub places: &'a mut Places,
 }
 
@@ -94,11 +116,21 @@ impl TransposingKernel for FillPlaces<'_> {
 
     #[inline(always)]
     fn run(self, t: impl Transpose) {
-        let Places { x, d } = self.places;
+        let Places { x, d, normals } = self.places;
         for slot in (0..x.len()).step_by(LANES) {
-            let w = Block::load(self.inverse_mass, slot);
+            let mut w = Block::load(self.inverse_mass, slot);
+            if let Some(set) = self.contacts {
+                let slip = Block::load(&set.now.slip, slot);
+                for i in 0..LANES {
+                    w.0[i] *= slip.0[i];
+                }
+            }
             store(t, x, slot, Block3::load(self.x, slot), w);
             store(t, d, slot, Block3::load(self.d, slot), Block::ZERO);
+            if let Some(set) = self.contacts {
+                let normal = Block3::load(&set.now.normal, slot);
+                store(t, normals, slot, normal, Block::load(&set.load, slot));
+            }
         }
     }
 }
@@ -107,15 +139,20 @@ impl TransposingKernel for FillPlaces<'_> {
 pub(crate) struct TakeDisplacements<'a> {
     pub places: &'a Places,
     pub d: &'a mut Soa,
+    /// What takes the loads, where any particle lies on anything.
+    pub contacts: Option<&'a mut ActiveSet>,
 }
 
 impl TransposingKernel for TakeDisplacements<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self, t: impl Transpose) {
+    fn run(mut self, t: impl Transpose) {
         for slot in (0..self.places.d.len()).step_by(LANES) {
             load(t, &self.places.d, slot).0.store(self.d, slot);
+            if let Some(set) = &mut self.contacts {
+                load(t, &self.places.normals, slot).1.store(&mut set.load, slot);
+            }
         }
     }
 }

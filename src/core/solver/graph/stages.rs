@@ -47,13 +47,17 @@ impl Room {
 
     /// Fills the places.
     pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State) {
-        let (x, d) = (&state.x, &state.d);
-        isa.run_transposing(FillPlaces { inverse_mass, x, d, places: &mut self.places });
+        let State { x, d, contacts, .. } = state;
+        let contacts = contacts.now.any.then_some(contacts);
+        let places = &mut self.places;
+        isa.run_transposing(FillPlaces { inverse_mass, x, d, contacts, places });
     }
 
     /// Takes the corrected displacements back.
-    pub fn empty(&self, isa: Isa, d: &mut Soa) {
-        isa.run_transposing(TakeDisplacements { places: &self.places, d });
+    pub fn empty(&self, isa: Isa, state: &mut State) {
+        let State { d, contacts, .. } = state;
+        let contacts = contacts.now.any.then_some(contacts);
+        isa.run_transposing(TakeDisplacements { places: &self.places, d, contacts });
     }
 
     /// Accelerations of springs, hinges and gravity, from places as they are.
@@ -119,21 +123,22 @@ impl Room {
         isa.run_transposing(GatherDamping { springs, places, target });
     }
 
-    /// Corrects springs one batch after the other.
-    pub fn correct_springs(&mut self, isa: Isa, graph: &Graph, rule: Rule) {
+    /// Corrects springs one batch after the other. `touches` tells whether any particle lies on a collider.
+    pub fn correct_springs(&mut self, isa: Isa, graph: &Graph, rule: Rule, touches: bool) {
         let (structural, shear) = match rule {
             Rule::Shear { .. } => (false, true),
             Rule::Limit { shear, .. } => (true, shear),
         };
         let families = [(structural, &graph.structural_pairs), (shear, &graph.shear_pairs)];
         for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
-            isa.run_transposing(CorrectPairs { pairs, rule, places: &mut self.places });
+            isa.run_transposing(CorrectPairs { pairs, rule, touches, places: &mut self.places });
         }
     }
 
     /// Solves the chains. Tells whether any spring came to them beyond its limit.
-    pub fn solve_chains(&mut self, isa: Isa, graph: &Graph, reach: Reach) -> bool {
+    pub fn solve_chains(&mut self, isa: Isa, graph: &Graph, reach: Reach, touches: bool) -> bool {
         isa.run_transposing(SolveChains {
+            touches,
             chains: &graph.chains,
             reach,
             places: &mut self.places,

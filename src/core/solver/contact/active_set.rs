@@ -1,0 +1,284 @@
+//! The active set of contact: which particles lie on a collider, and which way its surface faces there.
+//!
+//! A correction that knows nothing of a contact moves the particle into the collider, contact moves it out again, and
+//! what the correction was to do for the springs is lost: around a point that carries a whole cloth they would
+//! stretch without end. So corrections see a particle of the active set with the mobility that it has on its
+//! surface, `w (1 - n n^T)` in place of its inverse mass `w`, where `n` is the normal (Baraff and Witkin 1998, *Large
+//! Steps in Cloth Simulation*, section 5.1). Threads and contact are solved together in this way, and no particle
+//! changes its mass.
+//!
+//! The set is that of the substep before. What corrections pull at its particles along the normal moves nothing, and
+//! is summed up as their load. At the substep's end contact uses it with what contact itself undoes: for friction, and to let
+//! go what is pulled off. A particle that begins or ceases to touch is so corrected once as what it was. That
+//! does no work, as a particle that is held does none.
+
+use bevy_math::Vec3;
+
+use super::super::bands::CutAt;
+use super::super::isa::Kernel;
+use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
+
+/// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
+/// be pulled at without bound.
+pub(in crate::solver) const LEAST_MOBILITY: f32 = 0.2;
+
+/// Particles that lie on colliders, from substep to substep.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct ActiveSet {
+    /// As the present corrections see it.
+    pub now: Normals,
+    /// As those of the substep before saw it.
+    pub before: Normals,
+    /// As those of the next substep are to see it.
+    pub next: Normals,
+    /// Speed of the surface along the normal, by slot \[m/s\].
+    pub speed: Array,
+    /// The collider that a particle lies on, by slot: its index.
+    pub holder: Array,
+    /// Mean of what each particle was pressed onto its surface by in the last substeps, and of what it was pulled along it
+    /// by, by slot \[m\].
+    pub pressed: Array,
+    pub pulled: Soa,
+    /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
+    pub lost: Array,
+    /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
+    /// slot \[m kg\].
+    pub load: Array,
+}
+
+/// Normals of the surfaces that particles lie on.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::solver) struct Normals {
+    /// Whether there are any.
+    pub any: bool,
+    /// Whether a block has any.
+    pub blocks: Vec<bool>,
+    /// By slot, of length one; zero where a particle lies on none.
+    pub normal: Soa,
+    /// By slot, the part of its inverse mass that moves a particle along the surface; less than one where friction holds
+    /// it.
+    pub slip: Array,
+}
+
+impl Normals {
+    fn new(slots: usize) -> Self {
+        let mut slip = Array::zeros(slots);
+        slip.fill(1.0);
+        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots), slip }
+    }
+
+    /// Forgets all of them.
+    pub fn clear(&mut self) {
+        for (block, touches) in self.blocks.iter_mut().enumerate() {
+            if core::mem::take(touches) {
+                Block3::ZERO.store(&mut self.normal, block * LANES);
+                Block::splat(1.0).store(&mut self.slip, block * LANES);
+            }
+        }
+        self.any = false;
+    }
+
+    /// Says which blocks have any, where the normals have been set otherwise.
+    pub fn find(&mut self) {
+        for (block, touches) in self.blocks.iter_mut().enumerate() {
+            let normal = Block3::load(&self.normal, block * LANES);
+            *touches = (0..LANES).any(|i| normal.at(i) != Vec3::ZERO);
+        }
+        self.any = self.blocks.contains(&true);
+    }
+
+    /// Whether any of some blocks has any.
+    #[inline(always)]
+    pub fn touch(&self, first: usize, count: usize, hop: usize) -> bool {
+        self.any && self.blocks[first..first + count].iter().step_by(hop).any(|&touches| touches)
+    }
+}
+
+impl ActiveSet {
+    pub fn new(slots: usize) -> Self {
+        let normals = Normals::new(slots);
+        Self {
+            now: normals.clone(),
+            before: normals.clone(),
+            next: normals,
+            speed: Array::zeros(slots),
+            holder: Array::zeros(slots),
+            pressed: Array::zeros(slots),
+            pulled: Soa::zeros(slots),
+            lost: Array::zeros(slots),
+            load: Array::zeros(slots),
+        }
+    }
+
+    /// Forgets all contact.
+    pub fn clear(&mut self) {
+        self.now.clear();
+        self.before.clear();
+        self.next.clear();
+    }
+
+    /// Forgets what the particle of a slot lies on.
+    pub fn forget(&mut self, slot: usize) {
+        for normals in [&mut self.now, &mut self.before] {
+            normals.normal.set(slot, Vec3::ZERO);
+            normals.slip[slot] = 1.0;
+        }
+    }
+
+    /// Goes on to the next substep.
+    pub fn turn(&mut self) {
+        core::mem::swap(&mut self.before, &mut self.now);
+        core::mem::swap(&mut self.now, &mut self.next);
+        self.now.any = self.now.blocks.contains(&true);
+        self.next.clear();
+    }
+
+    /// What corrections need to know of it, and where they put its load; `None` where nothing touches.
+    pub fn contacts(&mut self) -> Option<Contacts<'_>> {
+        self.now.any.then(|| Contacts { normals: &self.now, load: ValuesMut::all(&mut self.load) })
+    }
+}
+
+/// The active set as corrections see it.
+pub(in crate::solver) struct Contacts<'a> {
+    pub normals: &'a Normals,
+    /// Of the slots that a band corrects.
+    pub load: ValuesMut<'a>,
+}
+
+impl CutAt for Contacts<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (load, below) = self.load.cut(slot);
+        (Self { normals: self.normals, load }, Self { normals: self.normals, load: below })
+    }
+}
+
+impl Contacts<'_> {
+    /// The same, for a while.
+    pub fn reborrow(&mut self) -> Contacts<'_> {
+        Contacts { normals: self.normals, load: self.load.reborrow() }
+    }
+
+    /// Adds the load of pulls to a block.
+    #[inline(always)]
+    pub fn add(&mut self, slot: usize, load: &Block) {
+        self.load.add(slot, load);
+    }
+}
+
+/// What of the pulls at particles moves them, and their load, for normals `n`.
+#[inline(always)]
+pub(in crate::solver) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
+    let (mut along, mut load) = (Block3::ZERO, Block::ZERO);
+    for i in 0..LANES {
+        let (pull, n) = (pull.at(i), n.at(i));
+        load.0[i] = n.dot(pull);
+        along.set(i, pull - n * load.0[i]);
+    }
+    (along, load)
+}
+
+/// Begins the corrections of a substep: lets the particles of the active set go only where they can, at the speed of
+/// their surface along its normal.
+pub(in crate::solver) struct HoldOnto<'a> {
+    pub set: &'a mut ActiveSet,
+    pub inverse_mass: &'a [f32],
+    /// Length of the substep \[s\].
+    pub step: f32,
+    pub d: &'a mut Soa,
+    /// What is carried on of the pulls in the substep before (`carry`), less the displacements; `None` where nothing
+    /// is.
+    pub carried: Option<&'a Soa>,
+}
+
+impl Kernel for HoldOnto<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, inverse_mass, step, d, carried } = self;
+        for (block, &touches) in set.now.blocks.iter().enumerate() {
+            if !touches {
+                continue;
+            }
+            let slot = block * LANES;
+            let (n, before) =
+                (Block3::load(&set.now.normal, slot), Block3::load(&set.before.normal, slot));
+            let (w, speed) = (Block::load(inverse_mass, slot), Block::load(&set.speed, slot));
+            let slips = [Block::load(&set.now.slip, slot), Block::load(&set.before.slip, slot)];
+            let mut moved = Block3::load(d, slot);
+            let carried = match carried {
+                Some(carried) => Block3::load_sum(carried, d, slot),
+                None => Block3::ZERO,
+            };
+            let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
+            for i in 0..LANES {
+                let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
+                let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
+                // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
+                // a load all the same.
+                let borne = before.dot(carried);
+                let along = carried - before * borne;
+                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
+                let own = moved.at(i) - carried + along * held;
+                let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
+                lost.0[i] = if is_free { 0.0 } else { n.dot(own) - speed.0[i] * step };
+                load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
+                let surface = n * (speed.0[i] * step);
+                let goes = own - n * (lost.0[i] + speed.0[i] * step);
+                moved.set(i, if is_free { moved.at(i) } else { surface + goes * slip });
+            }
+            moved.store(d, slot);
+            lost.store(&mut set.lost, slot);
+            load.store(&mut set.load, slot);
+        }
+    }
+}
+
+/// Ends contact: lets go what lay on a collider and was found to touch none any more. It goes on without what pulled at
+/// it while it was held.
+pub(in crate::solver) struct LetGo<'a> {
+    pub set: &'a ActiveSet,
+    pub d: &'a mut Soa,
+}
+
+impl Kernel for LetGo<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, d } = self;
+        for (block, &touched) in set.now.blocks.iter().enumerate() {
+            if !touched {
+                continue;
+            }
+            let slot = block * LANES;
+            let (n, lost) = (Block3::load(&set.now.normal, slot), Block::load(&set.lost, slot));
+            let mut moved = Block3::load(d, slot);
+            for i in 0..LANES {
+                // What is pulled off does not fall back.
+                moved.set(i, moved.at(i) + n.at(i) * larger(lost.0[i], 0.0));
+            }
+            moved.store(d, slot);
+        }
+    }
+}
+
+impl ActiveSet {
+    /// Momentum that colliders took of what they have let go, with the collider's index, times the substep \[kg m\].
+    /// Where pulls are noted, those that did not move it are not, and would have moved it by as much again.
+    pub fn taken<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+        notes: bool,
+    ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
+        let touched = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
+        touched.flat_map(|(block, _)| block * LANES..(block + 1) * LANES).filter_map(move |slot| {
+            let (load, lost, w) = (self.load[slot], self.lost[slot], inverse_mass[slot]);
+            let times = if notes { 2.0 } else { 1.0 };
+            let fallen = if lost < 0.0 { lost / w } else { 0.0 };
+            let all = self.now.normal.get(slot) * (load * times + fallen);
+            (w > 0.0 && all != Vec3::ZERO).then(|| (self.holder[slot] as usize, all))
+        })
+    }
+}
