@@ -31,8 +31,8 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// Speed of the surface along the normal, by slot \[m/s\].
-    pub speed: Array,
+    /// Velocity of the surface that a particle lies on, by slot \[m/s\].
+    pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
     /// Mean of what each particle was pressed onto its surface by in the last substeps, and of what it was pulled along it
@@ -101,7 +101,7 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            speed: Array::zeros(slots),
+            velocity: Soa::zeros(slots),
             holder: Array::zeros(slots),
             pressed: Array::zeros(slots),
             pulled: Soa::zeros(slots),
@@ -178,8 +178,8 @@ pub(in crate::solver) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
     (along, load)
 }
 
-/// Begins the corrections of a substep: lets the particles of the active set go only where they can, at the speed of
-/// their surface along its normal.
+/// Begins the corrections of a substep: lets the particles of the active set go only where they can, with their
+/// surface.
 pub(in crate::solver) struct HoldOnto<'a> {
     pub set: &'a mut ActiveSet,
     pub inverse_mass: &'a [f32],
@@ -204,7 +204,8 @@ impl Kernel for HoldOnto<'_> {
             let slot = block * LANES;
             let (n, before) =
                 (Block3::load(&set.now.normal, slot), Block3::load(&set.before.normal, slot));
-            let (w, speed) = (Block::load(inverse_mass, slot), Block::load(&set.speed, slot));
+            let (w, velocity) =
+                (Block::load(inverse_mass, slot), Block3::load(&set.velocity, slot));
             let slips = [Block::load(&set.now.slip, slot), Block::load(&set.before.slip, slot)];
             let mut moved = Block3::load(d, slot);
             let carried = match carried {
@@ -222,10 +223,11 @@ impl Kernel for HoldOnto<'_> {
                 let held = if slip_before < slip { slip_before / slip } else { 1.0 };
                 let own = moved.at(i) - carried + along * held;
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
-                lost.0[i] = if is_free { 0.0 } else { n.dot(own) - speed.0[i] * step };
+                let surface = velocity.at(i) * step;
+                let relative = own - surface;
+                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
                 load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
-                let surface = n * (speed.0[i] * step);
-                let goes = own - n * (lost.0[i] + speed.0[i] * step);
+                let goes = relative - n * lost.0[i];
                 moved.set(i, if is_free { moved.at(i) } else { surface + goes * slip });
             }
             moved.store(d, slot);

@@ -113,7 +113,7 @@ pub(super) struct Found<'a> {
     pub blocks: ByBlock<'a, bool>,
     pub normal: PartMut<'a>,
     pub slip: ValuesMut<'a>,
-    pub speed: ValuesMut<'a>,
+    pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
     pub pressed: ValuesMut<'a>,
     pub pulled: PartMut<'a>,
@@ -124,7 +124,7 @@ impl CutAt for Found<'_> {
         let (blocks, blocks_below) = self.blocks.cut(slot);
         let (normal, normal_below) = self.normal.cut(slot);
         let (slip, slip_below) = self.slip.cut(slot);
-        let (speed, speed_below) = self.speed.cut(slot);
+        let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
         let (pressed, pressed_below) = self.pressed.cut(slot);
         let (pulled, pulled_below) = self.pulled.cut(slot);
@@ -132,12 +132,12 @@ impl CutAt for Found<'_> {
             blocks: blocks_below,
             normal: normal_below,
             slip: slip_below,
-            speed: speed_below,
+            velocity: velocity_below,
             holder: holder_below,
             pressed: pressed_below,
             pulled: pulled_below,
         };
-        (Self { blocks, normal, slip, speed, holder, pressed, pulled }, below)
+        (Self { blocks, normal, slip, velocity, holder, pressed, pulled }, below)
     }
 }
 
@@ -386,21 +386,21 @@ impl Found<'_> {
         self.blocks.row(slot, 1)[0] = true;
         let mut normals = Block3::load(&self.normal, slot);
         let mut pulled = Block3::load(&self.pulled, slot);
-        let mut speeds = self.speed.blocks(slot, 1);
+        let mut velocity = Block3::load(&self.velocity, slot);
         let mut slips = self.slip.blocks(slot, 1);
         let mut presses = self.pressed.blocks(slot, 1);
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
-        let (mut speed, mut slip, mut pressed) = (speeds.at(0), slips.at(0), presses.at(0));
+        let (mut slip, mut pressed) = (slips.at(0), presses.at(0));
         let rate = 1.0 / skin.step;
         for i in 0..LANES {
             let touches = near.depth.0[i] > 0.0;
             let n = near.normals.at(i);
-            let goes = n.dot(pushed.surface.at(i));
+            let (goes, surface) = (n.dot(pushed.surface.at(i)), pushed.surface.at(i) * rate);
             // What is fast may be gone in the next substep.
             let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
             normals.set(i, if touches { lies } else { normals.at(i) });
-            speed.0[i] = if touches { goes * rate } else { speed.0[i] };
+            velocity.set(i, if touches { surface } else { velocity.at(i) });
             holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
             // What begins to touch slides at first: a blow is no load that lasts.
             let known = if hold.was.0[i] > 0.0 { 1.0 } else { 0.0 };
@@ -416,7 +416,7 @@ impl Found<'_> {
             let free = if free < 1.0 { free } else { 1.0 };
             slip.0[i] = if touches { free } else { slip.0[i] };
         }
-        speeds.set(0, speed);
+        velocity.store(&mut self.velocity, slot);
         slips.set(0, slip);
         presses.set(0, pressed);
         holders.set(0, holder);

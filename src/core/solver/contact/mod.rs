@@ -167,7 +167,7 @@ impl ResolveContacts<'_> {
                     blocks: ByBlock::all(&mut set.next.blocks),
                     normal: set.next.normal.part_mut(),
                     slip: ValuesMut::all(&mut set.next.slip),
-                    speed: ValuesMut::all(&mut set.speed),
+                    velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
                     pressed: ValuesMut::all(&mut set.pressed),
                     pulled: set.pulled.part_mut(),
