@@ -428,6 +428,7 @@ impl ClothSolver {
             let carried = self.scratch.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
+            self.scratch.contact.give(contacts.turned_away(), step);
         }
     }
 
@@ -607,7 +608,6 @@ impl ClothSolver {
             self.contact_count = 0;
         } else {
             let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
-            let (heavy, lighter) = Skin::heavy(weight);
             let contacts = ResolveContacts {
                 bands: &self.bands,
                 colliders: input.colliders,
@@ -618,9 +618,7 @@ impl ClothSolver {
                     friction: self.material.friction,
                     layers: self.settings.layers,
                     most_push: self.settings.max_push_speed * self.plan.step,
-                    heavy,
-                    lighter,
-                    following: Skin::following(self.plan.step),
+                    blow: Skin::blow(weight),
                     step: self.plan.step,
                 },
                 inverse_mass: &self.held.inverse_mass,
@@ -647,7 +645,7 @@ impl ClothSolver {
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
-        self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
+        self.scratch.contact.impulses.get(collider).copied().flatten().unwrap_or_default()
     }
 
     /// Ends the tick.

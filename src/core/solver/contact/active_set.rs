@@ -31,14 +31,10 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// Velocity of the surface that a particle lies on, by slot \[m/s\].
-    pub velocity: Soa,
+    /// Speed of the surface that a particle lies on along its normal, by slot \[m/s\].
+    pub speed: Array,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
-    /// Mean of what each particle was pressed onto its surface by in the last substeps, and of what it was pulled along it
-    /// by, by slot \[m\].
-    pub pressed: Array,
-    pub pulled: Soa,
     /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
     pub lost: Array,
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
@@ -55,16 +51,11 @@ pub(in crate::solver) struct Normals {
     pub blocks: Vec<bool>,
     /// By slot, of length one; zero where a particle lies on none.
     pub normal: Soa,
-    /// By slot, the part of its inverse mass that moves a particle along the surface; less than one where friction holds
-    /// it.
-    pub slip: Array,
 }
 
 impl Normals {
     fn new(slots: usize) -> Self {
-        let mut slip = Array::zeros(slots);
-        slip.fill(1.0);
-        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots), slip }
+        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots) }
     }
 
     /// Forgets all of them.
@@ -72,7 +63,6 @@ impl Normals {
         for (block, touches) in self.blocks.iter_mut().enumerate() {
             if core::mem::take(touches) {
                 Block3::ZERO.store(&mut self.normal, block * LANES);
-                Block::splat(1.0).store(&mut self.slip, block * LANES);
             }
         }
         self.any = false;
@@ -101,10 +91,8 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            velocity: Soa::zeros(slots),
+            speed: Array::zeros(slots),
             holder: Array::zeros(slots),
-            pressed: Array::zeros(slots),
-            pulled: Soa::zeros(slots),
             lost: Array::zeros(slots),
             load: Array::zeros(slots),
         }
@@ -121,7 +109,6 @@ impl ActiveSet {
     pub fn forget(&mut self, slot: usize) {
         for normals in [&mut self.now, &mut self.before] {
             normals.normal.set(slot, Vec3::ZERO);
-            normals.slip[slot] = 1.0;
         }
     }
 
@@ -204,9 +191,7 @@ impl Kernel for HoldOnto<'_> {
             let slot = block * LANES;
             let (n, before) =
                 (Block3::load(&set.now.normal, slot), Block3::load(&set.before.normal, slot));
-            let (w, velocity) =
-                (Block::load(inverse_mass, slot), Block3::load(&set.velocity, slot));
-            let slips = [Block::load(&set.now.slip, slot), Block::load(&set.before.slip, slot)];
+            let (w, speed) = (Block::load(inverse_mass, slot), Block::load(&set.speed, slot));
             let mut moved = Block3::load(d, slot);
             let carried = match carried {
                 Some(carried) => Block3::load_sum(carried, d, slot),
@@ -215,20 +200,14 @@ impl Kernel for HoldOnto<'_> {
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
             for i in 0..LANES {
                 let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
-                let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
                 let borne = before.dot(carried);
-                let along = carried - before * borne;
-                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
-                let own = moved.at(i) - carried + along * held;
+                let own = moved.at(i) - before * borne;
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
-                let surface = velocity.at(i) * step;
-                let relative = own - surface;
-                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
+                lost.0[i] = if is_free { 0.0 } else { n.dot(own) - speed.0[i] * step };
                 load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
-                let goes = relative - n * lost.0[i];
-                moved.set(i, if is_free { moved.at(i) } else { surface + goes * slip });
+                moved.set(i, if is_free { moved.at(i) } else { own - n * lost.0[i] });
             }
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);
@@ -242,6 +221,8 @@ impl Kernel for HoldOnto<'_> {
 pub(in crate::solver) struct LetGo<'a> {
     pub set: &'a ActiveSet,
     pub d: &'a mut Soa,
+    /// Pulls noted in the substep, where any are.
+    pub pull: Option<&'a mut Soa>,
 }
 
 impl Kernel for LetGo<'_> {
@@ -249,7 +230,7 @@ impl Kernel for LetGo<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { set, d } = self;
+        let Self { set, d, mut pull } = self;
         for (block, &touched) in set.now.blocks.iter().enumerate() {
             if !touched {
                 continue;
@@ -262,11 +243,35 @@ impl Kernel for LetGo<'_> {
                 moved.set(i, moved.at(i) + n.at(i) * larger(lost.0[i], 0.0));
             }
             moved.store(d, slot);
+            if let Some(pull) = &mut pull {
+                // What its surface bore of its own motion was no pull.
+                let mut noted = Block3::load(&**pull, slot);
+                for i in 0..LANES {
+                    noted.set(i, noted.at(i) + n.at(i) * lost.0[i]);
+                }
+                noted.store(&mut **pull, slot);
+            }
         }
     }
 }
 
 impl ActiveSet {
+    /// Momentum of the pulls carried on that colliders took because their normals had turned, with the collider's index,
+    /// times the substep \[kg m\]; to be asked for after [`HoldOnto`] alone. As much again is not carried on afterwards.
+    pub fn turned_away(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
+        self.held_slots().filter_map(move |slot| {
+            let turned = self.before.normal.get(slot) - self.now.normal.get(slot);
+            let taken = turned * (2.0 * self.load[slot]);
+            (taken != Vec3::ZERO).then(|| (self.holder[slot] as usize, taken))
+        })
+    }
+
+    /// Slots of blocks that have anything held.
+    fn held_slots(&self) -> impl Iterator<Item = usize> + '_ {
+        let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
+        blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES)
+    }
+
     /// Momentum that colliders took of what they have let go, with the collider's index, times the substep \[kg m\].
     /// Where pulls are noted, those that did not move it are not, and would have moved it by as much again.
     pub fn taken<'a>(
@@ -274,8 +279,7 @@ impl ActiveSet {
         inverse_mass: &'a [f32],
         notes: bool,
     ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
-        let touched = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
-        touched.flat_map(|(block, _)| block * LANES..(block + 1) * LANES).filter_map(move |slot| {
+        self.held_slots().filter_map(move |slot| {
             let (load, lost, w) = (self.load[slot], self.lost[slot], inverse_mass[slot]);
             let times = if notes { 2.0 } else { 1.0 };
             let fallen = if lost < 0.0 { lost / w } else { 0.0 };

@@ -11,7 +11,7 @@ use super::active_set::Normals;
 use super::collider::Motion;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{LEAST_SLIDING, LEAST_SLIP, STICKS, Skin};
+use super::{LEAST_SLIDING, Skin};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -112,32 +112,23 @@ impl CutAt for Held<'_> {
 pub(super) struct Found<'a> {
     pub blocks: ByBlock<'a, bool>,
     pub normal: PartMut<'a>,
-    pub slip: ValuesMut<'a>,
-    pub velocity: PartMut<'a>,
+    pub speed: ValuesMut<'a>,
     pub holder: ValuesMut<'a>,
-    pub pressed: ValuesMut<'a>,
-    pub pulled: PartMut<'a>,
 }
 
 impl CutAt for Found<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let (blocks, blocks_below) = self.blocks.cut(slot);
         let (normal, normal_below) = self.normal.cut(slot);
-        let (slip, slip_below) = self.slip.cut(slot);
-        let (velocity, velocity_below) = self.velocity.cut(slot);
+        let (speed, speed_below) = self.speed.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
-        let (pressed, pressed_below) = self.pressed.cut(slot);
-        let (pulled, pulled_below) = self.pulled.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
-            slip: slip_below,
-            velocity: velocity_below,
+            speed: speed_below,
             holder: holder_below,
-            pressed: pressed_below,
-            pulled: pulled_below,
         };
-        (Self { blocks, normal, slip, velocity, holder, pressed, pulled }, below)
+        (Self { blocks, normal, speed, holder }, below)
     }
 }
 
@@ -232,22 +223,15 @@ impl Kernel for MeetCollider<'_> {
                 ds.set(block, d);
                 if let Some(pulls) = &mut pulls {
                     let noted = pulls.at(block);
-                    pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold));
+                    pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold, &skin));
                     if motion.measured {
-                        near.forget(&noted, &before, &w, &hold, tally);
+                        near.forget(&noted, &before, &w, &pushed, &hold, &skin, tally);
                     }
                 }
                 if held.is_some() {
                     self.held.let_go(slot, &near);
                 }
-                self.found.take(
-                    slot,
-                    &near,
-                    &pushed,
-                    &hold,
-                    (motion.friction, self.collider),
-                    &skin,
-                );
+                self.found.take(slot, &near, &pushed, self.collider, &skin);
             }
         }
         met
@@ -293,15 +277,12 @@ impl Cut for MeetCollider<'_> {
 struct Hold {
     /// What they would have gone by along the normals beyond what they went, had nothing held them \[m\].
     unfollowed: Block3,
-    /// What they would have gone by along the surface, to what they went.
-    unslipped: Block,
     /// One where a particle was held.
     was: Block,
 }
 
 impl Hold {
-    const NONE: Self =
-        Self { unfollowed: Block3::ZERO, unslipped: Block([1.0; LANES]), was: Block::ZERO };
+    const NONE: Self = Self { unfollowed: Block3::ZERO, was: Block::ZERO };
 }
 
 impl Held<'_> {
@@ -312,7 +293,6 @@ impl Held<'_> {
             return None;
         }
         let mut hold = Hold { unfollowed: Block3::load(&self.set.normal, slot), ..Hold::NONE };
-        let slip = Block::load(&self.set.slip, slot);
         let (lost, load) = (self.lost.blocks(slot, 1).at(0), self.load.blocks(slot, 1).at(0));
         for i in 0..LANES {
             let n = hold.unfollowed.at(i);
@@ -320,7 +300,6 @@ impl Held<'_> {
             // What another collider has met is held no more.
             let was = n.dot(n) > 0.0 && all != 0.0;
             hold.was.0[i] = if was { 1.0 } else { 0.0 };
-            hold.unslipped.0[i] = if was { 1.0 / slip.0[i] } else { 1.0 };
             hold.unfollowed.set(i, n * all);
         }
         Some(hold)
@@ -365,62 +344,42 @@ struct Pushed {
     surface: Block3,
     /// Approach that was undone \[m\].
     undone: Block,
-    /// What they would have gone by along the surface, had nothing held them \[m\].
-    pulled: Block3,
     /// What they would have gone by beyond what they went, had nothing held them \[m\].
     unfollowed: Block3,
+}
+
+impl Pushed {
+    /// What part of the pulls at a particle is expected again. What begins to touch by a blow expects nothing.
+    #[inline(always)]
+    fn lasts(&self, lane: usize, hold: &Hold, skin: &Skin) -> f32 {
+        let blow = self.undone.0[lane] * skin.blow;
+        let struck = if hold.was.0[lane] > 0.0 { 0.0 } else { blow * blow };
+        1.0 / (1.0 + struck)
+    }
 }
 
 impl Found<'_> {
     /// Takes a block's particles that touch into the active set.
     #[inline(always)]
-    fn take(
-        &mut self,
-        slot: usize,
-        near: &Near,
-        pushed: &Pushed,
-        hold: &Hold,
-        (friction, collider): (f32, usize),
-        skin: &Skin,
-    ) {
+    fn take(&mut self, slot: usize, near: &Near, pushed: &Pushed, collider: usize, skin: &Skin) {
         self.blocks.row(slot, 1)[0] = true;
         let mut normals = Block3::load(&self.normal, slot);
-        let mut pulled = Block3::load(&self.pulled, slot);
-        let mut velocity = Block3::load(&self.velocity, slot);
-        let mut slips = self.slip.blocks(slot, 1);
-        let mut presses = self.pressed.blocks(slot, 1);
+        let mut speeds = self.speed.blocks(slot, 1);
         let mut holders = self.holder.blocks(slot, 1);
-        let mut holder = holders.at(0);
-        let (mut slip, mut pressed) = (slips.at(0), presses.at(0));
+        let (mut speed, mut holder) = (speeds.at(0), holders.at(0));
         let rate = 1.0 / skin.step;
         for i in 0..LANES {
             let touches = near.depth.0[i] > 0.0;
             let n = near.normals.at(i);
-            let (goes, surface) = (n.dot(pushed.surface.at(i)), pushed.surface.at(i) * rate);
+            let goes = n.dot(pushed.surface.at(i));
             // What is fast may be gone in the next substep.
             let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
             normals.set(i, if touches { lies } else { normals.at(i) });
-            velocity.set(i, if touches { surface } else { velocity.at(i) });
+            speed.0[i] = if touches { goes * rate } else { speed.0[i] };
             holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
-            // What begins to touch slides at first: a blow is no load that lasts.
-            let known = if hold.was.0[i] > 0.0 { 1.0 } else { 0.0 };
-            let (mean, pulls) = (pressed.0[i] * known, pulled.at(i) * known);
-            let mean = mean + (pushed.undone.0[i] - mean) * skin.following * known;
-            let pulls = pulls + (pushed.pulled.at(i) - pulls) * (skin.following * known);
-            pressed.0[i] = if touches { mean } else { pressed.0[i] };
-            pulled.set(i, if touches { pulls } else { pulled.at(i) });
-            let most = larger(friction * mean, LEAST_SLIDING);
-            let slides = (pulls.dot(pulls).sqrt() / most - STICKS) * (1.0 / (1.0 - STICKS));
-            let light = (skin.heavy - mean) * skin.lighter;
-            let free = larger(larger(slides, light), LEAST_SLIP);
-            let free = if free < 1.0 { free } else { 1.0 };
-            slip.0[i] = if touches { free } else { slip.0[i] };
         }
-        velocity.store(&mut self.velocity, slot);
-        slips.set(0, slip);
-        presses.set(0, pressed);
+        speeds.set(0, speed);
         holders.set(0, holder);
-        pulled.store(&mut self.pulled, slot);
         normals.store(&mut self.normal, slot);
     }
 }
@@ -497,8 +456,7 @@ impl Meeting<'_> {
         let Self { motion, skin } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
-        let none = Block3::ZERO;
-        let mut pushed = Pushed { surface, undone: Block::ZERO, pulled: none, unfollowed: none };
+        let mut pushed = Pushed { surface, undone: Block::ZERO, unfollowed: Block3::ZERO };
         for i in 0..LANES {
             let normal = normals.at(i);
             let relative = d.at(i) - surface.at(i);
@@ -511,11 +469,8 @@ impl Meeting<'_> {
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
             let tangential = relative - normal * along;
-            let pulled = tangential * hold.unslipped.0[i];
             pushed.undone.0[i] = undone;
-            pushed.pulled.set(i, pulled);
-            let unfollowed = pressed + pulled - tangential;
-            pushed.unfollowed.set(i, unfollowed);
+            pushed.unfollowed.set(i, pressed);
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
             let part = motion.friction * undone / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
@@ -532,7 +487,7 @@ impl Meeting<'_> {
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let given = (into_d - unfollowed) * mass;
+                let given = (into_d - pressed) * mass;
                 let given = if touching { given } else { Vec3::ZERO };
                 tally.given.set(i, tally.given.at(i) - given);
             }
@@ -554,12 +509,13 @@ impl Near {
         after: &Block3,
         pushed: &Pushed,
         hold: &Hold,
+        skin: &Skin,
     ) -> Block3 {
         let mut kept = *noted;
         for i in 0..LANES {
             // The substep's end adds the displacement.
             let all = noted.at(i) + before.at(i) + pushed.unfollowed.at(i);
-            let lasts = if hold.was.0[i] > 0.0 { all } else { Vec3::ZERO };
+            let lasts = all * pushed.lasts(i, hold, skin);
             let touches = self.depth.0[i] > 0.0;
             kept.set(i, if touches { lasts - after.at(i) } else { noted.at(i) });
         }
@@ -568,12 +524,21 @@ impl Near {
 
     /// Tallies what is not: it would have moved the particles by as much again, and their neighbours it does.
     #[inline(always)]
-    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, hold: &Hold, tally: &mut Tally) {
+    fn forget(
+        &self,
+        noted: &Block3,
+        before: &Block3,
+        w: &Block,
+        pushed: &Pushed,
+        hold: &Hold,
+        skin: &Skin,
+        tally: &mut Tally,
+    ) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-            let is_struck = self.depth.0[i] > 0.0 && hold.was.0[i] == 0.0;
-            let forgotten = (noted.at(i) + before.at(i)) * mass;
-            let forgotten = if is_struck { forgotten } else { Vec3::ZERO };
+            let forgotten = noted.at(i) + before.at(i);
+            let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, skin)) * mass);
+            let forgotten = if self.depth.0[i] > 0.0 { forgotten } else { Vec3::ZERO };
             tally.given.set(i, tally.given.at(i) + forgotten);
         }
     }

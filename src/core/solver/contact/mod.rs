@@ -55,39 +55,21 @@ pub(super) struct Skin {
     pub layers: u32,
     /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
     pub most_push: f32,
-    /// Approach that is undone where a particle is pressed so much that corrections know of friction \[m\], and 1 /
-    /// what it is more than where they do not at all \[1/m\].
-    pub heavy: f32,
-    pub lighter: f32,
-    /// Part of a substep in the mean of what presses and pulls a particle.
-    pub following: f32,
+    /// 1 / approach of a blow, after which the pulls of what is struck are no guide to those that come \[1/m\].
+    pub blow: f32,
     /// Length of the substep \[s\].
     pub step: f32,
 }
 
 impl Skin {
-    /// Sets what depends on the displacement that gravity makes in a substep \[m\], and on its length \[s\].
-    pub fn heavy(weight: f32) -> (f32, f32) {
-        (HEAVY * weight, 1.0 / ((HEAVY - LIGHT) * weight))
-    }
-
-    /// Part of a substep in the means.
-    pub fn following(step: f32) -> f32 {
-        (step / FOLLOWING).min(1.0)
+    /// Sets what a blow is, for the displacement that gravity makes in a substep \[m\].
+    pub fn blow(weight: f32) -> f32 {
+        1.0 / (BLOW * weight)
     }
 }
 
-/// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
-/// all. What lies in a few layers, or is laid over a smooth edge, is below them.
-const LIGHT: f32 = 8.0;
-const HEAVY: f32 = 32.0;
-/// Part of what friction can hold up to which corrections see a particle as held; between it and the whole, ever less.
-const STICKS: f32 = 0.5;
-/// The least part of its inverse mass that corrections see of what friction holds.
-const LEAST_SLIP: f32 = 0.05;
-/// Time over which the mean is taken of what presses and pulls a particle \[s\]: a mobility that followed each substep's
-/// would shake the cloth.
-const FOLLOWING: f32 = 0.04;
+/// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
+const BLOW: f32 = 32.0;
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
@@ -119,14 +101,10 @@ impl ResolveContacts<'_> {
             touching += self.meet(isa, k, way);
         }
         if self.set.now.any {
-            isa.run(LetGo { set: self.set, d: self.d });
-            if !self.room.impulses.is_empty() {
-                for (holder, momentum) in self.set.taken(self.inverse_mass, self.pull.is_some()) {
-                    if self.colliders.get(holder).is_some_and(|collider| collider.measured) {
-                        self.room.impulses[holder] += momentum / self.skin.step;
-                    }
-                }
-            }
+            let pull = self.pull.as_deref_mut();
+            isa.run(LetGo { set: self.set, d: self.d, pull });
+            let taken = self.set.taken(self.inverse_mass, self.pull.is_some());
+            self.room.give(taken, self.skin.step);
         }
         self.set.turn();
         touching
@@ -166,11 +144,8 @@ impl ResolveContacts<'_> {
                 found: Found {
                     blocks: ByBlock::all(&mut set.next.blocks),
                     normal: set.next.normal.part_mut(),
-                    slip: ValuesMut::all(&mut set.next.slip),
-                    velocity: set.velocity.part_mut(),
+                    speed: ValuesMut::all(&mut set.speed),
                     holder: ValuesMut::all(&mut set.holder),
-                    pressed: ValuesMut::all(&mut set.pressed),
-                    pulled: set.pulled.part_mut(),
                 },
             },
         );
@@ -178,7 +153,7 @@ impl ResolveContacts<'_> {
         room.pushed += met.deepest;
         let Tally { given, left, touching } = &met.tally;
         if motion.measured {
-            room.impulses[collider] += sum(given) / self.skin.step;
+            room.give([(collider, sum(given))].into_iter(), self.skin.step);
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);
