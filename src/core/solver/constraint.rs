@@ -189,6 +189,19 @@ impl CorrectBatch<'_> {
         }
     }
 
+    /// Inverse masses of a block of particles, as far as friction lets them go.
+    #[inline(always)]
+    fn mobile(&self, slot: usize) -> Block {
+        let mut w = Block::load(self.inverse_mass, slot);
+        if let Some(contacts) = &self.contacts {
+            let slip = Block::load(&contacts.normals.slip, slot);
+            for i in 0..LANES {
+                w.0[i] *= slip.0[i];
+            }
+        }
+        w
+    }
+
     /// The first rows of the batch's pairs.
     #[inline(always)]
     fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
@@ -243,7 +256,7 @@ impl CorrectBatch<'_> {
     ) {
         let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
         let (mut dp, mut dq) = (Block3::load(&self.d, p), Block3::load(&self.d, q));
-        let (wp, wq) = (Block::load(self.inverse_mass, p), Block::load(self.inverse_mass, q));
+        let (wp, wq) = (self.mobile(p), self.mobile(q));
         let (np, nq) = (self.normals(p), self.normals(q));
         let mut pulls = Block3::ZERO;
         for i in 0..LANES {
@@ -304,11 +317,8 @@ impl CorrectBatch<'_> {
             before = x.at(LANES - 1);
             let right = Block3::load_sum(self.x, &self.d, slot + 1);
             let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
-            let w = Block::load(self.inverse_mass, slot);
-            let other = (
-                Block::load(self.inverse_mass, slot - 1),
-                Block::load(self.inverse_mass, slot + 1),
-            );
+            let w = self.mobile(slot);
+            let other = (self.mobile(slot - 1), self.mobile(slot + 1));
             let normals = [self.normals(slot), self.normals(slot - 1), self.normals(slot + 1)];
             let mut pulls = Block3::ZERO;
             for i in 0..LANES {

@@ -428,7 +428,6 @@ impl ClothSolver {
             let carried = self.scratch.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            self.scratch.contact.give(contacts.turned_away(), step);
         }
     }
 
@@ -645,7 +644,7 @@ impl ClothSolver {
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
-        self.scratch.contact.impulses.get(collider).copied().flatten().unwrap_or_default()
+        self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
     }
 
     /// Ends the tick.

@@ -209,6 +209,9 @@ impl ClothSolver {
         self.isa.run(place.of(layout, &mut self.state.x, false));
         self.isa.run(place.of(layout, &mut self.state.d, true));
         self.isa.run(place.of(layout, &mut self.state.pull, true));
+        if self.state.contacts.now.any {
+            self.isa.run(place.of(layout, &mut self.state.contacts.velocity, true));
+        }
         for normals in [&mut self.state.contacts.now, &mut self.state.contacts.before] {
             if normals.any {
                 self.isa.run(place.of(layout, &mut normals.normal, true));

@@ -50,28 +50,30 @@ pub struct SolverState {
     pushes: Option<(Vec<Vec3>, f32)>,
 }
 
-/// The normals of the surfaces that particles lay on in the last substep and in the one before, and the speeds of those
-/// along them \[m/s\]; see `contact`.
+/// The normals of the surfaces that particles lay on in the last substep and in the one before, and the velocities of those
+/// \[m/s\]; see `contact`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedContacts {
     normals: Vec<Vec3>,
     before: Vec<Vec3>,
-    speeds: Vec<f32>,
+    slips: Vec<[f32; 2]>,
+    velocities: Vec<Vec3>,
     holders: Vec<u32>,
 }
 
 impl SavedContacts {
     /// Whether a cloth of so many particles may have been in such contact.
     fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, speeds, holders } = self;
+        let Self { normals, before, slips, velocities, holders } = self;
         let is_normal =
             |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && (n.length() - 1.0).abs() < 1e-3);
         [normals, before]
             .iter()
             .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
-            && [speeds.len(), holders.len()] == [particles; 2]
-            && speeds.iter().all(|speed| speed.abs() <= FARTHEST)
+            && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
+            && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
+            && velocities.iter().all(|velocity| is_near(*velocity))
     }
 }
 
@@ -181,7 +183,7 @@ impl ClothSolver {
         let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
             state;
         // What else it has is of one substep.
-        let ActiveSet { now, before, next: _, speed, holder, lost: _, load: _ } = contacts;
+        let ActiveSet { now, before, next: _, velocity, holder, lost: _, load: _ } = contacts;
         let values = |values: &[f32]| -> Vec<f32> {
             (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
         };
@@ -200,7 +202,12 @@ impl ClothSolver {
             contacts: now.any.then(|| SavedContacts {
                 normals: by_particle(&now.normal),
                 before: by_particle(&before.normal),
-                speeds: values(speed),
+                slips: values(&now.slip)
+                    .into_iter()
+                    .zip(values(&before.slip))
+                    .map(Into::into)
+                    .collect(),
+                velocities: by_particle(velocity),
                 holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
             }),
             tick: plan.tick,
@@ -274,16 +281,24 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts { normals, before, speeds, holders }) = contacts {
+        if let Some(SavedContacts {
+            normals,
+            before,
+            slips,
+            velocities,
+            holders,
+        }) = contacts
+        {
             let set = &mut self.state.contacts;
             for (to, from) in [(&mut set.now, normals), (&mut set.before, before)] {
                 to.normal = by_slot(from);
                 to.find();
             }
+            set.velocity = by_slot(velocities);
             for particle in 0..topology.particle_count() {
                 let slot = topology.slot(particle);
                 set.holder[slot] = holders[particle] as f32;
-                set.speed[slot] = speeds[particle];
+                [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
             }
         }
         self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };

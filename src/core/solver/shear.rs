@@ -11,7 +11,9 @@ use super::bands::{Band, CutAt, Rooms, Seams, cut_between_rows};
 use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, mobility};
 use super::contact::{Contacts, Normals, divide};
 use super::isa::Kernel;
-use super::lanes::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger};
+use super::lanes::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger,
+};
 use super::lattice::Lattice;
 
 /// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no
@@ -203,7 +205,7 @@ impl<'a> Cells<'a> {
             let mut corrected = d.at(block);
             let [to_right, to_left] = springs.pulls::<TOUCH>(block, &corrected);
             let (from_right, from_left) = (above_right.at(block), above_left.at(block));
-            let w = springs.w[0].at(block);
+            let w = if TOUCH { springs.mobile(0, block) } else { springs.w[0].at(block) };
             let mut pull = Block3::ZERO;
             for i in 0..LANES {
                 let both = to_right.at(i) + to_left.at(i) - from_right.at(i) - from_left.at(i);
@@ -237,7 +239,7 @@ struct RowSprings<'a> {
     /// Inverse masses of the row and of those ends.
     w: [Blocks<'a>; 3],
     /// Normals of what they lie on, where any do.
-    normals: Option<[Blocks3<'a>; 3]>,
+    normals: Option<[(Blocks3<'a>, Blocks<'a>); 3]>,
     rest: [Blocks<'a>; 2],
     factor: [Blocks<'a>; 2],
 }
@@ -260,10 +262,10 @@ impl<'a> RowSprings<'a> {
             d: [Blocks3::new(below, right, blocks), Blocks3::new(below, left, blocks)],
             w: [masses(slot), masses(right), masses(left)],
             normals: match normals {
-                Some(Normals { normal, .. }) => Some([
-                    Blocks3::new(normal, slot, blocks),
-                    Blocks3::new(normal, right, blocks),
-                    Blocks3::new(normal, left, blocks),
+                Some(Normals { normal, slip, .. }) => Some([
+                    (Blocks3::new(normal, slot, blocks), Blocks::new(slip, slot, blocks)),
+                    (Blocks3::new(normal, right, blocks), Blocks::new(slip, right, blocks)),
+                    (Blocks3::new(normal, left, blocks), Blocks::new(slip, left, blocks)),
                 ]),
                 None => None,
             },
@@ -280,9 +282,22 @@ impl<'a> RowSprings<'a> {
     #[inline(always)]
     fn normal(&self, end: usize, block: usize) -> Block3 {
         match &self.normals {
-            Some(normals) => normals[end].at(block),
+            Some(normals) => normals[end].0.at(block),
             None => Block3::ZERO,
         }
+    }
+
+    /// Inverse masses of the same, as far as friction lets them go.
+    #[inline(always)]
+    fn mobile(&self, end: usize, block: usize) -> Block {
+        let mut w = self.w[end].at(block);
+        if let Some(normals) = &self.normals {
+            let slip = normals[end].1.at(block);
+            for i in 0..LANES {
+                w.0[i] *= slip.0[i];
+            }
+        }
+        w
     }
 
     /// Pulls on a block of the row, of displacements `d`: both springs in one loop, whose roots and quotients then
@@ -292,7 +307,11 @@ impl<'a> RowSprings<'a> {
         let here = self.x[0].at(block);
         let (x_right, d_right) = (self.x[1].at(block), self.d[0].at(block));
         let (x_left, d_left) = (self.x[2].at(block), self.d[1].at(block));
-        let [w, w_right, w_left] = [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)];
+        let [w, w_right, w_left] = if TOUCH {
+            [self.mobile(0, block), self.mobile(1, block), self.mobile(2, block)]
+        } else {
+            [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)]
+        };
         let [rest_right, rest_left] = [self.rest[0].at(block), self.rest[1].at(block)];
         let [factor_right, factor_left] = [self.factor[0].at(block), self.factor[1].at(block)];
         let (mut right, mut left) = (Block3::ZERO, Block3::ZERO);

@@ -36,6 +36,7 @@ pub(super) struct Room {
     pub strip: Soa,
     /// The same of normals, where particles lie on colliders, and of what these bear.
     pub normals: Soa,
+    pub slip: Array,
     pub load: Array,
     /// The unknowns of [`LANES`] threads.
     pub line: Line,
@@ -48,6 +49,7 @@ impl Room {
         Self {
             strip: Soa::zeros(strip),
             normals: Soa::zeros(strip),
+            slip: Array::zeros(strip),
             load: Array::zeros(strip),
             line: Line::new(layout.rows.max(layout.columns) * LANES),
         }
@@ -70,6 +72,8 @@ pub(super) trait Ends {
     const TOUCH: bool;
     /// Normals of what the particles at a place lie on.
     fn normals(&self, place: usize) -> Block3;
+    /// Parts of their inverse masses that move them.
+    fn slip(&self, place: usize) -> Block;
     /// Takes what pulls them along those.
     fn load(&mut self, place: usize, load: &Block);
     /// Positions of the particles at a place along the threads.
@@ -86,6 +90,7 @@ pub(super) struct OnColliders<'a, E> {
     /// Blocks from one place to the next of normals, and of loads.
     pub hops: [usize; 2],
     pub normals: Blocks3<'a>,
+    pub slips: Blocks<'a>,
     pub loads: BlocksMut<'a>,
 }
 
@@ -100,6 +105,11 @@ impl<E: Ends> Ends for OnColliders<'_, E> {
     #[inline(always)]
     fn normals(&self, place: usize) -> Block3 {
         self.normals.at(place * self.hops[0])
+    }
+
+    #[inline(always)]
+    fn slip(&self, place: usize) -> Block {
+        self.slips.at(place * self.hops[0])
     }
 
     #[inline(always)]
@@ -126,6 +136,11 @@ macro_rules! touch_nothing {
         #[inline(always)]
         fn normals(&self, _: usize) -> Block3 {
             Block3::ZERO
+        }
+
+        #[inline(always)]
+        fn slip(&self, _: usize) -> Block {
+            Block::splat(1.0)
         }
 
         #[inline(always)]
@@ -185,12 +200,12 @@ impl<'a> Bundle<'a> {
         pivots: &mut Pivots<'_>,
         excess: &mut Block,
     ) {
-        let (mut x0, mut w0) = (ends.positions(0), self.inverse_mass.at(0));
+        let (mut x0, mut w0) = (ends.positions(0), mobile(&self.inverse_mass.at(0), ends, 0));
         let mut n0 = ends.normals(0);
         let mut last = Pivot::default();
         for place in 1..self.places {
             let (spring, end) = ((place - 1) * self.hop, place * self.hop);
-            let (x1, w1) = (ends.positions(place), self.inverse_mass.at(end));
+            let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass.at(end), ends, place));
             let n1 = ends.normals(place);
             let (rest, factor) = (self.rest.at(spring), self.compliance.at(spring));
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
@@ -206,11 +221,11 @@ impl<'a> Bundle<'a> {
     fn substitute<E: Ends>(&self, pivots: &Pivots<'_>, ends: &mut E) -> f32 {
         let mut tension = Tension::default();
         for place in (1..self.places).rev() {
-            let w = self.inverse_mass.at(place * self.hop);
+            let w = mobile(&self.inverse_mass.at(place * self.hop), ends, place);
             let correction = tension.next(&pivots.at(place - 1), &w, ends, place);
             ends.correct(place, correction);
         }
-        let correction = tension.last(&self.inverse_mass.at(0), ends);
+        let correction = tension.last(&mobile(&self.inverse_mass.at(0), ends, 0), ends);
         ends.correct(0, correction);
         tension.most.largest()
     }
@@ -230,7 +245,7 @@ impl<E: Ends> Threads for Woven<'_, E> {
 
     #[inline(always)]
     fn inverse_mass(&self, place: usize) -> Block {
-        self.bundle.inverse_mass.at(place * self.bundle.hop)
+        mobile(&self.bundle.inverse_mass.at(place * self.bundle.hop), self.ends, place)
     }
 
     #[inline(always)]
@@ -247,6 +262,19 @@ impl<E: Ends> Threads for Woven<'_, E> {
     fn correct_more(&mut self, place: usize, more: Block3) {
         self.ends.correct_more(place, more);
     }
+}
+
+/// Inverse masses of particles, as far as friction lets them go.
+#[inline(always)]
+fn mobile<E: Ends>(w: &Block, ends: &E, place: usize) -> Block {
+    let mut mobile = *w;
+    if E::TOUCH {
+        let slip = ends.slip(place);
+        for i in 0..LANES {
+            mobile.0[i] *= slip.0[i];
+        }
+    }
+    mobile
 }
 
 /// How soft the springs are, and how long they may be.

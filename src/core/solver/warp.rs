@@ -42,6 +42,7 @@ impl Kernel for SolveWarp<'_> {
                         ends,
                         hops: [hop, hop],
                         normals: Blocks3::new(&contacts.normals.normal, first, count),
+                        slips: Blocks::new(&contacts.normals.slip, first, count),
                         loads: contacts.load.blocks(first, count),
                     };
                     self.lines.solve(column, &mut ends, &mut excess);
@@ -139,6 +140,7 @@ impl Kernel for SolveWarpApart<'_> {
                         ends,
                         hops: [hop, 1],
                         normals: Blocks3::new(&normals.normal, first, count),
+                        slips: Blocks::new(&normals.slip, first, count),
                         loads: load.blocks(put, layout.rows),
                     };
                     lines.solve(column, &mut ends, &mut excess);

@@ -33,7 +33,7 @@ impl TransposingKernel for SolveWeft<'_> {
         let Self { band, lines, springs, inverse_mass, reach, x, mut d, mut contacts, rooms } =
             self;
         let mut room = rooms.take();
-        let Room { strip, line, normals, load } = &mut *room;
+        let Room { strip, line, normals, slip, load } = &mut *room;
         let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line };
         let mut excess = Block::ZERO;
         for row in band.rows.step_by(LANES) {
@@ -43,11 +43,13 @@ impl TransposingKernel for SolveWeft<'_> {
             match &mut contacts {
                 Some(contacts) if contacts.normals.touch(tiles.first / LANES, tiles.count, 1) => {
                     fill_normals(transpose, &tiles, &contacts.normals.normal, normals);
+                    fill_axis(transpose, &tiles, &contacts.normals.slip, slip);
                     load.fill(0.0);
                     let mut ends = OnColliders {
                         ends,
                         hops: [1, 1],
                         normals: Blocks3::new(normals, 0, band.layout.columns),
+                        slips: Blocks::new(slip, 0, band.layout.columns),
                         loads: BlocksMut::new(load, 0, band.layout.columns),
                     };
                     lines.solve(row, &mut ends, &mut excess);

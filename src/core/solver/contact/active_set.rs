@@ -31,8 +31,8 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// Speed of the surface that a particle lies on along its normal, by slot \[m/s\].
-    pub speed: Array,
+    /// Velocity of the surface that a particle lies on, by slot \[m/s\].
+    pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
     /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
@@ -51,11 +51,16 @@ pub(in crate::solver) struct Normals {
     pub blocks: Vec<bool>,
     /// By slot, of length one; zero where a particle lies on none.
     pub normal: Soa,
+    /// By slot, the part of its inverse mass that moves a particle along the surface; less than one where friction holds
+    /// it.
+    pub slip: Array,
 }
 
 impl Normals {
     fn new(slots: usize) -> Self {
-        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots) }
+        let mut slip = Array::zeros(slots);
+        slip.fill(1.0);
+        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots), slip }
     }
 
     /// Forgets all of them.
@@ -63,6 +68,7 @@ impl Normals {
         for (block, touches) in self.blocks.iter_mut().enumerate() {
             if core::mem::take(touches) {
                 Block3::ZERO.store(&mut self.normal, block * LANES);
+                Block::splat(1.0).store(&mut self.slip, block * LANES);
             }
         }
         self.any = false;
@@ -91,7 +97,7 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            speed: Array::zeros(slots),
+            velocity: Soa::zeros(slots),
             holder: Array::zeros(slots),
             lost: Array::zeros(slots),
             load: Array::zeros(slots),
@@ -109,6 +115,7 @@ impl ActiveSet {
     pub fn forget(&mut self, slot: usize) {
         for normals in [&mut self.now, &mut self.before] {
             normals.normal.set(slot, Vec3::ZERO);
+            normals.slip[slot] = 1.0;
         }
     }
 
@@ -191,7 +198,9 @@ impl Kernel for HoldOnto<'_> {
             let slot = block * LANES;
             let (n, before) =
                 (Block3::load(&set.now.normal, slot), Block3::load(&set.before.normal, slot));
-            let (w, speed) = (Block::load(inverse_mass, slot), Block::load(&set.speed, slot));
+            let (w, velocity) =
+                (Block::load(inverse_mass, slot), Block3::load(&set.velocity, slot));
+            let slips = [Block::load(&set.now.slip, slot), Block::load(&set.before.slip, slot)];
             let mut moved = Block3::load(d, slot);
             let carried = match carried {
                 Some(carried) => Block3::load_sum(carried, d, slot),
@@ -200,14 +209,20 @@ impl Kernel for HoldOnto<'_> {
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
             for i in 0..LANES {
                 let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
+                let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
                 let borne = before.dot(carried);
-                let own = moved.at(i) - before * borne;
+                let along = carried - before * borne;
+                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
+                let own = moved.at(i) - carried + along * held;
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
-                lost.0[i] = if is_free { 0.0 } else { n.dot(own) - speed.0[i] * step };
+                let surface = velocity.at(i) * step;
+                let relative = own - surface;
+                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
                 load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
-                moved.set(i, if is_free { moved.at(i) } else { own - n * lost.0[i] });
+                let goes = relative - n * lost.0[i];
+                moved.set(i, if is_free { moved.at(i) } else { surface + goes * slip });
             }
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);
@@ -256,22 +271,6 @@ impl Kernel for LetGo<'_> {
 }
 
 impl ActiveSet {
-    /// Momentum of the pulls carried on that colliders took because their normals had turned, with the collider's index,
-    /// times the substep \[kg m\]; to be asked for after [`HoldOnto`] alone. As much again is not carried on afterwards.
-    pub fn turned_away(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        self.held_slots().filter_map(move |slot| {
-            let turned = self.before.normal.get(slot) - self.now.normal.get(slot);
-            let taken = turned * (2.0 * self.load[slot]);
-            (taken != Vec3::ZERO).then(|| (self.holder[slot] as usize, taken))
-        })
-    }
-
-    /// Slots of blocks that have anything held.
-    fn held_slots(&self) -> impl Iterator<Item = usize> + '_ {
-        let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
-        blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES)
-    }
-
     /// Momentum that colliders took of what they have let go, with the collider's index, times the substep \[kg m\].
     /// Where pulls are noted, those that did not move it are not, and would have moved it by as much again.
     pub fn taken<'a>(
@@ -279,7 +278,8 @@ impl ActiveSet {
         inverse_mass: &'a [f32],
         notes: bool,
     ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
-        self.held_slots().filter_map(move |slot| {
+        let touched = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
+        touched.flat_map(|(block, _)| block * LANES..(block + 1) * LANES).filter_map(move |slot| {
             let (load, lost, w) = (self.load[slot], self.lost[slot], inverse_mass[slot]);
             let times = if notes { 2.0 } else { 1.0 };
             let fallen = if lost < 0.0 { lost / w } else { 0.0 };

@@ -11,7 +11,7 @@ use super::active_set::Normals;
 use super::collider::Motion;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{LEAST_SLIDING, Skin};
+use super::{LEAST_SLIDING, LEAST_SLIP, Skin};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -112,7 +112,8 @@ impl CutAt for Held<'_> {
 pub(super) struct Found<'a> {
     pub blocks: ByBlock<'a, bool>,
     pub normal: PartMut<'a>,
-    pub speed: ValuesMut<'a>,
+    pub slip: ValuesMut<'a>,
+    pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
 }
 
@@ -120,15 +121,17 @@ impl CutAt for Found<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let (blocks, blocks_below) = self.blocks.cut(slot);
         let (normal, normal_below) = self.normal.cut(slot);
-        let (speed, speed_below) = self.speed.cut(slot);
+        let (slip, slip_below) = self.slip.cut(slot);
+        let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
-            speed: speed_below,
+            slip: slip_below,
+            velocity: velocity_below,
             holder: holder_below,
         };
-        (Self { blocks, normal, speed, holder }, below)
+        (Self { blocks, normal, slip, velocity, holder }, below)
     }
 }
 
@@ -231,7 +234,13 @@ impl Kernel for MeetCollider<'_> {
                 if held.is_some() {
                     self.held.let_go(slot, &near);
                 }
-                self.found.take(slot, &near, &pushed, self.collider, &skin);
+                self.found.take(
+                    slot,
+                    &near,
+                    &pushed,
+                    (motion.friction, self.collider),
+                    &skin,
+                );
             }
         }
         met
@@ -277,12 +286,15 @@ impl Cut for MeetCollider<'_> {
 struct Hold {
     /// What they would have gone by along the normals beyond what they went, had nothing held them \[m\].
     unfollowed: Block3,
+    /// What they would have gone by along the surface, to what they went.
+    unslipped: Block,
     /// One where a particle was held.
     was: Block,
 }
 
 impl Hold {
-    const NONE: Self = Self { unfollowed: Block3::ZERO, was: Block::ZERO };
+    const NONE: Self =
+        Self { unfollowed: Block3::ZERO, unslipped: Block([1.0; LANES]), was: Block::ZERO };
 }
 
 impl Held<'_> {
@@ -293,6 +305,7 @@ impl Held<'_> {
             return None;
         }
         let mut hold = Hold { unfollowed: Block3::load(&self.set.normal, slot), ..Hold::NONE };
+        let slip = Block::load(&self.set.slip, slot);
         let (lost, load) = (self.lost.blocks(slot, 1).at(0), self.load.blocks(slot, 1).at(0));
         for i in 0..LANES {
             let n = hold.unfollowed.at(i);
@@ -300,6 +313,7 @@ impl Held<'_> {
             // What another collider has met is held no more.
             let was = n.dot(n) > 0.0 && all != 0.0;
             hold.was.0[i] = if was { 1.0 } else { 0.0 };
+            hold.unslipped.0[i] = if was { 1.0 / slip.0[i] } else { 1.0 };
             hold.unfollowed.set(i, n * all);
         }
         Some(hold)
@@ -344,6 +358,8 @@ struct Pushed {
     surface: Block3,
     /// Approach that was undone \[m\].
     undone: Block,
+    /// How far they went along the surface before friction \[m\].
+    went: Block,
     /// What they would have gone by beyond what they went, had nothing held them \[m\].
     unfollowed: Block3,
 }
@@ -361,24 +377,38 @@ impl Pushed {
 impl Found<'_> {
     /// Takes a block's particles that touch into the active set.
     #[inline(always)]
-    fn take(&mut self, slot: usize, near: &Near, pushed: &Pushed, collider: usize, skin: &Skin) {
+    fn take(
+        &mut self,
+        slot: usize,
+        near: &Near,
+        pushed: &Pushed,
+        (friction, collider): (f32, usize),
+        skin: &Skin,
+    ) {
         self.blocks.row(slot, 1)[0] = true;
         let mut normals = Block3::load(&self.normal, slot);
-        let mut speeds = self.speed.blocks(slot, 1);
+        let mut velocity = Block3::load(&self.velocity, slot);
+        let mut slips = self.slip.blocks(slot, 1);
         let mut holders = self.holder.blocks(slot, 1);
-        let (mut speed, mut holder) = (speeds.at(0), holders.at(0));
+        let mut holder = holders.at(0);
+        let mut slip = slips.at(0);
         let rate = 1.0 / skin.step;
         for i in 0..LANES {
             let touches = near.depth.0[i] > 0.0;
             let n = near.normals.at(i);
-            let goes = n.dot(pushed.surface.at(i));
+            let (goes, surface) = (n.dot(pushed.surface.at(i)), pushed.surface.at(i) * rate);
             // What is fast may be gone in the next substep.
             let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
             normals.set(i, if touches { lies } else { normals.at(i) });
-            speed.0[i] = if touches { goes * rate } else { speed.0[i] };
+            velocity.set(i, if touches { surface } else { velocity.at(i) });
             holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
+            // Friction as it was at this way of sliding, for the next one: see [`ActiveSet`].
+            let went = pushed.went.0[i];
+            let free = larger(went / (went + friction * pushed.undone.0[i]), LEAST_SLIP);
+            slip.0[i] = if touches { free } else { slip.0[i] };
         }
-        speeds.set(0, speed);
+        velocity.store(&mut self.velocity, slot);
+        slips.set(0, slip);
         holders.set(0, holder);
         normals.store(&mut self.normal, slot);
     }
@@ -456,7 +486,8 @@ impl Meeting<'_> {
         let Self { motion, skin } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
-        let mut pushed = Pushed { surface, undone: Block::ZERO, unfollowed: Block3::ZERO };
+        let (none, unfollowed) = (Block::ZERO, Block3::ZERO);
+        let mut pushed = Pushed { surface, undone: none, went: none, unfollowed };
         for i in 0..LANES {
             let normal = normals.at(i);
             let relative = d.at(i) - surface.at(i);
@@ -469,10 +500,15 @@ impl Meeting<'_> {
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
             let tangential = relative - normal * along;
+            let pulled = tangential * hold.unslipped.0[i];
             pushed.undone.0[i] = undone;
-            pushed.unfollowed.set(i, pressed);
+            let unfollowed = pressed + pulled - tangential;
+            pushed.unfollowed.set(i, unfollowed);
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
-            let part = motion.friction * undone / sliding;
+            pushed.went.0[i] = sliding;
+            // What friction can do beyond what held it before.
+            let left = motion.friction * undone - sliding * (hold.unslipped.0[i] - 1.0);
+            let part = larger(left, 0.0) / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
             let touching = push > 0.0;
             tally.touching[i] += u32::from(touching);
@@ -487,7 +523,7 @@ impl Meeting<'_> {
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let given = (into_d - pressed) * mass;
+                let given = (into_d - unfollowed) * mass;
                 let given = if touching { given } else { Vec3::ZERO };
                 tally.given.set(i, tally.given.at(i) - given);
             }
@@ -524,16 +560,7 @@ impl Near {
 
     /// Tallies what is not: it would have moved the particles by as much again, and their neighbours it does.
     #[inline(always)]
-    fn forget(
-        &self,
-        noted: &Block3,
-        before: &Block3,
-        w: &Block,
-        pushed: &Pushed,
-        hold: &Hold,
-        skin: &Skin,
-        tally: &mut Tally,
-    ) {
+    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, pushed: &Pushed, hold: &Hold, skin: &Skin, tally: &mut Tally) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
             let forgotten = noted.at(i) + before.at(i);

@@ -70,6 +70,8 @@ impl Skin {
 
 /// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
 const BLOW: f32 = 32.0;
+/// The least part of its inverse mass that corrections see of what friction holds.
+const LEAST_SLIP: f32 = 0.05;
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
@@ -103,8 +105,13 @@ impl ResolveContacts<'_> {
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, d: self.d, pull });
-            let taken = self.set.taken(self.inverse_mass, self.pull.is_some());
-            self.room.give(taken, self.skin.step);
+            if !self.room.impulses.is_empty() {
+                for (holder, momentum) in self.set.taken(self.inverse_mass, self.pull.is_some()) {
+                    if self.colliders.get(holder).is_some_and(|collider| collider.measured) {
+                        self.room.impulses[holder] += momentum / self.skin.step;
+                    }
+                }
+            }
         }
         self.set.turn();
         touching
@@ -144,7 +151,8 @@ impl ResolveContacts<'_> {
                 found: Found {
                     blocks: ByBlock::all(&mut set.next.blocks),
                     normal: set.next.normal.part_mut(),
-                    speed: ValuesMut::all(&mut set.speed),
+                    slip: ValuesMut::all(&mut set.next.slip),
+                    velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
                 },
             },
@@ -153,7 +161,7 @@ impl ResolveContacts<'_> {
         room.pushed += met.deepest;
         let Tally { given, left, touching } = &met.tally;
         if motion.measured {
-            room.give([(collider, sum(given))].into_iter(), self.skin.step);
+            room.impulses[collider] += sum(given) / self.skin.step;
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);

@@ -118,7 +118,13 @@ impl TransposingKernel for FillPlaces<'_> {
     fn run(self, t: impl Transpose) {
         let Places { x, d, normals } = self.places;
         for slot in (0..x.len()).step_by(LANES) {
-            let w = Block::load(self.inverse_mass, slot);
+            let mut w = Block::load(self.inverse_mass, slot);
+            if let Some(set) = self.contacts {
+                let slip = Block::load(&set.now.slip, slot);
+                for i in 0..LANES {
+                    w.0[i] *= slip.0[i];
+                }
+            }
             store(t, x, slot, Block3::load(self.x, slot), w);
             store(t, d, slot, Block3::load(self.d, slot), Block::ZERO);
             if let Some(set) = self.contacts {

@@ -127,6 +127,12 @@ impl<T: Transpose, const TOUCH: bool> Ends for Laid<'_, T, TOUCH> {
     }
 
     #[inline(always)]
+    fn slip(&self, _: usize) -> Block {
+        // Inverse masses of places are as far as friction lets them go.
+        Block::splat(1.0)
+    }
+
+    #[inline(always)]
     fn load(&mut self, place: usize, load: &Block) {
         self.places.load(self.t, &self.chains.slots, self.entry(place), load);
     }
