@@ -618,6 +618,7 @@ impl ClothSolver {
                     layers: self.settings.layers,
                     most_push: self.settings.max_push_speed * self.plan.step,
                     blow: Skin::blow(weight),
+                    following: (self.plan.step / 0.04).min(1.0),
                     step: self.plan.step,
                 },
                 inverse_mass: &self.held.inverse_mass,

@@ -238,6 +238,7 @@ impl Kernel for MeetCollider<'_> {
                     slot,
                     &near,
                     &pushed,
+                    &hold,
                     (motion.friction, self.collider),
                     &skin,
                 );
@@ -382,6 +383,7 @@ impl Found<'_> {
         slot: usize,
         near: &Near,
         pushed: &Pushed,
+        hold: &Hold,
         (friction, collider): (f32, usize),
         skin: &Skin,
     ) {
@@ -405,6 +407,12 @@ impl Found<'_> {
             // Friction as it was at this way of sliding, for the next one: see [`ActiveSet`].
             let went = pushed.went.0[i];
             let free = larger(went / (went + friction * pushed.undone.0[i]), LEAST_SLIP);
+            // skin.blow = 1 / (32 weights)
+            let light = (32.0 - pushed.undone.0[i] * skin.blow * 32.0) * (1.0 / 24.0);
+            let free = larger(free, if light < 1.0 { light } else { 1.0 });
+            let before = 1.0 / hold.unslipped.0[i];
+            let rate = if hold.was.0[i] > 0.0 { skin.following } else { 1.0 };
+            let free = before + (free - before) * rate;
             slip.0[i] = if touches { free } else { slip.0[i] };
         }
         velocity.store(&mut self.velocity, slot);

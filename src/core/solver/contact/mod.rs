@@ -57,6 +57,7 @@ pub(super) struct Skin {
     pub most_push: f32,
     /// 1 / approach of a blow, after which the pulls of what is struck are no guide to those that come \[1/m\].
     pub blow: f32,
+    pub following: f32,
     /// Length of the substep \[s\].
     pub step: f32,
 }
@@ -71,7 +72,7 @@ impl Skin {
 /// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
 const BLOW: f32 = 32.0;
 /// The least part of its inverse mass that corrections see of what friction holds.
-const LEAST_SLIP: f32 = 0.05;
+const LEAST_SLIP: f32 = 0.2;
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
