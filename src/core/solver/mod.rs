@@ -427,7 +427,9 @@ impl ClothSolver {
         if contacts.now.any {
             let carried = self.scratch.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
+            contacts.measured = !self.scratch.contact.impulses.is_empty();
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
+            self.scratch.contact.give(contacts.left_out(inverse_mass), step);
         }
     }
 
@@ -617,8 +619,8 @@ impl ClothSolver {
                     friction: self.material.friction,
                     layers: self.settings.layers,
                     most_push: self.settings.max_push_speed * self.plan.step,
-                    blow: Skin::blow(weight),
-                    following: (self.plan.step / 0.04).min(1.0),
+                    per_weight: 1.0 / weight,
+                    following: (self.plan.step / contact::FOLLOWING).min(1.0),
                     step: self.plan.step,
                 },
                 inverse_mass: &self.held.inverse_mass,
@@ -645,7 +647,7 @@ impl ClothSolver {
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
-        self.scratch.contact.impulses.get(collider).copied().unwrap_or_default()
+        self.scratch.contact.impulses.get(collider).copied().flatten().unwrap_or_default()
     }
 
     /// Ends the tick.

@@ -10,7 +10,7 @@ use super::ClothSolver;
 use super::air::Air;
 use super::contact::ActiveSet;
 use super::error::SolverError;
-use super::input::{FARTHEST, is_near};
+use super::input::is_near;
 use super::lanes::Soa;
 use super::push::Pushes;
 use super::soft::SoftPin;
@@ -183,7 +183,17 @@ impl ClothSolver {
         let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
             state;
         // What else it has is of one substep.
-        let ActiveSet { now, before, next: _, velocity, holder, lost: _, load: _ } = contacts;
+        let ActiveSet {
+            now,
+            before,
+            next: _,
+            velocity,
+            holder,
+            dropped: _,
+            measured: _,
+            lost: _,
+            load: _,
+        } = contacts;
         let values = |values: &[f32]| -> Vec<f32> {
             (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
         };
@@ -281,14 +291,7 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts {
-            normals,
-            before,
-            slips,
-            velocities,
-            holders,
-        }) = contacts
-        {
+        if let Some(SavedContacts { normals, before, slips, velocities, holders }) = contacts {
             let set = &mut self.state.contacts;
             for (to, from) in [(&mut set.now, normals), (&mut set.before, before)] {
                 to.normal = by_slot(from);

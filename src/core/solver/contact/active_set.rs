@@ -35,6 +35,10 @@ pub(in crate::solver) struct ActiveSet {
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
+    /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where `measured`.
+    pub dropped: Soa,
+    /// Whether any collider is told what it is given.
+    pub measured: bool,
     /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
     pub lost: Array,
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
@@ -98,6 +102,8 @@ impl ActiveSet {
             before: normals.clone(),
             next: normals,
             velocity: Soa::zeros(slots),
+            dropped: Soa::zeros(slots),
+            measured: false,
             holder: Array::zeros(slots),
             lost: Array::zeros(slots),
             load: Array::zeros(slots),
@@ -207,6 +213,7 @@ impl Kernel for HoldOnto<'_> {
                 None => Block3::ZERO,
             };
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
+            let mut dropped = Block3::ZERO;
             for i in 0..LANES {
                 let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
                 let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
@@ -215,7 +222,9 @@ impl Kernel for HoldOnto<'_> {
                 let borne = before.dot(carried);
                 let along = carried - before * borne;
                 let held = if slip_before < slip { slip_before / slip } else { 1.0 };
-                let own = moved.at(i) - carried + along * held;
+                let along = along * held;
+                let own = moved.at(i) - carried + along;
+                dropped.set(i, carried - along - n * borne);
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
                 let surface = velocity.at(i) * step;
                 let relative = own - surface;
@@ -227,6 +236,9 @@ impl Kernel for HoldOnto<'_> {
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);
             load.store(&mut set.load, slot);
+            if set.measured {
+                dropped.store(&mut set.dropped, slot);
+            }
         }
     }
 }
@@ -271,20 +283,46 @@ impl Kernel for LetGo<'_> {
 }
 
 impl ActiveSet {
+    /// Momentum of pulls left out by [`HoldOnto`] that colliders took, with the collider's index, times the substep
+    /// \[kg m\]. It would have been carried on by as much again.
+    pub fn left_out<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+    ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
+        self.held_slots(inverse_mass)
+            .map(|(slot, w)| (self.holder[slot] as usize, self.dropped.get(slot) * (2.0 / w)))
+    }
+
     /// Momentum that colliders took of what they have let go, with the collider's index, times the substep \[kg m\].
     /// Where pulls are noted, those that did not move it are not, and would have moved it by as much again.
     pub fn taken<'a>(
         &'a self,
         inverse_mass: &'a [f32],
+        d: &'a Soa,
+        step: f32,
         notes: bool,
     ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
-        let touched = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
-        touched.flat_map(|(block, _)| block * LANES..(block + 1) * LANES).filter_map(move |slot| {
-            let (load, lost, w) = (self.load[slot], self.lost[slot], inverse_mass[slot]);
+        self.held_slots(inverse_mass).filter_map(move |(slot, w)| {
+            let (load, lost, n) = (self.load[slot], self.lost[slot], self.now.normal.get(slot));
+            let is_let_go = load != 0.0 || lost != 0.0;
             let times = if notes { 2.0 } else { 1.0 };
-            let fallen = if lost < 0.0 { lost / w } else { 0.0 };
-            let all = self.now.normal.get(slot) * (load * times + fallen);
-            (w > 0.0 && all != Vec3::ZERO).then(|| (self.holder[slot] as usize, all))
+            let fallen = if lost < 0.0 { lost } else { 0.0 };
+            let relative = d.get(slot) - self.velocity.get(slot) * step;
+            let slid = relative - n * n.dot(relative);
+            let unslipped = slid * (1.0 / self.now.slip[slot] - 1.0);
+            let all = n * (load * times + fallen / w) + unslipped * (times / w);
+            is_let_go.then(|| (self.holder[slot] as usize, all))
         })
+    }
+
+    /// Slots of the particles that are held, and their inverse masses.
+    fn held_slots<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+    ) -> impl Iterator<Item = (usize, f32)> + 'a {
+        let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
+        let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
+        let all = slots.map(|slot| (slot, inverse_mass[slot]));
+        all.filter(|&(slot, w)| w > 0.0 && self.now.normal.get(slot) != Vec3::ZERO)
     }
 }

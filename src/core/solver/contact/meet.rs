@@ -11,7 +11,7 @@ use super::active_set::Normals;
 use super::collider::Motion;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{LEAST_SLIDING, LEAST_SLIP, Skin};
+use super::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -366,10 +366,26 @@ struct Pushed {
 }
 
 impl Pushed {
+    /// Part of its inverse mass that is to move a particle along the surface in the next substep.
+    ///
+    /// Friction `f` is a force against the way `u` that the particle went, taken as `f u' / u` for the next way `u'`: what
+    /// slides steadily is braked by `f`, and what sticks goes ever less.
+    #[inline(always)]
+    fn slip(&self, lane: usize, friction: f32, hold: &Hold, skin: &Skin) -> f32 {
+        let (went, pressed) = (self.went.0[lane], self.undone.0[lane]);
+        let slips = larger(went / (went + friction * pressed), LEAST_SLIP);
+        let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
+        let slips = larger(slips, if light < 1.0 { light } else { 1.0 });
+        // What is struck sticks at once.
+        let rate = if hold.was.0[lane] > 0.0 { skin.following } else { 1.0 };
+        let before = 1.0 / hold.unslipped.0[lane];
+        before + (slips - before) * rate
+    }
+
     /// What part of the pulls at a particle is expected again. What begins to touch by a blow expects nothing.
     #[inline(always)]
     fn lasts(&self, lane: usize, hold: &Hold, skin: &Skin) -> f32 {
-        let blow = self.undone.0[lane] * skin.blow;
+        let blow = self.undone.0[lane] * skin.per_weight * (1.0 / BLOW);
         let struck = if hold.was.0[lane] > 0.0 { 0.0 } else { blow * blow };
         1.0 / (1.0 + struck)
     }
@@ -404,15 +420,8 @@ impl Found<'_> {
             normals.set(i, if touches { lies } else { normals.at(i) });
             velocity.set(i, if touches { surface } else { velocity.at(i) });
             holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
-            // Friction as it was at this way of sliding, for the next one: see [`ActiveSet`].
-            let went = pushed.went.0[i];
-            let free = larger(went / (went + friction * pushed.undone.0[i]), LEAST_SLIP);
-            // skin.blow = 1 / (32 weights)
-            let light = (32.0 - pushed.undone.0[i] * skin.blow * 32.0) * (1.0 / 24.0);
-            let free = larger(free, if light < 1.0 { light } else { 1.0 });
-            let before = 1.0 / hold.unslipped.0[i];
-            let rate = if hold.was.0[i] > 0.0 { skin.following } else { 1.0 };
-            let free = before + (free - before) * rate;
+            let free = pushed.slip(i, friction, hold, skin);
+            let free = if goes.abs() > skin.epsilon { 1.0 } else { free };
             slip.0[i] = if touches { free } else { slip.0[i] };
         }
         velocity.store(&mut self.velocity, slot);
@@ -568,7 +577,16 @@ impl Near {
 
     /// Tallies what is not: it would have moved the particles by as much again, and their neighbours it does.
     #[inline(always)]
-    fn forget(&self, noted: &Block3, before: &Block3, w: &Block, pushed: &Pushed, hold: &Hold, skin: &Skin, tally: &mut Tally) {
+    fn forget(
+        &self,
+        noted: &Block3,
+        before: &Block3,
+        w: &Block,
+        pushed: &Pushed,
+        hold: &Hold,
+        skin: &Skin,
+        tally: &mut Tally,
+    ) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
             let forgotten = noted.at(i) + before.at(i);

@@ -34,6 +34,17 @@ use room::{Awake, ByBlock};
 const LEAST_SLIDING: f32 = 1e-20;
 /// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
 const CALMED: f32 = 4.0;
+/// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
+/// all. What lies in a few layers, or is laid over a smooth edge, is below them.
+const LIGHT: f32 = 8.0;
+const HEAVY: f32 = 32.0;
+/// The least part of its inverse mass that corrections see of what friction holds.
+const LEAST_SLIP: f32 = 0.2;
+/// Time over which the mean is taken of how far a particle slips \[s\]: a mobility that followed each substep's would
+/// shake the cloth.
+pub(super) const FOLLOWING: f32 = 0.04;
+/// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
+const BLOW: f32 = 32.0;
 /// Makes up for what rounding takes off the sum of many small ways.
 const ROUNDED_UP: f32 = 1.0 + 1e-5;
 
@@ -55,24 +66,13 @@ pub(super) struct Skin {
     pub layers: u32,
     /// How far a particle that is inside a collider is pushed out in the substep at most \[m\].
     pub most_push: f32,
-    /// 1 / approach of a blow, after which the pulls of what is struck are no guide to those that come \[1/m\].
-    pub blow: f32,
+    /// 1 / displacement that gravity makes in the substep \[1/m\].
+    pub per_weight: f32,
+    /// Part of the substep in the mean of how far particles slip.
     pub following: f32,
     /// Length of the substep \[s\].
     pub step: f32,
 }
-
-impl Skin {
-    /// Sets what a blow is, for the displacement that gravity makes in a substep \[m\].
-    pub fn blow(weight: f32) -> f32 {
-        1.0 / (BLOW * weight)
-    }
-}
-
-/// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
-const BLOW: f32 = 32.0;
-/// The least part of its inverse mass that corrections see of what friction holds.
-const LEAST_SLIP: f32 = 0.2;
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
@@ -106,13 +106,8 @@ impl ResolveContacts<'_> {
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, d: self.d, pull });
-            if !self.room.impulses.is_empty() {
-                for (holder, momentum) in self.set.taken(self.inverse_mass, self.pull.is_some()) {
-                    if self.colliders.get(holder).is_some_and(|collider| collider.measured) {
-                        self.room.impulses[holder] += momentum / self.skin.step;
-                    }
-                }
-            }
+            let (step, notes) = (self.skin.step, self.pull.is_some());
+            self.room.give(self.set.taken(self.inverse_mass, self.d, step, notes), step);
         }
         self.set.turn();
         touching
@@ -162,7 +157,7 @@ impl ResolveContacts<'_> {
         room.pushed += met.deepest;
         let Tally { given, left, touching } = &met.tally;
         if motion.measured {
-            room.impulses[collider] += sum(given) / self.skin.step;
+            room.give([(collider, sum(given))].into_iter(), self.skin.step);
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);

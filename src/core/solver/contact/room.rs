@@ -38,8 +38,9 @@ pub(in crate::solver) struct ContactRoom {
     high: Vec3,
     /// What rounding may take off a distance in world space \[m\].
     slack: f32,
-    /// Momentum that the cloth has given to each collider in the tick \[kg m/s\].
-    pub impulses: Vec<Vec3>,
+    /// Momentum that the cloth has given to each collider in the tick \[kg m/s\], where it is measured; empty where
+    /// none is.
+    pub impulses: Vec<Option<Vec3>>,
 }
 
 /// Values of the blocks of a band.
@@ -125,7 +126,20 @@ impl ContactRoom {
             }
         }
         if measured {
-            self.impulses.resize(colliders.len(), Vec3::ZERO);
+            let impulse = |collider: &Collider<'_>| collider.measured.then_some(Vec3::ZERO);
+            self.impulses.extend(colliders.iter().map(impulse));
+        }
+    }
+
+    /// Notes momentum, times a substep of length `step`, that colliders were given.
+    pub fn give(&mut self, momenta: impl Iterator<Item = (usize, Vec3)>, step: f32) {
+        if self.impulses.is_empty() {
+            return;
+        }
+        for (collider, momentum) in momenta {
+            if let Some(Some(impulse)) = self.impulses.get_mut(collider) {
+                *impulse += momentum / step;
+            }
         }
     }
 
