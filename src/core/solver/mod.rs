@@ -622,6 +622,7 @@ impl ClothSolver {
                     per_weight: 1.0 / weight,
                     following: (self.plan.step / contact::FOLLOWING).min(1.0),
                     step: self.plan.step,
+                    notes: self.scratch.carries,
                 },
                 inverse_mass: &self.held.inverse_mass,
                 x: &mut self.state.x,

@@ -189,6 +189,7 @@ impl ClothSolver {
             next: _,
             velocity,
             holder,
+            unpulled: _,
             dropped: _,
             measured: _,
             lost: _,

@@ -35,6 +35,8 @@ pub(in crate::solver) struct ActiveSet {
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
+    /// A particle's displacement before anything pulled at it, by slot \[m\].
+    pub unpulled: Soa,
     /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where `measured`.
     pub dropped: Soa,
     /// Whether any collider is told what it is given.
@@ -102,6 +104,7 @@ impl ActiveSet {
             before: normals.clone(),
             next: normals,
             velocity: Soa::zeros(slots),
+            unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
             measured: false,
             holder: Array::zeros(slots),
@@ -213,7 +216,7 @@ impl Kernel for HoldOnto<'_> {
                 None => Block3::ZERO,
             };
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
-            let mut dropped = Block3::ZERO;
+            let (mut dropped, mut unpulled) = (Block3::ZERO, Block3::ZERO);
             for i in 0..LANES {
                 let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
                 let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
@@ -223,19 +226,21 @@ impl Kernel for HoldOnto<'_> {
                 let along = carried - before * borne;
                 let held = if slip_before < slip { slip_before / slip } else { 1.0 };
                 let along = along * held;
-                let own = moved.at(i) - carried + along;
+                let own = moved.at(i) - carried;
                 dropped.set(i, carried - along - n * borne);
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
-                let surface = velocity.at(i) * step;
-                let relative = own - surface;
+                let relative = own + along - velocity.at(i) * step;
                 lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
                 load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
-                let goes = relative - n * lost.0[i];
-                moved.set(i, if is_free { moved.at(i) } else { surface + goes * slip });
+                let along = along - n * n.dot(along);
+                let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
+                unpulled.set(i, own);
+                moved.set(i, if is_free { moved.at(i) } else { own + along * slip });
             }
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);
             load.store(&mut set.load, slot);
+            unpulled.store(&mut set.unpulled, slot);
             if set.measured {
                 dropped.store(&mut set.dropped, slot);
             }
@@ -299,7 +304,6 @@ impl ActiveSet {
         &'a self,
         inverse_mass: &'a [f32],
         d: &'a Soa,
-        step: f32,
         notes: bool,
     ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
         self.held_slots(inverse_mass).filter_map(move |(slot, w)| {
@@ -307,8 +311,8 @@ impl ActiveSet {
             let is_let_go = load != 0.0 || lost != 0.0;
             let times = if notes { 2.0 } else { 1.0 };
             let fallen = if lost < 0.0 { lost } else { 0.0 };
-            let relative = d.get(slot) - self.velocity.get(slot) * step;
-            let slid = relative - n * n.dot(relative);
+            let pulled = d.get(slot) - self.unpulled.get(slot);
+            let slid = pulled - n * n.dot(pulled);
             let unslipped = slid * (1.0 / self.now.slip[slot] - 1.0);
             let all = n * (load * times + fallen / w) + unslipped * (times / w);
             is_let_go.then(|| (self.holder[slot] as usize, all))

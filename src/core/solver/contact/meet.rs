@@ -95,6 +95,8 @@ pub(super) struct MeetCollider<'a> {
 /// Particles that have been held by what they lay on. What has met a collider is held no longer.
 pub(super) struct Held<'a> {
     pub set: &'a Normals,
+    /// Their displacements before anything pulled at them.
+    pub unpulled: &'a Soa,
     pub lost: ValuesMut<'a>,
     pub load: ValuesMut<'a>,
 }
@@ -103,8 +105,8 @@ impl CutAt for Held<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let (lost, lost_below) = self.lost.cut(slot);
         let (load, load_below) = self.load.cut(slot);
-        let below = Self { set: self.set, lost: lost_below, load: load_below };
-        (Self { set: self.set, lost, load }, below)
+        let below = Self { lost: lost_below, load: load_below, ..self };
+        (Self { lost, load, ..self }, below)
     }
 }
 
@@ -195,6 +197,7 @@ impl Kernel for MeetCollider<'_> {
                     continue;
                 }
                 let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
+                let mut from = None;
                 if self.is_fast {
                     self.held.free(first + block * LANES, &mut d, sweep.slow());
                     ds.set(block, d);
@@ -202,12 +205,19 @@ impl Kernel for MeetCollider<'_> {
                     let (mut swept, given) = (d, &mut met.tally.given);
                     if sweep.block(&{ w }, &{ x }, &mut swept, given) {
                         met.struck = true;
+                        from = Some(d);
                         ds.set(block, swept);
                         d = swept;
                     }
                 }
                 let slot = first + block * LANES;
-                let held = self.held.of(slot, &w);
+                let mut held = self.held.of(slot, &w);
+                if let (Some(hold), Some(from)) = (&mut held, from) {
+                    // What the collider stopped was no pull.
+                    for i in 0..LANES {
+                        hold.unpulled.set(i, hold.unpulled.at(i) + d.at(i) - from.at(i));
+                    }
+                }
                 let near = meeting.sample(&w, &x, &d, held.as_ref());
                 let nearest = near.least - motion.overestimate;
                 *until = gone + larger(nearest, 0.0);
@@ -287,15 +297,21 @@ impl Cut for MeetCollider<'_> {
 struct Hold {
     /// What they would have gone by along the normals beyond what they went, had nothing held them \[m\].
     unfollowed: Block3,
-    /// What they would have gone by along the surface, to what they went.
+    /// Their displacements before anything pulled at them \[m\].
+    unpulled: Block3,
+    /// What pulls would have moved them by along the surface, to what they did.
     unslipped: Block,
     /// One where a particle was held.
     was: Block,
 }
 
 impl Hold {
-    const NONE: Self =
-        Self { unfollowed: Block3::ZERO, unslipped: Block([1.0; LANES]), was: Block::ZERO };
+    const NONE: Self = Self {
+        unfollowed: Block3::ZERO,
+        unpulled: Block3::ZERO,
+        unslipped: Block([1.0; LANES]),
+        was: Block::ZERO,
+    };
 }
 
 impl Held<'_> {
@@ -306,6 +322,7 @@ impl Held<'_> {
             return None;
         }
         let mut hold = Hold { unfollowed: Block3::load(&self.set.normal, slot), ..Hold::NONE };
+        hold.unpulled = Block3::load(self.unpulled, slot);
         let slip = Block::load(&self.set.slip, slot);
         let (lost, load) = (self.lost.blocks(slot, 1).at(0), self.load.blocks(slot, 1).at(0));
         for i in 0..LANES {
@@ -503,6 +520,8 @@ impl Meeting<'_> {
         let Self { motion, skin } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
+        // What was borne along another normal is not noted, and would have moved them by as much again.
+        let notes = if skin.notes { 2.0 } else { 1.0 };
         let (none, unfollowed) = (Block::ZERO, Block3::ZERO);
         let mut pushed = Pushed { surface, undone: none, went: none, unfollowed };
         for i in 0..LANES {
@@ -517,14 +536,15 @@ impl Meeting<'_> {
             let undone = larger(if push < -approach { push } else { -approach }, 0.0);
             let rest = push - undone;
             let tangential = relative - normal * along;
-            let pulled = tangential * hold.unslipped.0[i];
             pushed.undone.0[i] = undone;
-            let unfollowed = pressed + pulled - tangential;
+            let pulled = d.at(i) - hold.unpulled.at(i);
+            let unslipped = (pulled - normal * pulled.dot(normal)) * (hold.unslipped.0[i] - 1.0);
+            let unfollowed = pressed + unslipped;
             pushed.unfollowed.set(i, unfollowed);
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
             pushed.went.0[i] = sliding;
             // What friction can do beyond what held it before.
-            let left = motion.friction * undone - sliding * (hold.unslipped.0[i] - 1.0);
+            let left = motion.friction * undone - unslipped.dot(unslipped).sqrt();
             let part = larger(left, 0.0) / sliding;
             let braked = tangential * if part < 1.0 { part } else { 1.0 };
             let touching = push > 0.0;
@@ -540,7 +560,8 @@ impl Meeting<'_> {
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let given = (into_d - unfollowed) * mass;
+                let turned = (hold.unfollowed.at(i) - pressed) * notes;
+                let given = (into_d - unfollowed - turned) * mass;
                 let given = if touching { given } else { Vec3::ZERO };
                 tally.given.set(i, tally.given.at(i) - given);
             }

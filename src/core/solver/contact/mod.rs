@@ -72,6 +72,8 @@ pub(super) struct Skin {
     pub following: f32,
     /// Length of the substep \[s\].
     pub step: f32,
+    /// Whether pulls are noted.
+    pub notes: bool,
 }
 
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
@@ -107,7 +109,7 @@ impl ResolveContacts<'_> {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, d: self.d, pull });
             let (step, notes) = (self.skin.step, self.pull.is_some());
-            self.room.give(self.set.taken(self.inverse_mass, self.d, step, notes), step);
+            self.room.give(self.set.taken(self.inverse_mass, self.d, notes), step);
         }
         self.set.turn();
         touching
@@ -141,6 +143,7 @@ impl ResolveContacts<'_> {
                 until: ByBlock::all(&mut room.until[first..]),
                 held: Held {
                     set: &set.now,
+                    unpulled: &set.unpulled,
                     lost: ValuesMut::all(&mut set.lost),
                     load: ValuesMut::all(&mut set.load),
                 },
