@@ -21,6 +21,7 @@ use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::bands::CutAt;
+use super::contact::NoteUnfollowed;
 use super::integrate::Add;
 use super::lanes::{PartMut, Soa};
 use super::parameters::Integrator;
@@ -79,8 +80,13 @@ impl ClothSolver {
             && self.plan.form == Form::Threads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
-            && self.survey.max_strain <= MOST_STRAIN;
+            && self.is_in_shape();
         self.state.carries &= self.scratch.carries;
+    }
+
+    /// Whether corrections may be carried on for what it is stretched by.
+    pub(super) fn is_in_shape(&self) -> bool {
+        self.survey.max_strain <= MOST_STRAIN
     }
 
     /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and
@@ -103,12 +109,14 @@ impl ClothSolver {
     /// Leaves out what corrects between this and [`Self::go_on_pulling`].
     pub(super) fn pause_pulls(&mut self) {
         self.note_unfollowed(true);
+        self.note_borne(1.0);
         self.note_pulls(1.0);
     }
 
     /// See [`Self::pause_pulls`].
     pub(super) fn go_on_pulling(&mut self) {
         self.note_unfollowed(false);
+        self.note_borne(-1.0);
         self.note_pulls(-1.0);
     }
 
@@ -116,6 +124,15 @@ impl ClothSolver {
     pub(super) fn note_unfollowed(&mut self, adds: bool) {
         if self.scratch.carries {
             self.note_soft_pins(adds);
+        }
+    }
+
+    /// Adds what colliders bear to the pulls, or takes it away.
+    fn note_borne(&mut self, part: f32) {
+        if self.scratch.carries && self.state.contacts.now.any {
+            let inverse_mass = &self.held.inverse_mass;
+            let State { d, pull, contacts: set, .. } = &mut self.state;
+            self.isa.run(NoteUnfollowed { set, inverse_mass, d, part, pull });
         }
     }
 

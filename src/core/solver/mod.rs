@@ -423,13 +423,15 @@ impl ClothSolver {
 
     /// Lets what lay on a collider go only where it can.
     fn hold_onto_colliders(&mut self) {
+        let part = self.carried();
+        self.scratch.contact.impulses.carry_on(part);
         let State { d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
             let carried = self.scratch.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
-            contacts.measured = !self.scratch.contact.impulses.is_empty();
+            contacts.measured = self.scratch.contact.impulses.are_measured();
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            self.scratch.contact.give(contacts.left_out(inverse_mass), step);
+            self.scratch.contact.impulses.give(contacts.left_out(inverse_mass), step);
         }
     }
 
@@ -648,7 +650,7 @@ impl ClothSolver {
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
-        self.scratch.contact.impulses.get(collider).copied().flatten().unwrap_or_default()
+        self.scratch.contact.impulses.of(collider)
     }
 
     /// Ends the tick.
@@ -667,6 +669,8 @@ impl ClothSolver {
             return Err(SolverError::Diverged);
         }
         self.survey = survey;
+        let goes_on = self.state.carries && self.is_in_shape();
+        self.scratch.contact.impulses.end_tick(goes_on);
         Ok(TickReport {
             substeps: self.plan.substeps,
             max_strain: survey.max_strain,

@@ -33,6 +33,8 @@ pub(super) trait Threads {
     fn rest(&self, place: usize) -> Block;
     /// Normals of what the particles at a place lie on, where any do.
     fn normals(&self, place: usize) -> Option<Block3>;
+    /// Takes what pulls the particles at a place along those.
+    fn load(&mut self, place: usize, load: &Block);
     /// Takes what the particles at a place are to be corrected by more than they were.
     fn correct_more(&mut self, place: usize, more: Block3);
 }
@@ -108,8 +110,16 @@ fn substitute(line: &Line, threads: &mut impl Threads) {
             z.set(i, right.at(i) + z.at(i) * factor.0[i]);
             more.set(i, z.at(i) - c.at(i));
         }
-        // What a particle lies on keeps it where it is.
-        let more = moving(&more, &threads.normals(place));
+        if let Some(normals) = threads.normals(place) {
+            // What a particle lies on keeps it where it is, and bears that.
+            let (along, mut load) = divide(&more, &normals);
+            let w = threads.inverse_mass(place);
+            for i in 0..LANES {
+                load.0[i] /= larger(w.0[i], f32::MIN_POSITIVE);
+            }
+            threads.load(place, &load);
+            more = along;
+        }
         threads.correct_more(place, more);
     }
 }

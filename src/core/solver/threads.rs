@@ -259,6 +259,11 @@ impl<E: Ends> Threads for Woven<'_, E> {
     }
 
     #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        self.ends.load(place, load);
+    }
+
+    #[inline(always)]
     fn correct_more(&mut self, place: usize, more: Block3) {
         self.ends.correct_more(place, more);
     }

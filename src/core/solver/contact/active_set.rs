@@ -14,6 +14,8 @@
 
 use bevy_math::Vec3;
 
+use super::impulses::Share;
+
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
 use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
@@ -248,6 +250,44 @@ impl Kernel for HoldOnto<'_> {
     }
 }
 
+/// Adds what pulled at the particles of the active set without moving them to the pulls, or takes it away.
+pub(in crate::solver) struct NoteUnfollowed<'a> {
+    pub set: &'a ActiveSet,
+    pub inverse_mass: &'a [f32],
+    pub d: &'a Soa,
+    /// One or minus one.
+    pub part: f32,
+    pub pull: &'a mut Soa,
+}
+
+impl Kernel for NoteUnfollowed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, inverse_mass, d, part, pull } = self;
+        for (block, &touches) in set.now.blocks.iter().enumerate() {
+            if !touches {
+                continue;
+            }
+            let slot = block * LANES;
+            let (n, w) = (Block3::load(&set.now.normal, slot), Block::load(inverse_mass, slot));
+            let (load, slip) = (Block::load(&set.load, slot), Block::load(&set.now.slip, slot));
+            let (d, unpulled) = (Block3::load(d, slot), Block3::load(&set.unpulled, slot));
+            let mut noted = Block3::load(&*pull, slot);
+            for i in 0..LANES {
+                let n = n.at(i);
+                let pulled = d.at(i) - unpulled.at(i);
+                let slid = pulled - n * n.dot(pulled);
+                let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
+                let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
+                noted.set(i, noted.at(i) + unfollowed * part);
+            }
+            noted.store(pull, slot);
+        }
+    }
+}
+
 /// Ends contact: lets go what lay on a collider and was found to touch none any more. It goes on without what pulled at
 /// it while it was held.
 pub(in crate::solver) struct LetGo<'a> {
@@ -288,34 +328,32 @@ impl Kernel for LetGo<'_> {
 }
 
 impl ActiveSet {
-    /// Momentum of pulls left out by [`HoldOnto`] that colliders took, with the collider's index, times the substep
-    /// \[kg m\]. It would have been carried on by as much again.
-    pub fn left_out<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-    ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
-        self.held_slots(inverse_mass)
-            .map(|(slot, w)| (self.holder[slot] as usize, self.dropped.get(slot) * (2.0 / w)))
+    /// What colliders took of pulls that [`HoldOnto`] left out.
+    pub fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
+        self.held_slots(inverse_mass).map(|(slot, w)| {
+            let dropped = self.dropped.get(slot) / w;
+            Share { collider: self.holder[slot] as usize, given: dropped, owed: dropped }
+        })
     }
 
-    /// Momentum that colliders took of what they have let go, with the collider's index, times the substep \[kg m\].
-    /// Where pulls are noted, those that did not move it are not, and would have moved it by as much again.
+    /// What colliders took of what they have let go. Where pulls are noted, those that did not move it are not.
     pub fn taken<'a>(
         &'a self,
         inverse_mass: &'a [f32],
         d: &'a Soa,
         notes: bool,
-    ) -> impl Iterator<Item = (usize, Vec3)> + 'a {
+    ) -> impl Iterator<Item = Share> + 'a {
         self.held_slots(inverse_mass).filter_map(move |(slot, w)| {
             let (load, lost, n) = (self.load[slot], self.lost[slot], self.now.normal.get(slot));
             let is_let_go = load != 0.0 || lost != 0.0;
-            let times = if notes { 2.0 } else { 1.0 };
             let fallen = if lost < 0.0 { lost } else { 0.0 };
             let pulled = d.get(slot) - self.unpulled.get(slot);
             let slid = pulled - n * n.dot(pulled);
             let unslipped = slid * (1.0 / self.now.slip[slot] - 1.0);
-            let all = n * (load * times + fallen / w) + unslipped * (times / w);
-            is_let_go.then(|| (self.holder[slot] as usize, all))
+            let unfollowed = n * load + unslipped / w;
+            let owed = if notes { unfollowed } else { Vec3::ZERO };
+            let given = unfollowed + n * (fallen / w);
+            is_let_go.then(|| Share { collider: self.holder[slot] as usize, given, owed })
         })
     }
 

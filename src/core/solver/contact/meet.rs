@@ -18,6 +18,8 @@ use crate::sdf::{PointBlock, SampleBlock};
 pub(super) struct Tally {
     /// Momentum that they gave it, times the substep \[kg m\].
     pub given: Block3,
+    /// And will yet, as pulls are carried on \[kg m\].
+    pub owed: Block3,
     /// How far they are still inside, as they may come out no faster \[m\].
     pub left: Block,
     /// How many touched it.
@@ -27,7 +29,7 @@ pub(super) struct Tally {
 impl Default for Tally {
     fn default() -> Self {
         let none = Block3::ZERO;
-        Self { given: none, left: Block::ZERO, touching: [0; LANES] }
+        Self { given: none, owed: none, left: Block::ZERO, touching: [0; LANES] }
     }
 }
 
@@ -161,6 +163,7 @@ impl Merge for Tally {
     fn merge(mut self, below: Self) -> Self {
         for i in 0..LANES {
             self.given.set(i, self.given.at(i) + below.given.at(i));
+            self.owed.set(i, self.owed.at(i) + below.owed.at(i));
             self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
             self.touching[i] += below.touching[i];
         }
@@ -197,7 +200,7 @@ impl Kernel for MeetCollider<'_> {
                     continue;
                 }
                 let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
-                let mut from = None;
+                let pulled = d;
                 if self.is_fast {
                     self.held.free(first + block * LANES, &mut d, sweep.slow());
                     ds.set(block, d);
@@ -205,17 +208,16 @@ impl Kernel for MeetCollider<'_> {
                     let (mut swept, given) = (d, &mut met.tally.given);
                     if sweep.block(&{ w }, &{ x }, &mut swept, given) {
                         met.struck = true;
-                        from = Some(d);
                         ds.set(block, swept);
                         d = swept;
                     }
                 }
                 let slot = first + block * LANES;
                 let mut held = self.held.of(slot, &w);
-                if let (Some(hold), Some(from)) = (&mut held, from) {
+                if let Some(hold) = &mut held {
                     // What the collider stopped was no pull.
                     for i in 0..LANES {
-                        hold.unpulled.set(i, hold.unpulled.at(i) + d.at(i) - from.at(i));
+                        hold.unpulled.set(i, hold.unpulled.at(i) + d.at(i) - pulled.at(i));
                     }
                 }
                 let near = meeting.sample(&w, &x, &d, held.as_ref());
@@ -520,8 +522,8 @@ impl Meeting<'_> {
         let Self { motion, skin } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
-        // What was borne along another normal is not noted, and would have moved them by as much again.
-        let notes = if skin.notes { 2.0 } else { 1.0 };
+        // What was borne along another normal is not noted.
+        let notes = if skin.notes { 1.0 } else { 0.0 };
         let (none, unfollowed) = (Block::ZERO, Block3::ZERO);
         let mut pushed = Pushed { surface, undone: none, went: none, unfollowed };
         for i in 0..LANES {
@@ -537,8 +539,7 @@ impl Meeting<'_> {
             let rest = push - undone;
             let tangential = relative - normal * along;
             pushed.undone.0[i] = undone;
-            let pulled = d.at(i) - hold.unpulled.at(i);
-            let unslipped = (pulled - normal * pulled.dot(normal)) * (hold.unslipped.0[i] - 1.0);
+            let unslipped = (d.at(i) - hold.unpulled.at(i)) * (hold.unslipped.0[i] - 1.0);
             let unfollowed = pressed + unslipped;
             pushed.unfollowed.set(i, unfollowed);
             let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
@@ -560,8 +561,10 @@ impl Meeting<'_> {
             if motion.measured {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let turned = (hold.unfollowed.at(i) - pressed) * notes;
+                let turned = hold.unfollowed.at(i) - pressed;
                 let given = (into_d - unfollowed - turned) * mass;
+                let owed = if touching { turned * (mass * notes) } else { Vec3::ZERO };
+                tally.owed.set(i, tally.owed.at(i) + owed);
                 let given = if touching { given } else { Vec3::ZERO };
                 tally.given.set(i, tally.given.at(i) - given);
             }
@@ -613,7 +616,7 @@ impl Near {
             let forgotten = noted.at(i) + before.at(i);
             let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, skin)) * mass);
             let forgotten = if self.depth.0[i] > 0.0 { forgotten } else { Vec3::ZERO };
-            tally.given.set(i, tally.given.at(i) + forgotten);
+            tally.owed.set(i, tally.owed.at(i) + forgotten);
         }
     }
 }

@@ -11,6 +11,7 @@
 
 mod active_set;
 mod collider;
+mod impulses;
 mod meet;
 mod room;
 mod sweep;
@@ -21,12 +22,15 @@ use super::bands::{self, Bands};
 use super::isa::Isa;
 use super::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
 
-pub(super) use active_set::{ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, divide};
+pub(super) use active_set::{
+    ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
+};
 pub use collider::{Collider, ColliderMotion, Pose};
 pub(super) use room::ContactRoom;
 
 use active_set::LetGo;
 use collider::Motion;
+use impulses::Share;
 use meet::{Found, FurthestWay, Held, MeetCollider, Tally};
 use room::{Awake, ByBlock};
 
@@ -109,7 +113,8 @@ impl ResolveContacts<'_> {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, d: self.d, pull });
             let (step, notes) = (self.skin.step, self.pull.is_some());
-            self.room.give(self.set.taken(self.inverse_mass, self.d, notes), step);
+            let taken = self.set.taken(self.inverse_mass, self.d, notes);
+            self.room.impulses.give(taken, step);
         }
         self.set.turn();
         touching
@@ -158,9 +163,10 @@ impl ResolveContacts<'_> {
         );
         room.struck |= met.struck;
         room.pushed += met.deepest;
-        let Tally { given, left, touching } = &met.tally;
+        let Tally { given, owed, left, touching } = &met.tally;
         if motion.measured {
-            room.give([(collider, sum(given))].into_iter(), self.skin.step);
+            let share = Share { collider, given: sum(given), owed: sum(owed) };
+            room.impulses.give([share].into_iter(), self.skin.step);
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);

@@ -12,6 +12,7 @@ use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
 use super::Collider;
+use super::impulses::Impulses;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -38,9 +39,8 @@ pub(in crate::solver) struct ContactRoom {
     high: Vec3,
     /// What rounding may take off a distance in world space \[m\].
     slack: f32,
-    /// Momentum that the cloth has given to each collider in the tick \[kg m/s\], where it is measured; empty where
-    /// none is.
-    pub impulses: Vec<Option<Vec3>>,
+    /// What the cloth gives to colliders in the tick.
+    pub impulses: Impulses,
 }
 
 /// Values of the blocks of a band.
@@ -96,7 +96,7 @@ impl ContactRoom {
             low: Vec3::ZERO,
             high: Vec3::ZERO,
             slack: 0.0,
-            impulses: Vec::new(),
+            impulses: Impulses::default(),
         }
     }
 
@@ -116,29 +116,11 @@ impl ContactRoom {
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
-        self.impulses.clear();
-        let mut measured = false;
+        self.impulses.begin_tick(colliders);
         self.until_next = f32::INFINITY;
         for collider in colliders {
-            measured |= collider.measured;
             if collider.layers & layers != 0 {
                 self.until_next = self.until_next.min(self.gap(collider, epsilon));
-            }
-        }
-        if measured {
-            let impulse = |collider: &Collider<'_>| collider.measured.then_some(Vec3::ZERO);
-            self.impulses.extend(colliders.iter().map(impulse));
-        }
-    }
-
-    /// Notes momentum, times a substep of length `step`, that colliders were given.
-    pub fn give(&mut self, momenta: impl Iterator<Item = (usize, Vec3)>, step: f32) {
-        if self.impulses.is_empty() {
-            return;
-        }
-        for (collider, momentum) in momenta {
-            if let Some(Some(impulse)) = self.impulses.get_mut(collider) {
-                *impulse += momentum / step;
             }
         }
     }

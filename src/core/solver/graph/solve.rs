@@ -170,6 +170,11 @@ impl<T: Transpose, const TOUCH: bool> Threads for Laid<'_, T, TOUCH> {
     }
 
     #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        Ends::load(self, place, load);
+    }
+
+    #[inline(always)]
     fn correct_more(&mut self, place: usize, more: Block3) {
         Ends::correct(self, place, more);
     }

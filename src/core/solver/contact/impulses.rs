@@ -1,0 +1,86 @@
+//! What the cloth gives to the colliders that are measured.
+//!
+//! The pulls of a cloth sum up to none, and so does what is carried on of them (`carry`). Where a collider bears
+//! a pull that is not noted, what is carried on of the opposite pulls has no counterpart: half of it moves the cloth in the
+//! next substep, a quarter in the one after. The collider gives that momentum, or takes it, for as long as pulls are
+//! carried on.
+
+use bevy_math::Vec3;
+
+use super::collider::Collider;
+
+/// The impulses of a tick.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solver) struct Impulses {
+    /// By collider; `None` where it is not measured. Empty where none is.
+    colliders: Vec<Option<Impulse>>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Impulse {
+    /// Momentum that the cloth has given \[kg m/s\].
+    given: Vec3,
+    /// What it gives in the substeps to come as pulls are carried on.
+    owed: Vec3,
+}
+
+/// Momentum that a collider is given in a substep, times the substep \[kg m\].
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solver) struct Share {
+    pub collider: usize,
+    pub given: Vec3,
+    pub owed: Vec3,
+}
+
+impl Impulses {
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
+        self.colliders.clear();
+        if colliders.iter().any(|collider| collider.measured) {
+            let impulse = |collider: &Collider<'_>| collider.measured.then(Impulse::default);
+            self.colliders.extend(colliders.iter().map(impulse));
+        }
+    }
+
+    /// Whether any collider is measured.
+    pub fn are_measured(&self) -> bool {
+        !self.colliders.is_empty()
+    }
+
+    /// Begins a substep that carries on a part of the pulls, or none.
+    pub fn carry_on(&mut self, part: Option<f32>) {
+        for impulse in self.colliders.iter_mut().flatten() {
+            impulse.owed *= part.unwrap_or(0.0);
+            impulse.given += impulse.owed;
+        }
+    }
+
+    /// Gives shares of a substep of length `step`.
+    pub fn give(&mut self, shares: impl Iterator<Item = Share>, step: f32) {
+        if !self.are_measured() {
+            return;
+        }
+        for Share { collider, given, owed } in shares {
+            if let Some(Some(impulse)) = self.colliders.get_mut(collider) {
+                impulse.given += given / step;
+                impulse.owed += owed / step;
+            }
+        }
+    }
+
+    /// Ends the tick: what is owed is given.
+    pub fn end_tick(&mut self, carries: bool) {
+        for impulse in self.colliders.iter_mut().flatten() {
+            let owed = core::mem::take(&mut impulse.owed);
+            impulse.given += if carries { owed } else { Vec3::ZERO };
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.colliders.clear();
+    }
+
+    /// Momentum that a collider was given in the tick \[kg m/s\]; zero where it is not measured.
+    pub fn of(&self, collider: usize) -> Vec3 {
+        self.colliders.get(collider).copied().flatten().unwrap_or_default().given
+    }
+}
