@@ -80,13 +80,8 @@ impl ClothSolver {
             && self.plan.form == Form::Threads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
-            && self.is_in_shape();
+            && self.survey.max_strain <= MOST_STRAIN;
         self.state.carries &= self.scratch.carries;
-    }
-
-    /// Whether corrections may be carried on for what it is stretched by.
-    pub(super) fn is_in_shape(&self) -> bool {
-        self.survey.max_strain <= MOST_STRAIN
     }
 
     /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and

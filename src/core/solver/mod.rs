@@ -232,6 +232,7 @@ impl ClothSolver {
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
+        self.state.contacts.impulses.begin_tick(input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)
     }
@@ -424,14 +425,13 @@ impl ClothSolver {
     /// Lets what lay on a collider go only where it can.
     fn hold_onto_colliders(&mut self) {
         let part = self.carried();
-        self.scratch.contact.impulses.carry_on(part);
+        self.state.contacts.impulses.carry_on(part);
         let State { d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
             let carried = self.scratch.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
-            contacts.measured = self.scratch.contact.impulses.are_measured();
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            self.scratch.contact.impulses.give(contacts.left_out(inverse_mass), step);
+            contacts.give_left_out(inverse_mass, step);
         }
     }
 
@@ -564,9 +564,6 @@ impl ClothSolver {
             return self.isa.run(SolveWarp { layout, lines, x, d, contacts });
         }
         let touches = contacts.now.any;
-        if touches {
-            load_apart.fill(0.0);
-        }
         let warp = SolveWarpApart {
             band: columns.clone(),
             layout,
@@ -576,7 +573,7 @@ impl ClothSolver {
             x,
             d,
             apart: apart.part_mut(),
-            contacts: touches.then(|| (&contacts.now, ValuesMut::all(load_apart))),
+            contacts: touches.then(|| (&contacts.now, &contacts.load, ValuesMut::all(load_apart))),
             rooms,
         };
         let beyond = bands::run(self.isa, warp);
@@ -650,7 +647,7 @@ impl ClothSolver {
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
     pub fn impulse(&self, collider: usize) -> Vec3 {
-        self.scratch.contact.impulses.of(collider)
+        self.state.contacts.impulses.of(collider)
     }
 
     /// Ends the tick.
@@ -664,13 +661,11 @@ impl ClothSolver {
         if !survey.finite || !is_near(origin + survey.max) || !is_near(origin + survey.min) {
             self.state.x.copy_from(&self.state.start);
             self.come_to_rest();
-            self.scratch.contact.impulses.clear();
+            self.state.contacts.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);
         }
         self.survey = survey;
-        let goes_on = self.state.carries && self.is_in_shape();
-        self.scratch.contact.impulses.end_tick(goes_on);
         Ok(TickReport {
             substeps: self.plan.substeps,
             max_strain: survey.max_strain,

@@ -60,12 +60,14 @@ struct SavedContacts {
     slips: Vec<[f32; 2]>,
     velocities: Vec<Vec3>,
     holders: Vec<u32>,
+    /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
+    owed: Vec<Option<Vec3>>,
 }
 
 impl SavedContacts {
     /// Whether a cloth of so many particles may have been in such contact.
     fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders } = self;
+        let Self { normals, before, slips, velocities, holders, owed } = self;
         let is_normal =
             |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && (n.length() - 1.0).abs() < 1e-3);
         [normals, before]
@@ -74,6 +76,7 @@ impl SavedContacts {
             && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
+            && owed.iter().flatten().all(|owed| is_near(*owed))
     }
 }
 
@@ -191,7 +194,7 @@ impl ClothSolver {
             holder,
             unpulled: _,
             dropped: _,
-            measured: _,
+            impulses,
             lost: _,
             load: _,
         } = contacts;
@@ -210,7 +213,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
-            contacts: now.any.then(|| SavedContacts {
+            contacts: (now.any || impulses.are_measured()).then(|| SavedContacts {
                 normals: by_particle(&now.normal),
                 before: by_particle(&before.normal),
                 slips: values(&now.slip)
@@ -220,6 +223,7 @@ impl ClothSolver {
                     .collect(),
                 velocities: by_particle(velocity),
                 holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+                owed: impulses.owed(),
             }),
             tick: plan.tick,
             pins: held.particles.clone(),
@@ -292,8 +296,10 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts { normals, before, slips, velocities, holders }) = contacts {
+        if let Some(SavedContacts { normals, before, slips, velocities, holders, owed }) = contacts
+        {
             let set = &mut self.state.contacts;
+            set.impulses.set_owed(owed);
             for (to, from) in [(&mut set.now, normals), (&mut set.before, before)] {
                 to.normal = by_slot(from);
                 to.find();

@@ -93,8 +93,8 @@ pub(super) struct SolveWarpApart<'a> {
     pub d: &'a Soa,
     /// What displacements become: bundle by bundle of [`LANES`] columns, and in each row by row.
     pub apart: PartMut<'a>,
-    /// What particles lie on, and where they are to put what that bears, apart as well.
-    pub contacts: Option<(&'a Normals, ValuesMut<'a>)>,
+    /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
+    pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
     pub rooms: &'a Rooms<Room>,
 }
 
@@ -134,14 +134,21 @@ impl Kernel for SolveWarpApart<'_> {
                 hop,
                 to: Blocks3Mut::new(&mut apart, put, layout.rows),
             };
+            if let Some((_, load, apart)) = &mut contacts {
+                let (load, mut apart) =
+                    (Blocks::new(load, first, count), apart.blocks(put, layout.rows));
+                for row in 0..layout.rows {
+                    apart.set(row, load.at(row * hop));
+                }
+            }
             match &mut contacts {
-                Some((normals, load)) if normals.touch(first / LANES, count, hop) => {
+                Some((normals, _, apart)) if normals.touch(first / LANES, count, hop) => {
                     let mut ends = OnColliders {
                         ends,
                         hops: [hop, 1],
                         normals: Blocks3::new(&normals.normal, first, count),
                         slips: Blocks::new(&normals.slip, first, count),
-                        loads: load.blocks(put, layout.rows),
+                        loads: apart.blocks(put, layout.rows),
                     };
                     lines.solve(column, &mut ends, &mut excess);
                 }
@@ -162,9 +169,9 @@ impl<'a> Cut for SolveWarpApart<'a> {
     fn cut(self, column: usize) -> (Self, Self) {
         let place = place_apart(self.layout, 0, column);
         let (apart, apart_after) = self.apart.cut(place);
-        let cut = |(normals, load): (&'a Normals, ValuesMut<'a>)| {
-            let (load, after) = load.cut(place);
-            ((normals, load), (normals, after))
+        let cut = |(normals, load, apart): (&'a Normals, &'a Array, ValuesMut<'a>)| {
+            let (apart, after) = apart.cut(place);
+            ((normals, load, apart), (normals, load, after))
         };
         let (contacts, contacts_after) = self.contacts.map(cut).unzip();
         let (before, after) = self.band.cut(column);
@@ -232,7 +239,7 @@ impl Kernel for PutBack<'_> {
                 let apart = Blocks::new(apart, 0, blocks * layout.rows);
                 let mut to = to.blocks(layout.slot(row, 0), blocks);
                 for block in 0..blocks {
-                    to.add(block, &apart.at(block * layout.rows + row));
+                    to.set(block, apart.at(block * layout.rows + row));
                 }
             }
         }

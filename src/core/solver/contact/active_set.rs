@@ -14,7 +14,7 @@
 
 use bevy_math::Vec3;
 
-use super::impulses::Share;
+use super::impulses::{Impulses, Share};
 
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
@@ -41,8 +41,8 @@ pub(in crate::solver) struct ActiveSet {
     pub unpulled: Soa,
     /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where `measured`.
     pub dropped: Soa,
-    /// Whether any collider is told what it is given.
-    pub measured: bool,
+    /// What the cloth gives to colliders.
+    pub impulses: Impulses,
     /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
     pub lost: Array,
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
@@ -108,7 +108,7 @@ impl ActiveSet {
             velocity: Soa::zeros(slots),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
-            measured: false,
+            impulses: Impulses::default(),
             holder: Array::zeros(slots),
             lost: Array::zeros(slots),
             load: Array::zeros(slots),
@@ -243,7 +243,7 @@ impl Kernel for HoldOnto<'_> {
             lost.store(&mut set.lost, slot);
             load.store(&mut set.load, slot);
             unpulled.store(&mut set.unpulled, slot);
-            if set.measured {
+            if set.impulses.are_measured() {
                 dropped.store(&mut set.dropped, slot);
             }
         }
@@ -328,16 +328,29 @@ impl Kernel for LetGo<'_> {
 }
 
 impl ActiveSet {
-    /// What colliders took of pulls that [`HoldOnto`] left out.
-    pub fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
+    /// Gives colliders what they took of pulls that [`HoldOnto`] left out, in a substep of length `step`.
+    pub fn give_left_out(&mut self, inverse_mass: &[f32], step: f32) {
+        let mut impulses = core::mem::take(&mut self.impulses);
+        impulses.give(self.left_out(inverse_mass), step);
+        self.impulses = impulses;
+    }
+
+    fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
         self.held_slots(inverse_mass).map(|(slot, w)| {
             let dropped = self.dropped.get(slot) / w;
             Share { collider: self.holder[slot] as usize, given: dropped, owed: dropped }
         })
     }
 
-    /// What colliders took of what they have let go. Where pulls are noted, those that did not move it are not.
-    pub fn taken<'a>(
+    /// Gives colliders what they took of what they have let go, in a substep of length `step`. Where pulls are noted, those
+    /// that did not move it are not.
+    pub fn give_taken(&mut self, inverse_mass: &[f32], d: &Soa, notes: bool, step: f32) {
+        let mut impulses = core::mem::take(&mut self.impulses);
+        impulses.give(self.taken(inverse_mass, d, notes), step);
+        self.impulses = impulses;
+    }
+
+    fn taken<'a>(
         &'a self,
         inverse_mass: &'a [f32],
         d: &'a Soa,

@@ -33,11 +33,13 @@ pub(in crate::solver) struct Share {
 }
 
 impl Impulses {
+    /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
     pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
-        self.colliders.clear();
-        if colliders.iter().any(|collider| collider.measured) {
-            let impulse = |collider: &Collider<'_>| collider.measured.then(Impulse::default);
-            self.colliders.extend(colliders.iter().map(impulse));
+        let count = if colliders.iter().any(|c| c.measured) { colliders.len() } else { 0 };
+        self.colliders.resize(count, None);
+        for (impulse, collider) in self.colliders.iter_mut().zip(colliders) {
+            let owed = impulse.unwrap_or_default().owed;
+            *impulse = collider.measured.then_some(Impulse { given: Vec3::ZERO, owed });
         }
     }
 
@@ -55,7 +57,7 @@ impl Impulses {
     }
 
     /// Gives shares of a substep of length `step`.
-    pub fn give(&mut self, shares: impl Iterator<Item = Share>, step: f32) {
+    pub fn give(&mut self, shares: impl IntoIterator<Item = Share>, step: f32) {
         if !self.are_measured() {
             return;
         }
@@ -67,12 +69,15 @@ impl Impulses {
         }
     }
 
-    /// Ends the tick: what is owed is given.
-    pub fn end_tick(&mut self, carries: bool) {
-        for impulse in self.colliders.iter_mut().flatten() {
-            let owed = core::mem::take(&mut impulse.owed);
-            impulse.given += if carries { owed } else { Vec3::ZERO };
-        }
+    /// What is owed, to be kept with the rest of the state.
+    pub fn owed(&self) -> Vec<Option<Vec3>> {
+        self.colliders.iter().map(|impulse| impulse.map(|impulse| impulse.owed)).collect()
+    }
+
+    /// Puts back what was owed.
+    pub fn set_owed(&mut self, owed: &[Option<Vec3>]) {
+        let impulse = |owed| Impulse { given: Vec3::ZERO, owed };
+        self.colliders = owed.iter().map(|owed| owed.map(impulse)).collect();
     }
 
     pub fn clear(&mut self) {

@@ -46,7 +46,7 @@ const HEAVY: f32 = 32.0;
 const LEAST_SLIP: f32 = 0.2;
 /// Time over which the mean is taken of how far a particle slips \[s\]: a mobility that followed each substep's would
 /// shake the cloth.
-pub(super) const FOLLOWING: f32 = 0.04;
+pub(super) const FOLLOWING: f32 = 0.01;
 /// Approach of a blow, in displacements that gravity makes in a substep. What trembles stays below it.
 const BLOW: f32 = 32.0;
 /// Makes up for what rounding takes off the sum of many small ways.
@@ -113,8 +113,7 @@ impl ResolveContacts<'_> {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, d: self.d, pull });
             let (step, notes) = (self.skin.step, self.pull.is_some());
-            let taken = self.set.taken(self.inverse_mass, self.d, notes);
-            self.room.impulses.give(taken, step);
+            self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
         self.set.turn();
         touching
@@ -166,7 +165,7 @@ impl ResolveContacts<'_> {
         let Tally { given, owed, left, touching } = &met.tally;
         if motion.measured {
             let share = Share { collider, given: sum(given), owed: sum(owed) };
-            room.impulses.give([share].into_iter(), self.skin.step);
+            set.impulses.give([share], self.skin.step);
         }
         if left.largest() > 0.0 {
             self.calm(first, gone, &motion, met.deepest);

@@ -12,7 +12,6 @@ use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
 use super::Collider;
-use super::impulses::Impulses;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -39,8 +38,6 @@ pub(in crate::solver) struct ContactRoom {
     high: Vec3,
     /// What rounding may take off a distance in world space \[m\].
     slack: f32,
-    /// What the cloth gives to colliders in the tick.
-    pub impulses: Impulses,
 }
 
 /// Values of the blocks of a band.
@@ -96,7 +93,6 @@ impl ContactRoom {
             low: Vec3::ZERO,
             high: Vec3::ZERO,
             slack: 0.0,
-            impulses: Impulses::default(),
         }
     }
 
@@ -116,7 +112,6 @@ impl ContactRoom {
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
-        self.impulses.begin_tick(colliders);
         self.until_next = f32::INFINITY;
         for collider in colliders {
             if collider.layers & layers != 0 {
