@@ -401,7 +401,7 @@ impl ClothSolver {
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
         self.hold_onto_colliders();
-        self.fill_places();
+        self.fill_places(true);
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.form {
@@ -715,7 +715,7 @@ impl ClothSolver {
     }
 
     fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
-        self.fill_places();
+        self.fill_places(false);
         let half = self.half_kick();
         let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
         else {
@@ -734,9 +734,9 @@ impl ClothSolver {
     }
 
     /// A graph's particles are gathered from places; on a lattice there is nothing to do.
-    fn fill_places(&mut self) {
+    fn fill_places(&mut self, corrects: bool) {
         if let Some(room) = &mut self.scratch.graph {
-            room.fill(self.isa, &self.held.inverse_mass, &self.state);
+            room.fill(self.isa, &self.held.inverse_mass, &self.state, corrects);
         }
     }
 

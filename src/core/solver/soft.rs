@@ -159,6 +159,8 @@ impl ClothSolver {
             let heavier = if spring.slack { w } else { w / (1.0 + alpha + beta) };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
             spring.noted = self.state.d.get(spring.slot);
+            // What it lies on would bear pulls that its spring bears.
+            self.state.contacts.forget(spring.slot);
         }
     }
 

@@ -46,9 +46,10 @@ impl Room {
     }
 
     /// Fills the places.
-    pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State) {
+    /// `corrects` tells whether corrections are to see them, and what they lie on.
+    pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State, corrects: bool) {
         let State { x, d, contacts, .. } = state;
-        let contacts = contacts.now.any.then_some(contacts);
+        let contacts = (corrects && contacts.now.any).then_some(contacts);
         let places = &mut self.places;
         isa.run_transposing(FillPlaces { inverse_mass, x, d, contacts, places });
     }
