@@ -316,10 +316,11 @@ impl Kernel for LetGo<'_> {
             }
             moved.store(d, slot);
             if let Some(pull) = &mut pull {
-                // What its surface bore of its own motion was no pull.
+                // That it did not fall through its surface was no pull.
                 let mut noted = Block3::load(&**pull, slot);
                 for i in 0..LANES {
-                    noted.set(i, noted.at(i) + n.at(i) * lost.0[i]);
+                    let fallen = if lost.0[i] < 0.0 { lost.0[i] } else { 0.0 };
+                    noted.set(i, noted.at(i) + n.at(i) * fallen);
                 }
                 noted.store(&mut **pull, slot);
             }
