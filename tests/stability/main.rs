@@ -14,6 +14,7 @@ mod fast_colliders;
 mod frames;
 mod gravity;
 mod handled;
+mod lying;
 mod masses;
 mod medial;
 mod other;

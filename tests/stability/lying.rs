@@ -1,0 +1,75 @@
+//! Sheets of 64 x 64 that have been dropped on solids with edges and tips, as a user has them. Truth: after twenty
+//! seconds a cloth hardly moves, and no thread is longer than its strain limit allows.
+
+use super::other::{common::*, *};
+use bevy::math::{
+    Vec2, Vec3,
+    primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
+};
+use bevy_drape::sdf::SignedDistance;
+use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Pose, Settings, Substeps};
+
+const N: usize = 64;
+
+/// Drops a sheet on a solid that stands on the ground.
+fn drop_on(solid: &dyn SignedDistance, middle: f32, side: f32, from: f32) -> ClothSolver {
+    let sheet = sheet(Vec2::splat(side), N, N, MassLumping::Lumped);
+    let start: Vec<_> = sheet.rest_positions().iter().map(|&p| p + Vec3::Y * from).collect();
+    // The fewest substeps that a preset takes show the most.
+    let settings = Settings { substeps: Substeps::Automatic { budget: 8 }, ..Settings::default() };
+    let mut solver = ClothSolver::new(sheet, &start, usual(), settings).unwrap();
+    let floor = InfinitePlane3d::new(Vec3::Y);
+    let colliders = [
+        Collider::new(&floor, Pose::IDENTITY),
+        Collider::new(solid, Pose::from_translation(Vec3::Y * middle)),
+    ];
+    run(&mut solver, 19 * SECOND, GRAVITY, &colliders);
+    check_lies(&mut solver, &colliders);
+    solver
+}
+
+/// Looks at the twentieth second.
+fn check_lies(solver: &mut ClothSolver, colliders: &[Collider<'_>]) {
+    let mut squares = 0.0;
+    let mut before = positions(solver);
+    for _ in 0..SECOND {
+        run(solver, 1, GRAVITY, colliders);
+        let now = positions(solver);
+        let moved = before.iter().zip(&now).map(|(a, b)| f64::from(a.distance_squared(*b)));
+        squares += moved.sum::<f64>();
+        before = now;
+    }
+    let rms = (squares / (SECOND * N * N) as f64).sqrt() * SECOND as f64;
+    check_at_most("rms speed [m/s]", rms, 5e-3);
+    let mut strains: Vec<f64> = solver
+        .topology()
+        .structural_springs()
+        .map(|(a, b, rest)| f64::from(before[a].distance(before[b]) / rest) - 1.0)
+        .collect();
+    strains.sort_by(f64::total_cmp);
+    check_at_most("strain of 99 in 100", strains[strains.len() * 99 / 100], 0.01);
+    check_at_most("largest strain", strains[strains.len() - 1], 0.11);
+}
+
+#[test]
+fn on_a_cube() {
+    drop_on(&Cuboid::new(0.8, 0.8, 0.8), 0.4, 2.0, 1.2);
+}
+
+#[test]
+fn on_a_cylinder() {
+    drop_on(&Cylinder::new(0.5, 0.8), 0.4, 1.6, 1.3);
+}
+
+/// Its tip carries all of the cloth on a particle or two.
+#[test]
+fn on_a_cone() {
+    let solver = drop_on(&Cone { radius: 0.5, height: 0.8 }, 0.4, 1.6, 1.3);
+    assert!(solver.bounds().1.y > 0.75, "it slid off: {}", solver.bounds().1);
+}
+
+/// A small ball under a cloth that lies on the ground.
+#[test]
+fn on_a_small_ball() {
+    drop_on(&Sphere::new(0.05), 0.05, 1.6, 1.3);
+}
