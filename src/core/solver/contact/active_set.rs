@@ -24,6 +24,9 @@ use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
 /// be pulled at without bound.
 pub(in crate::solver) const LEAST_MOBILITY: f32 = 0.2;
 
+/// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
+const GIVING: f32 = 0.1;
+
 /// Particles that lie on colliders, from substep to substep.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct ActiveSet {
@@ -82,11 +85,29 @@ impl Normals {
         self.any = false;
     }
 
+    /// Lets all of them give way: what lies on none is heavy instead.
+    pub fn give_way(&mut self) {
+        for (block, &touches) in self.blocks.iter().enumerate() {
+            if !touches {
+                continue;
+            }
+            let slot = block * LANES;
+            let normal = Block3::load(&self.normal, slot);
+            let mut slip = Block::load(&self.slip, slot);
+            for i in 0..LANES {
+                slip.0[i] = if normal.at(i) != Vec3::ZERO { GIVING } else { slip.0[i] };
+            }
+            slip.store(&mut self.slip, slot);
+            Block3::ZERO.store(&mut self.normal, slot);
+        }
+    }
+
     /// Says which blocks have any, where the normals have been set otherwise.
     pub fn find(&mut self) {
         for (block, touches) in self.blocks.iter_mut().enumerate() {
             let normal = Block3::load(&self.normal, block * LANES);
-            *touches = (0..LANES).any(|i| normal.at(i) != Vec3::ZERO);
+            let slip = Block::load(&self.slip, block * LANES);
+            *touches = (0..LANES).any(|i| normal.at(i) != Vec3::ZERO || slip.0[i] != 1.0);
         }
         self.any = self.blocks.contains(&true);
     }

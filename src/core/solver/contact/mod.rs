@@ -178,6 +178,8 @@ impl ResolveContacts<'_> {
     /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
     #[inline(never)]
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
+        // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
+        self.set.next.give_way();
         self.room.struck = true;
         let most = self.skin.most_push;
         let layout = self.bands.rows.layout;
