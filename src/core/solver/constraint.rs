@@ -181,6 +181,10 @@ pub(super) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> 
 
 impl CorrectBatch<'_> {
     /// Normals of what a block of particles lies on, where any particle lies on anything.
+    #[expect(
+        clippy::manual_map,
+        reason = "a closure that is not inlined keeps the baseline's instructions"
+    )]
     #[inline(always)]
     fn normals(&self, slot: usize) -> Option<Block3> {
         match &self.contacts {

@@ -245,6 +245,10 @@ struct RowSprings<'a> {
 }
 
 impl<'a> RowSprings<'a> {
+    #[expect(
+        clippy::manual_map,
+        reason = "a closure that is not inlined keeps the baseline's instructions"
+    )]
     #[inline(always)]
     fn new(cells: &Cells<'a>, row: usize, below: &'a impl Slots) -> Self {
         let Cells { lattice, inverse_mass, rule, x, normals } = *cells;
