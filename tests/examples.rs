@@ -109,7 +109,8 @@ fn stress() {
     let particles: usize = cloths.iter().map(Vec::len).sum();
     assert!(particles >= 100_000 && cloths.len() >= 50, "{particles} in {}", cloths.len());
     // The largest of a hundred cloths.
-    hold_within(&report, 0.02);
+    // Corners whip onto the ground, and friction stops them within a substep; their springs are short.
+    hold_within(&report, 0.12);
 }
 
 #[test]
@@ -133,8 +134,7 @@ fn flag() {
     }
     let moved = early.iter().zip(&late).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(moved > 0.1, "{moved}");
-    // Of a hundred cloths some whip as in `tuned`, and their corners' springs are short.
-    hold_within(&report, 0.12);
+    hold(&report);
 }
 
 #[test]

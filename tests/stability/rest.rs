@@ -92,7 +92,7 @@ fn h17_ten_minutes_lying() {
             (
                 "on a ball on the floor",
                 vec![at(&floor, Vec3::ZERO), at(&ball, Vec3::Y * 0.2)],
-                [3e-4, 3e-3],
+                [3e-4, 1e-2],
             ),
         ];
         for (where_, colliders, most) in scenes {

@@ -8,7 +8,8 @@
 //! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
-//!    limit; tethers to the pins (`threads`, `weft`, `warp`, `constraint`, `tethers`);
+//!    limit, what lies on a collider going along its surface alone; tethers to the pins (`threads`, `weft`, `warp`,
+//!    `constraint`, `contact`, `tethers`);
 //! 4. [`collide`](ClothSolver::collide): particles are held epsilon outside the colliders (`contact`).
 //!
 //! Between the second stage and the end of the fourth a particle is at `x + d`: where it was when the

@@ -217,6 +217,9 @@ impl ClothSolver {
                 self.isa.run(place.of(layout, &mut normals.normal, true));
             }
         }
+        if let Some(turn) = place.turn {
+            self.state.contacts.impulses.turn(turn);
+        }
         self.state.origin = place.origin;
         self.survey_anew();
     }

@@ -300,16 +300,15 @@ impl ClothSolver {
         {
             let set = &mut self.state.contacts;
             set.impulses.set_owed(owed);
-            for (to, from) in [(&mut set.now, normals), (&mut set.before, before)] {
-                to.normal = by_slot(from);
-                to.find();
-            }
+            (set.now.normal, set.before.normal) = (by_slot(normals), by_slot(before));
             set.velocity = by_slot(velocities);
             for particle in 0..topology.particle_count() {
                 let slot = topology.slot(particle);
                 set.holder[slot] = holders[particle] as f32;
                 [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
             }
+            set.now.find();
+            set.before.find();
         }
         self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };
         self.pushes = pushes.as_ref().map(|(forces, strength)| {

@@ -11,6 +11,15 @@
 //! is summed up as their load. At the substep's end contact uses it with what contact itself undoes: for friction, and to let
 //! go what is pulled off. A particle that begins or ceases to touch is so corrected once as what it was. That
 //! does no work, as a particle that is held does none.
+//!
+//! Friction is applied after the corrections, too, and undoes what a correction that knows nothing of it does to a particle that
+//! sticks: the springs beside it are left stretched. So along the surface the mobility is `w s`, where the slip `s` is less
+//! than one for a particle that carries a load and sticks (`Pushed::slip`). Two states, one that sticks and one that slides,
+//! would not do: the corrections come to another end in each, particles at Coulomb's limit change from one to the other in
+//! every substep, and the cloth trembles. For the same reason slips follow with a delay.
+//!
+//! What corrections pull at a particle and do not move is a pull all the same, and is carried on (`carry`) with the mobility
+//! that it was followed with. Momentum is accounted for to the last part: `impulses`.
 
 use bevy_math::Vec3;
 

@@ -5,7 +5,7 @@
 //! next substep, a quarter in the one after. The collider gives that momentum, or takes it, for as long as pulls are
 //! carried on.
 
-use bevy_math::Vec3;
+use bevy_math::{Mat3, Vec3};
 
 use super::collider::Collider;
 
@@ -66,6 +66,13 @@ impl Impulses {
                 impulse.given += given / step;
                 impulse.owed += owed / step;
             }
+        }
+    }
+
+    /// Turns what is owed with the cloth.
+    pub fn turn(&mut self, turn: Mat3) {
+        for impulse in self.colliders.iter_mut().flatten() {
+            impulse.owed = turn * impulse.owed;
         }
     }
 

@@ -37,7 +37,7 @@ use room::{Awake, ByBlock};
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
 /// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
-const CALMED: f32 = 4.0;
+const CALMED: f32 = 8.0;
 /// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
 /// all. What lies in a few layers, or is laid over a smooth edge, is below them.
 const LIGHT: f32 = 8.0;
