@@ -4,8 +4,7 @@
 //! what the correction was to do for the springs is lost: around a point that carries a whole cloth they would
 //! stretch without end. So corrections see a particle of the active set with the mobility that it has on its
 //! surface, `w (1 - n n^T)` in place of its inverse mass `w`, where `n` is the normal (Baraff and Witkin 1998, *Large
-//! Steps in Cloth Simulation*, section 5.1). Threads and contact are solved together in this way, and no particle
-//! changes its mass.
+//! Steps in Cloth Simulation*, section 5.1). Threads and contact are solved together in this way.
 //!
 //! The set is that of the substep before. What corrections pull at its particles along the normal moves nothing, and
 //! is summed up as their load. At the substep's end contact uses it with what contact itself undoes: for friction, and to let
@@ -23,11 +22,10 @@
 
 use bevy_math::Vec3;
 
-use super::impulses::{Impulses, Share};
-
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
 use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
+use super::impulses::{Impulses, Share};
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.
@@ -51,7 +49,8 @@ pub(in crate::solver) struct ActiveSet {
     pub holder: Array,
     /// A particle's displacement before anything pulled at it, by slot \[m\].
     pub unpulled: Soa,
-    /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where `measured`.
+    /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where a
+    /// collider is measured.
     pub dropped: Soa,
     /// What the cloth gives to colliders.
     pub impulses: Impulses,
@@ -67,7 +66,7 @@ pub(in crate::solver) struct ActiveSet {
 pub(in crate::solver) struct Normals {
     /// Whether there are any.
     pub any: bool,
-    /// Whether a block has any.
+    /// Whether a block has any, or particles that give way.
     pub blocks: Vec<bool>,
     /// By slot, of length one; zero where a particle lies on none.
     pub normal: Soa,
@@ -94,7 +93,7 @@ impl Normals {
         self.any = false;
     }
 
-    /// Lets all of them give way: what lies on none is heavy instead.
+    /// Makes all of them give way: a particle that lay on a surface is held by none, and is heavy instead.
     pub fn give_way(&mut self) {
         for (block, &touches) in self.blocks.iter().enumerate() {
             if !touches {
