@@ -56,6 +56,7 @@ mod access;
 mod air;
 mod bands;
 mod bending;
+mod bending_friction;
 mod beyond;
 mod carry;
 mod constraint;
@@ -241,6 +242,7 @@ impl ClothSolver {
     /// First stage: accelerations from springs, bending, damping, gravity and air. Nothing to do where
     /// gravity acts alone.
     pub fn accumulate_forces(&mut self, input: &StepInput<'_>) {
+        self.brake_bending();
         if !self.has_forces() {
             return;
         }

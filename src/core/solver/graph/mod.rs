@@ -7,6 +7,7 @@
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
 //! | `flat` | whether straight ways lead along the cloth |
 //! | `hinges`, `threads` | bending across edges, and along the threads of cells |
+//! | `spans` | wide hinges, for friction inside the fabric |
 //! | `couplings` | hinges that are flat at rest, particle by particle |
 //! | `table`, `places` | what each particle gathers, and from where |
 //! | `forces`, `strengths` | explicit forces, and their constants in use |
@@ -26,6 +27,7 @@ mod order;
 mod pairs;
 mod places;
 mod solve;
+mod spans;
 mod springs;
 mod stages;
 mod strengths;
@@ -45,6 +47,7 @@ use chains::Chains;
 use edges::Mesh;
 use hinges::Hinges;
 use pairs::Pairs;
+use spans::LazySpans;
 use table::Table;
 
 /// Factors of single particles, in their order; an empty list stands for ones.
@@ -95,6 +98,7 @@ pub struct Graph {
     total_area: f32,
     /// Whether rest distances through space are distances along the cloth (flat and convex).
     pub(crate) flat: bool,
+    spans: LazySpans,
 }
 
 impl Graph {
@@ -166,6 +170,7 @@ impl Graph {
             area: springs::areas(&mesh, &edges, lumping, weights),
             total_area,
             flat: flat::is_flat_and_convex(&mesh, &edges),
+            spans: LazySpans::default(),
             weights: given,
             rest_positions: positions.to_vec(),
             triangles: triangles.to_vec(),

@@ -1,0 +1,261 @@
+//! Friction inside the fabric: yarns that rub on each other resist a change of curvature with the same moment,
+//! however slow it is.
+//!
+//! Measured on fabrics, the moment at a curvature differs by 2HB between bending and unbending (Kawabata 1980, *The
+//! Standardization and Analysis of Hand Evaluation*; as a model of cloth: Miguel et al. 2013, *Modeling and
+//! Estimation of Internal Friction in Cloth*). It is what brings a cloth to rest: air and elastic forces let small
+//! movements go on for minutes, and a constant moment ends them in a few swings.
+//!
+//! A hinge is a particle and two others as far before it as after it on its thread. Its bend `x0 - 2 x1 + x2` has a
+//! length, whose rate friction reduces, at the most to none. What acts along the bend has neither a resultant nor
+//! a moment, so that a free cloth keeps its momentum and its spin. Wide folds bend each short hinge by next to
+//! nothing in a substep, and friction between neighbours alone would be too slow to stop them. So there are hinges
+//! of several widths ([`widths`]), each a multigrid level of the same friction.
+//!
+//! All hinges of a width are braked at once, by [`PART`] of what would stop each alone. A particle is in three of a
+//! thread, and each hinge meets four others: the kinetic energy grows for no masses as long as the part is below 2/5.
+
+use bevy_math::Vec3;
+
+use super::ClothSolver;
+use super::bands::{self, Band, cut_between_rows};
+use super::isa::Kernel;
+use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
+use super::lattice::Layout;
+use super::state::State;
+use super::topology::Topology;
+
+/// Time from one braking to the next \[s\].
+const EVERY: f32 = 1.0 / 120.0;
+/// Particles from the middle of a hinge to its ends: of the narrowest, and how many times as many of the next.
+const NARROWEST: usize = 2;
+const WIDER: usize = 4;
+/// Part of its rate that a hinge is braked by at the most.
+const PART: f32 = 0.375;
+/// Least square of a bend that has a direction \[m2\].
+const LEAST_BEND: f32 = 1e-20;
+
+/// Particles from the middle of a hinge to its ends, on threads of so many particles.
+pub(super) fn widths(particles: usize) -> impl Iterator<Item = usize> {
+    let narrowest = if particles > 2 * NARROWEST { NARROWEST } else { 1 };
+    let wider = |width: &usize| Some(width * WIDER);
+    core::iter::successors(Some(narrowest), wider).take_while(move |width| 2 * width < particles)
+}
+
+impl ClothSolver {
+    /// Brakes what bends, where it is time to.
+    pub(super) fn brake_bending(&mut self) {
+        let moment = self.material.bending_friction;
+        let every = ((EVERY / self.plan.step).round() as u32).max(1);
+        if moment <= 0.0 || !self.done.is_multiple_of(every) {
+            return;
+        }
+        let time = self.plan.step * every.min(self.plan.substeps - self.done) as f32;
+        // Displacement of a mass of one for a force that acts until the next time.
+        let most = moment * time * self.state.unit;
+        if let Topology::Graph(graph) = &self.topology {
+            let State { x, d, .. } = &mut self.state;
+            graph.spans().brake(most, &self.held.inverse_mass, x, d);
+            return;
+        }
+        for thread in [Thread::Weft, Thread::Warp] {
+            for width in widths(thread.particles(self.topology.layout())) {
+                self.brake_hinges(thread, width, most);
+            }
+        }
+    }
+
+    fn brake_hinges(&mut self, thread: Thread, width: usize, most: f32) {
+        let layout = self.topology.layout();
+        let hinges = WideHinges { thread, width, layout };
+        let shape = &self.held.hinges[thread as usize].shape;
+        let (band, inverse_mass) = (&self.bands.rows, &self.held.inverse_mass);
+        let State { x, d, .. } = &mut self.state;
+        let impulses = &mut self.scratch.b;
+        let most = most / (width * width) as f32;
+        let to = impulses.part_mut();
+        let band = || band.clone();
+        let resist = Resist { band: band(), hinges, shape, most, inverse_mass, x, d, to };
+        bands::run(self.isa, resist);
+        let d = d.part_mut();
+        bands::run(self.isa, Brake { band: band(), hinges, inverse_mass, impulses, d });
+    }
+}
+
+/// Which way a thread runs.
+#[derive(Clone, Copy)]
+enum Thread {
+    /// Along a row.
+    Weft,
+    /// Along a column.
+    Warp,
+}
+
+impl Thread {
+    fn particles(self, layout: Layout) -> usize {
+        match self {
+            Self::Weft => layout.columns,
+            Self::Warp => layout.rows,
+        }
+    }
+}
+
+/// Hinges along one family of threads, between particles that are `width` from each other.
+#[derive(Clone, Copy)]
+struct WideHinges {
+    thread: Thread,
+    width: usize,
+    layout: Layout,
+}
+
+impl WideHinges {
+    /// Slots from the middle of a hinge to its ends.
+    #[inline(always)]
+    fn hop(&self) -> usize {
+        match self.thread {
+            Thread::Weft => self.width,
+            Thread::Warp => self.width * self.layout.stride,
+        }
+    }
+
+    /// Whether the particle at a place of its thread is the middle of a hinge.
+    #[inline(always)]
+    fn is_middle(&self, place: usize) -> bool {
+        place >= self.width && place + self.width < self.thread.particles(self.layout)
+    }
+
+    /// Whether the particles of a row are middles of hinges, or may be.
+    #[inline(always)]
+    fn is_middle_row(&self, row: usize) -> bool {
+        match self.thread {
+            Thread::Weft => true,
+            Thread::Warp => self.is_middle(row),
+        }
+    }
+
+    /// One where a particle of a block is the middle of a hinge, else zero; `ahead` of them, by their columns.
+    #[inline(always)]
+    fn middles(&self, block: usize, ahead: isize) -> Block {
+        let Thread::Weft = self.thread else { return Block::splat(1.0) };
+        let (first, count) = (self.width as i32, (self.layout.columns - 2 * self.width) as i32);
+        let start = (block * LANES) as i32 + ahead as i32 - first;
+        let mut middles = Block::ZERO;
+        for i in 0..LANES {
+            let place = start + i as i32;
+            middles.0[i] = if place >= 0 && place < count { 1.0 } else { 0.0 };
+        }
+        middles
+    }
+}
+
+/// Works out the impulses that resist the bending of hinges, at the slots of their middles.
+struct Resist<'a> {
+    band: Band,
+    hinges: WideHinges,
+    /// Width of cloth over the length of a spring, by slot.
+    shape: &'a [f32],
+    /// The largest impulse of a hinge of shape one, times the time that makes velocities of displacements \[kg m\].
+    most: f32,
+    inverse_mass: &'a [f32],
+    x: &'a Soa,
+    d: &'a Soa,
+    /// Times the same.
+    to: PartMut<'a>,
+}
+
+impl Kernel for Resist<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let Band { layout, rows, .. } = self.band.clone();
+        let (blocks, hop) = (layout.blocks_across(), self.hinges.hop());
+        for row in rows.filter(|&row| self.hinges.is_middle_row(row)) {
+            let slot = layout.slot(row, 0);
+            let (before, after) = (slot - hop, slot + hop);
+            let x = |slot| Blocks3::new(self.x, slot, blocks);
+            let d = |slot| Blocks3::new(self.d, slot, blocks);
+            let w = |slot| Blocks::new(self.inverse_mass, slot, blocks);
+            let (x0, x1, x2) = (x(before), x(slot), x(after));
+            let (d0, d1, d2) = (d(before), d(slot), d(after));
+            let (w0, w1, w2) = (w(before), w(slot), w(after));
+            let shape = Blocks::new(self.shape, slot, blocks);
+            let mut to = Blocks3Mut::new(&mut self.to, slot, blocks);
+            for block in 0..blocks {
+                let (x0, x1, x2) = (x0.at(block), x1.at(block), x2.at(block));
+                let (d0, d1, d2) = (d0.at(block), d1.at(block), d2.at(block));
+                let (w0, w1, w2) = (w0.at(block), w1.at(block), w2.at(block));
+                let (shape, middles) = (shape.at(block), self.hinges.middles(block, 0));
+                let mut impulse = Block3::ZERO;
+                for i in 0..LANES {
+                    let bend = (x0.at(i) - x1.at(i)) + (x2.at(i) - x1.at(i));
+                    let rate = (d0.at(i) - d1.at(i)) + (d2.at(i) - d1.at(i));
+                    let length = larger(bend.dot(bend), LEAST_BEND).sqrt();
+                    let inverse_mass = w0.0[i] + 4.0 * w1.0[i] + w2.0[i];
+                    let divisor = length * larger(inverse_mass, f32::MIN_POSITIVE);
+                    let stopping = PART * bend.dot(rate) / divisor;
+                    let most = self.most * shape.0[i] * middles.0[i];
+                    let limited = if stopping < most { stopping } else { most };
+                    let limited = larger(limited, -most);
+                    impulse.set(i, bend * (limited / length));
+                }
+                to.set(block, impulse);
+            }
+        }
+    }
+}
+
+cut_between_rows!(Resist, to);
+
+/// Gives particles the impulses of the hinges that they are in.
+struct Brake<'a> {
+    band: Band,
+    hinges: WideHinges,
+    inverse_mass: &'a [f32],
+    impulses: &'a Soa,
+    d: PartMut<'a>,
+}
+
+impl Kernel for Brake<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let Band { layout, rows, .. } = self.band.clone();
+        let (blocks, hop, width) =
+            (layout.blocks_across(), self.hinges.hop() as isize, self.hinges.width as isize);
+        for row in rows {
+            let slot = layout.slot(row, 0);
+            let w = Blocks::new(self.inverse_mass, slot, blocks);
+            let mut d = Blocks3Mut::new(&mut self.d, slot, blocks);
+            let is_row = |ahead: isize| match self.hinges.thread {
+                Thread::Weft => true,
+                Thread::Warp => {
+                    row.checked_add_signed(ahead).is_some_and(|row| self.hinges.is_middle(row))
+                }
+            };
+            // As an end of the hinges on both sides, and as the middle of its own.
+            for (side, part) in [(-1, -1.0), (0, 2.0), (1, -1.0)] {
+                let ahead = side * width;
+                if !is_row(ahead) {
+                    continue;
+                }
+                let at = slot.strict_add_signed(side * hop);
+                let impulses = Blocks3::new(self.impulses, at, blocks);
+                for block in 0..blocks {
+                    let (w, impulses) = (w.at(block), impulses.at(block));
+                    let middles = self.hinges.middles(block, ahead);
+                    let mut braked = Block3::ZERO;
+                    for i in 0..LANES {
+                        let impulse = impulses.at(i) * (part * w.0[i]);
+                        let is_middle = middles.0[i] > 0.0;
+                        braked.set(i, if is_middle { impulse } else { Vec3::ZERO });
+                    }
+                    d.add(block, &braked);
+                }
+            }
+        }
+    }
+}
+
+cut_between_rows!(Brake, d);
