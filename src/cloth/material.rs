@@ -20,6 +20,9 @@ pub struct ClothMaterial {
     pub shear_stiffness: f32,
     /// Resistance to bending [N m]. Higher makes wider folds.
     pub flexural_rigidity: f32,
+    /// Moment for each metre of width with which friction between the yarns resists a change of curvature: half of
+    /// Kawabata's hysteresis of bending, 2HB [N]. Higher comes to rest sooner; with none, a cloth swings for minutes.
+    pub bending_friction: f32,
     /// Damping between neighbouring particles [N s/m]. Higher stops ripples sooner.
     pub damping: f32,
     /// Which relative velocity `damping` acts on.
@@ -43,6 +46,7 @@ impl ClothMaterial {
         thread_stiffness: Material::USUAL.thread_stiffness,
         shear_stiffness: Material::USUAL.shear_stiffness,
         flexural_rigidity: Material::USUAL.flexural_rigidity,
+        bending_friction: Material::USUAL.bending_friction,
         damping: Material::USUAL.damping,
         damping_form: Material::USUAL.damping_form,
         drag: Material::USUAL.drag,
@@ -65,6 +69,7 @@ impl From<ClothMaterial> for Material {
             thread_stiffness: material.thread_stiffness,
             shear_stiffness: material.shear_stiffness,
             flexural_rigidity: material.flexural_rigidity,
+            bending_friction: material.bending_friction,
             damping: material.damping,
             damping_form: material.damping_form,
             drag: material.drag,

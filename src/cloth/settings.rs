@@ -32,6 +32,9 @@ pub struct ClothSettings {
     /// The layers of colliders that it meets, a bit each: those of which
     /// [`SdfCollider::layers`](crate::SdfCollider::layers) shares one.
     pub layers: u32,
+    /// Whether its edges are held out of colliders that are thin or sharp beside the distance of its particles, and not
+    /// these alone. Takes no time elsewhere.
+    pub edges: bool,
 }
 
 impl Default for ClothSettings {
@@ -53,6 +56,7 @@ impl From<Settings> for ClothSettings {
             max_speed: settings.max_speed,
             max_push_speed: settings.max_push_speed,
             layers: settings.layers,
+            edges: settings.edges,
         }
     }
 }
@@ -70,6 +74,7 @@ impl From<ClothSettings> for Settings {
             max_speed: settings.max_speed,
             max_push_speed: settings.max_push_speed,
             layers: settings.layers,
+            edges: settings.edges,
         }
     }
 }

@@ -126,6 +126,7 @@ fn edit_material(ui: &mut Ui, was: ClothMaterial, asked: &mut Vec<PanelAction>) 
     slide(ui, &mut to.thread_stiffness, 10.0..=1e5, "N/m threads");
     slide(ui, &mut to.shear_stiffness, 0.0..=1e4, "N/m shear");
     slide(ui, &mut to.flexural_rigidity, 0.0..=1e-2, "N m bending");
+    slide(ui, &mut to.bending_friction, 0.0..=1e-2, "N bending friction");
     slide(ui, &mut to.damping, 0.0..=1.0, "N s/m damping");
     slide(ui, &mut to.drag, 0.0..=10.0, "1/s drag");
     slide(ui, &mut to.max_strain, 0.0..=5.0, "strain limit");
@@ -184,6 +185,7 @@ fn edit_settings(ui: &mut Ui, was: ClothSettings, asked: &mut Vec<PanelAction>) 
     });
     ui.add(Slider::new(&mut to.provot_passes, 0..=16).text("Provot passes"));
     ui.checkbox(&mut to.tethers, "tethers");
+    ui.checkbox(&mut to.edges, "edges collide");
     slide(ui, &mut to.max_speed, 1.0..=1000.0, "m/s at most");
     slide(ui, &mut to.max_push_speed, 0.1..=100.0, "m/s out of colliders");
     if to != was {

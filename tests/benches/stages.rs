@@ -39,6 +39,7 @@ const SOFT: Material = Material {
     thread_stiffness: 1.0,
     shear_stiffness: 0.3,
     flexural_rigidity: 0.0,
+    bending_friction: 0.0,
     damping: 0.0,
     damping_form: DampingForm::Axial,
     drag: 0.0,

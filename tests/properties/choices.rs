@@ -60,6 +60,7 @@ pub fn material() -> impl Strategy<Value = Material> + Clone {
             thread_stiffness: k.0.min(1e15),
             shear_stiffness: k.1.min(1e15),
             flexural_rigidity: k.2.min(1e9),
+            bending_friction: k.2.min(1e9),
             damping: k.3.min(1e9),
             damping_form,
             drag: rest.0.min(1e6),

@@ -36,6 +36,7 @@ fn soup() -> impl Strategy<Value = Soup> {
                 thread_stiffness: material.thread_stiffness,
                 shear_stiffness: material.shear_stiffness,
                 flexural_rigidity: material.flexural_rigidity,
+                bending_friction: material.bending_friction,
                 damping: material.damping,
                 damping_form: material.damping_form,
                 drag: material.drag,

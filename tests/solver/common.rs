@@ -35,6 +35,7 @@ pub fn plain() -> Material {
         thread_stiffness: 1000.0,
         shear_stiffness: 0.0,
         flexural_rigidity: 0.0,
+        bending_friction: 0.0,
         damping: 0.0,
         damping_form: DampingForm::Axial,
         drag: 0.0,

@@ -33,6 +33,7 @@ impl<'a> Scene<'a> {
             thread_stiffness: 2000.0,
             shear_stiffness: 20.0,
             flexural_rigidity: rigidity,
+            bending_friction: 0.0,
             damping: 0.0,
             damping_form: Default::default(),
             drag: 0.2,

@@ -32,6 +32,7 @@ pub fn material(cell: f64) -> Material {
         thread_stiffness: THREAD as f32,
         shear_stiffness: SHEAR as f32,
         flexural_rigidity: RIGIDITY as f32,
+        bending_friction: 0.0,
         damping: damping(cell) as f32,
         damping_form: DampingForm::Axial,
         drag: 0.0,

@@ -76,6 +76,16 @@ impl PointBlock {
     pub fn point(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }
+
+    /// Sets the point in one lane.
+    ///
+    /// # Panics
+    ///
+    /// If `lane` is not below [`LANES`].
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, point: Vec3) {
+        (self.x[lane], self.y[lane], self.z[lane]) = (point.x, point.y, point.z);
+    }
 }
 
 /// [`LANES`] samples as a structure of arrays; see [`SdfSample`].
@@ -141,6 +151,15 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
     /// What moves further than this in one step, and no more than that is thick, has its way looked at.
     /// Zero, the default, is right for every shape; more saves work.
     fn core_depth(&self) -> f32 {
+        0.0
+    }
+
+    /// Least radius of curvature of the surface \[m\], where it is convex; zero, the default, where it has edges or
+    /// tips, or where that is not known.
+    ///
+    /// Between particles that are close together beside this radius, a cloth is held out of a solid by its particles
+    /// alone. More saves work.
+    fn least_radius(&self) -> f32 {
         0.0
     }
 

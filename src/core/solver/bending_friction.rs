@@ -6,21 +6,24 @@
 //! Estimation of Internal Friction in Cloth*). It is what brings a cloth to rest: air and elastic forces let small
 //! movements go on for minutes, and a constant moment ends them in a few swings.
 //!
-//! A hinge is a particle and two others as far before it as after it on its thread. Its bend `x0 - 2 x1 + x2` has a
-//! length, whose rate friction reduces, at the most to none. What acts along the bend has neither a resultant nor
-//! a moment, so that a free cloth keeps its momentum and its spin. Wide folds bend each short hinge by next to
-//! nothing in a substep, and friction between neighbours alone would be too slow to stop them. So there are hinges
-//! of several widths ([`widths`]), each a multigrid level of the same friction.
+//! A hinge is a particle and two others, one before and one after it on its thread. Its bend goes from the particle to the
+//! line between these, at right angles. Friction reduces the rate of its length, at the most to none. What acts along the
+//! bend has neither a resultant nor a moment, so that a free cloth keeps its momentum and its spin, and nothing resists
+//! stretching. Wide folds bend each short hinge by next to nothing in a substep, and friction between neighbours
+//! alone would be too slow to stop them. So there are hinges of several widths ([`widths`]), each a multigrid level of
+//! the same friction.
 //!
-//! All hinges of a width are braked at once, by [`PART`] of what would stop each alone. A particle is in three of a
-//! thread, and each hinge meets four others: the kinetic energy grows for no masses as long as the part is below 2/5.
+//! All hinges of a width are braked at once, by [`PART`] of what would stop each alone. A hinge shares particles with four
+//! others of its thread: whatever the masses, the kinetic energy never grows as long as the part is below 2/5.
 
 use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::bands::{self, Band, cut_between_rows};
 use super::isa::Kernel;
-use super::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger};
+use super::lanes::{
+    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
+};
 use super::lattice::Layout;
 use super::state::State;
 use super::topology::Topology;
@@ -32,8 +35,8 @@ const NARROWEST: usize = 2;
 const WIDER: usize = 4;
 /// Part of its rate that a hinge is braked by at the most.
 const PART: f32 = 0.375;
-/// Least square of a bend that has a direction \[m2\].
-const LEAST_BEND: f32 = 1e-20;
+/// Least square of a length that has a direction \[m2\].
+const LEAST_SQUARE: f32 = 1e-20;
 
 /// Particles from the middle of a hinge to its ends, on threads of so many particles.
 pub(super) fn widths(particles: usize) -> impl Iterator<Item = usize> {
@@ -71,14 +74,36 @@ impl ClothSolver {
         let shape = &self.held.hinges[thread as usize].shape;
         let (band, inverse_mass) = (&self.bands.rows, &self.held.inverse_mass);
         let State { x, d, .. } = &mut self.state;
-        let impulses = &mut self.scratch.b;
-        let most = most / (width * width) as f32;
-        let to = impulses.part_mut();
+        let Brakes { impulses, parts } = &mut self.scratch.brakes;
+        let most = 2.0 * most / (width * width) as f32;
         let band = || band.clone();
-        let resist = Resist { band: band(), hinges, shape, most, inverse_mass, x, d, to };
+        let resist = Resist {
+            band: band(),
+            hinges,
+            shape,
+            most,
+            inverse_mass,
+            x,
+            d,
+            to: impulses.part_mut(),
+            parts: ValuesMut::all(parts),
+        };
         bands::run(self.isa, resist);
         let d = d.part_mut();
-        bands::run(self.isa, Brake { band: band(), hinges, inverse_mass, impulses, d });
+        bands::run(self.isa, Brake { band: band(), hinges, inverse_mass, impulses, parts, d });
+    }
+}
+
+/// Room to work in, by the slots of middles.
+#[derive(Clone, Debug)]
+pub(super) struct Brakes {
+    impulses: Soa,
+    parts: Array,
+}
+
+impl Brakes {
+    pub fn new(slots: usize) -> Self {
+        Self { impulses: Soa::zeros(slots), parts: Array::zeros(slots) }
     }
 }
 
@@ -161,6 +186,8 @@ struct Resist<'a> {
     d: &'a Soa,
     /// Times the same.
     to: PartMut<'a>,
+    /// Where the bends end on the lines, as parts of these.
+    parts: ValuesMut<'a>,
 }
 
 impl Kernel for Resist<'_> {
@@ -181,31 +208,45 @@ impl Kernel for Resist<'_> {
             let (w0, w1, w2) = (w(before), w(slot), w(after));
             let shape = Blocks::new(self.shape, slot, blocks);
             let mut to = Blocks3Mut::new(&mut self.to, slot, blocks);
+            let mut all_parts = self.parts.blocks(slot, blocks);
             for block in 0..blocks {
                 let (x0, x1, x2) = (x0.at(block), x1.at(block), x2.at(block));
                 let (d0, d1, d2) = (d0.at(block), d1.at(block), d2.at(block));
                 let (w0, w1, w2) = (w0.at(block), w1.at(block), w2.at(block));
                 let (shape, middles) = (shape.at(block), self.hinges.middles(block, 0));
-                let mut impulse = Block3::ZERO;
+                let (mut impulse, mut parts) = (Block3::ZERO, Block::ZERO);
                 for i in 0..LANES {
-                    let bend = (x0.at(i) - x1.at(i)) + (x2.at(i) - x1.at(i));
-                    let rate = (d0.at(i) - d1.at(i)) + (d2.at(i) - d1.at(i));
-                    let length = larger(bend.dot(bend), LEAST_BEND).sqrt();
-                    let inverse_mass = w0.0[i] + 4.0 * w1.0[i] + w2.0[i];
+                    let (line, to_middle) = (x2.at(i) - x0.at(i), x1.at(i) - x0.at(i));
+                    let s = part_of(line, to_middle);
+                    let bend = line * s - to_middle;
+                    let rate = (d2.at(i) - d0.at(i)) * s - (d1.at(i) - d0.at(i));
+                    let length = larger(bend.dot(bend), LEAST_SQUARE).sqrt();
+                    let (r, w) = (1.0 - s, [w0.0[i], w1.0[i], w2.0[i]]);
+                    let inverse_mass = r * r * w[0] + w[1] + s * s * w[2];
                     let divisor = length * larger(inverse_mass, f32::MIN_POSITIVE);
                     let stopping = PART * bend.dot(rate) / divisor;
                     let most = self.most * shape.0[i] * middles.0[i];
                     let limited = if stopping < most { stopping } else { most };
                     let limited = larger(limited, -most);
                     impulse.set(i, bend * (limited / length));
+                    parts.0[i] = s;
                 }
                 to.set(block, impulse);
+                all_parts.set(block, parts);
             }
         }
     }
 }
 
-cut_between_rows!(Resist, to);
+cut_between_rows!(Resist, to, parts);
+
+/// The part of a line that ends beside a point; both from where it begins.
+#[inline(always)]
+fn part_of(line: Vec3, point: Vec3) -> f32 {
+    let part = line.dot(point) / larger(line.dot(line), LEAST_SQUARE);
+    let part = if part < 1.0 { part } else { 1.0 };
+    larger(part, 0.0)
+}
 
 /// Gives particles the impulses of the hinges that they are in.
 struct Brake<'a> {
@@ -213,6 +254,7 @@ struct Brake<'a> {
     hinges: WideHinges,
     inverse_mass: &'a [f32],
     impulses: &'a Soa,
+    parts: &'a [f32],
     d: PartMut<'a>,
 }
 
@@ -235,18 +277,24 @@ impl Kernel for Brake<'_> {
                 }
             };
             // As an end of the hinges on both sides, and as the middle of its own.
-            for (side, part) in [(-1, -1.0), (0, 2.0), (1, -1.0)] {
+            for side in [-1, 0, 1] {
                 let ahead = side * width;
                 if !is_row(ahead) {
                     continue;
                 }
                 let at = slot.strict_add_signed(side * hop);
                 let impulses = Blocks3::new(self.impulses, at, blocks);
+                let parts = Blocks::new(self.parts, at, blocks);
                 for block in 0..blocks {
-                    let (w, impulses) = (w.at(block), impulses.at(block));
+                    let (w, impulses, parts) = (w.at(block), impulses.at(block), parts.at(block));
                     let middles = self.hinges.middles(block, ahead);
                     let mut braked = Block3::ZERO;
                     for i in 0..LANES {
+                        let part = match side {
+                            -1 => -parts.0[i],
+                            0 => 1.0,
+                            _ => parts.0[i] - 1.0,
+                        };
                         let impulse = impulses.at(i) * (part * w.0[i]);
                         let is_middle = middles.0[i] > 0.0;
                         braked.set(i, if is_middle { impulse } else { Vec3::ZERO });

@@ -164,6 +164,8 @@ pub struct ClothSolver {
     steady: f32,
     /// What the tethers' bounds are multiplied by in this tick, as its pins are too far apart.
     tether_ease: f32,
+    /// Those that are held out of colliders.
+    edges: contact::Edges,
     state: State,
     scratch: Scratch,
     /// Substeps of this tick that are done.
@@ -611,6 +613,7 @@ impl ClothSolver {
             self.contact_count = 0;
         } else {
             let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
+            let stretch = 1.0 + self.material.max_strain;
             let contacts = ResolveContacts {
                 bands: &self.bands,
                 colliders: input.colliders,
@@ -631,6 +634,7 @@ impl ClothSolver {
                 d: &mut self.state.d,
                 pull: self.scratch.carries.then_some(&mut self.state.pull),
                 room: &mut self.scratch.contact,
+                edges: self.settings.edges.then_some((&self.edges, stretch)),
                 set: &mut self.state.contacts,
             };
             self.contact_count = contacts.run(self.isa);

@@ -151,6 +151,8 @@ pub struct Settings {
     pub max_push_speed: f32,
     /// The layers of colliders that it meets, a bit each.
     pub layers: u32,
+    /// Whether edges are held out of colliders that are thin or sharp, and not particles alone.
+    pub edges: bool,
 }
 
 impl Default for Settings {
@@ -166,6 +168,7 @@ impl Default for Settings {
             max_speed: 100.0,
             max_push_speed: 2.0,
             layers: u32::MAX,
+            edges: true,
         }
     }
 }

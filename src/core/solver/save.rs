@@ -8,7 +8,7 @@ use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::air::Air;
-use super::contact::ActiveSet;
+use super::contact::{ActiveSet, End};
 use super::error::SolverError;
 use super::input::is_near;
 use super::lanes::Soa;
@@ -60,6 +60,8 @@ struct SavedContacts {
     slips: Vec<[f32; 2]>,
     velocities: Vec<Vec3>,
     holders: Vec<u32>,
+    /// Particles that are ends of edges that were pressed, and how many these were.
+    ends: Vec<[u32; 2]>,
     /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
     owed: Vec<Option<Vec3>>,
 }
@@ -67,7 +69,7 @@ struct SavedContacts {
 impl SavedContacts {
     /// Whether a cloth of so many particles may have been in such contact.
     fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders, owed } = self;
+        let Self { normals, before, slips, velocities, holders, ends, owed } = self;
         let is_normal =
             |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && (n.length() - 1.0).abs() < 1e-3);
         [normals, before]
@@ -76,6 +78,7 @@ impl SavedContacts {
             && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
+            && ends.iter().all(|&[end, presses]| (end as usize) < particles && presses > 0)
             && owed.iter().flatten().all(|owed| is_near(*owed))
     }
 }
@@ -160,6 +163,7 @@ impl ClothSolver {
             // What the state is put back into has these.
             topology,
             bands: _,
+            edges: _,
             shares: _,
             material: _,
             settings: _,
@@ -190,6 +194,11 @@ impl ClothSolver {
             now,
             before,
             next: _,
+            ends,
+            next_ends: _,
+            pressed: _,
+            presses: _,
+            borne: _,
             velocity,
             holder,
             unpulled: _,
@@ -223,6 +232,7 @@ impl ClothSolver {
                     .collect(),
                 velocities: by_particle(velocity),
                 holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+                ends: ends_at(topology, ends),
                 owed: impulses.owed(),
             }),
             tick: plan.tick,
@@ -296,7 +306,7 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts { normals, before, slips, velocities, holders, owed }) = contacts
+        if let Some(SavedContacts { normals, before, slips, velocities, holders, ends, owed }) = contacts
         {
             let set = &mut self.state.contacts;
             set.impulses.set_owed(owed);
@@ -307,6 +317,11 @@ impl ClothSolver {
                 set.holder[slot] = holders[particle] as f32;
                 [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
             }
+            let end = |&[particle, presses]: &[u32; 2]| End {
+                slot: topology.slot(particle as usize) as u32,
+                presses,
+            };
+            set.ends = ends.iter().map(end).collect();
             set.now.find();
             set.before.find();
         }
@@ -322,6 +337,16 @@ impl ClothSolver {
 /// Rows and columns, where there are any.
 fn grid(topology: &Topology) -> Option<[u32; 2]> {
     topology.as_lattice().map(|lattice| [lattice.rows() as u32, lattice.columns() as u32])
+}
+
+/// Ends of edges by particle, ascending.
+fn ends_at(topology: &Topology, ends: &[End]) -> Vec<[u32; 2]> {
+    let mut presses = vec![0; topology.layout().len()];
+    for end in ends {
+        presses[end.slot as usize] = end.presses;
+    }
+    let of = |particle| [particle, presses[topology.slot(particle as usize)]];
+    (0..topology.particle_count() as u32).map(of).filter(|&[_, presses]| presses > 0).collect()
 }
 
 fn by_particle(topology: &Topology, soa: &Soa) -> Vec<Vec3> {

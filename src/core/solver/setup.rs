@@ -20,6 +20,8 @@ use super::topology::Topology;
 /// The tick that a solver plans for until it is given one \[s\].
 const USUAL_TICK: f32 = 1.0 / 64.0;
 
+use super::contact::Edges;
+
 impl ClothSolver {
     /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing held.
     ///
@@ -55,6 +57,7 @@ impl ClothSolver {
             shares: true,
             tethered_under: None,
             tether_ease: 1.0,
+            edges: Edges::new(&topology),
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,
@@ -212,6 +215,9 @@ impl ClothSolver {
             (&self.topology, &mut self.held.strengths)
         {
             strengths.set_bending(graph, self.settings.bending);
+            if self.material.bending_friction > 0.0 {
+                graph.spans();
+            }
         }
         self.make_room_for_study();
         self.plan_ticks(self.plan.tick);

@@ -4,6 +4,7 @@ use bevy_math::Vec3;
 
 use super::bands::{Band, Bands, Rooms, Seams};
 use super::bending::Moments;
+use super::bending_friction::Brakes;
 use super::contact::{ActiveSet, ContactRoom};
 use super::graph::Room;
 use super::lanes::{Array, LANES, Soa};
@@ -113,6 +114,8 @@ pub(crate) struct Scratch {
     pub load_apart: Array,
     /// Displacements predicted for the damping.
     pub b: Soa,
+    /// What brakes a lattice's bending.
+    pub brakes: Brakes,
     /// What only a graph's stages work in.
     pub graph: Option<Room>,
     /// What the integrators for study work in, where one is chosen.
@@ -160,6 +163,7 @@ impl Scratch {
         Self {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
+            brakes: Brakes::new(topology.as_lattice().map_or(0, |_| len)),
             rows: Rooms::new(count, || SpringRows::new(woven)),
             moments: Rooms::new(count, || Moments::new(woven)),
             row_pulls: Rooms::new(count, || RowPulls::new(woven.columns)),

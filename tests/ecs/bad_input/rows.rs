@@ -73,6 +73,7 @@ pub fn rows_of_numbers() -> Vec<Row> {
         thread_stiffness: wild;
         shear_stiffness: wild;
         flexural_rigidity: wild;
+        bending_friction: wild;
         damping: wild;
         drag: wild;
         max_strain: wild;

@@ -18,6 +18,7 @@ const MATERIAL: Material = Material {
     thread_stiffness: 1e6,
     shear_stiffness: 1e6,
     flexural_rigidity: 0.0,
+    bending_friction: 0.0,
     damping: 0.0,
     damping_form: DampingForm::Axial,
     drag: 0.0,

@@ -97,6 +97,10 @@ impl SignedDistance for Torus {
         self.minor_radius
     }
 
+    fn least_radius(&self) -> f32 {
+        self.minor_radius
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         let across = self.major_radius + self.minor_radius;
         centred(Vec3::new(across, self.minor_radius, across))

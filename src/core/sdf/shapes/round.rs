@@ -62,6 +62,10 @@ impl SignedDistance for CapsuleBetween {
         self.radius
     }
 
+    fn least_radius(&self) -> f32 {
+        self.radius
+    }
+
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::CapsuleBetween(self))
     }
@@ -167,6 +171,10 @@ impl SignedDistance for Sphere {
         self.radius
     }
 
+    fn least_radius(&self) -> f32 {
+        self.radius
+    }
+
     fn bounds(&self) -> Option<Aabb3d> {
         centred(Vec3::splat(self.radius))
     }
@@ -190,6 +198,10 @@ impl SignedDistance for Capsule3d {
     }
 
     fn core_depth(&self) -> f32 {
+        self.radius
+    }
+
+    fn least_radius(&self) -> f32 {
         self.radius
     }
 
@@ -217,6 +229,10 @@ impl SignedDistance for InfinitePlane3d {
     }
 
     fn core_depth(&self) -> f32 {
+        f32::INFINITY
+    }
+
+    fn least_radius(&self) -> f32 {
         f32::INFINITY
     }
 

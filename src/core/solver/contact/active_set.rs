@@ -25,6 +25,7 @@ use bevy_math::Vec3;
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
 use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
+use super::Skin;
 use super::impulses::{Impulses, Share};
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
@@ -43,6 +44,15 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
+    /// Ends of edges that lie on a collider, in `now`: they are heavier to corrections.
+    pub ends: Vec<End>,
+    /// Those of `next`.
+    pub next_ends: Vec<End>,
+    /// What presses on each of those, summed up over its edges, and how many these are, by slot \[m\].
+    pub pressed: Array,
+    pub presses: Vec<u32>,
+    /// What pulled at an end of `now` without moving it, for each of its edges, by slot \[m\].
+    pub borne: Soa,
     /// Velocity of the surface that a particle lies on, by slot \[m/s\].
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
@@ -59,6 +69,14 @@ pub(in crate::solver) struct ActiveSet {
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
     /// slot \[m kg\].
     pub load: Array,
+}
+
+/// An end of edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::solver) struct End {
+    pub slot: u32,
+    /// How many of its edges were pressed.
+    pub presses: u32,
 }
 
 /// Normals of the surfaces that particles lie on.
@@ -134,6 +152,11 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
+            ends: Vec::new(),
+            next_ends: Vec::new(),
+            pressed: Array::zeros(slots),
+            presses: vec![0; slots],
+            borne: Soa::zeros(slots),
             velocity: Soa::zeros(slots),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
@@ -149,6 +172,7 @@ impl ActiveSet {
         self.now.clear();
         self.before.clear();
         self.next.clear();
+        self.ends.clear();
     }
 
     /// Forgets what the particle of a slot lies on.
@@ -159,8 +183,73 @@ impl ActiveSet {
         }
     }
 
+    /// Notes what pulled at ends of edges and did not move them: their colliders bear it.
+    pub fn bear_ends(
+        &mut self,
+        inverse_mass: &[f32],
+        d: &Soa,
+        mut pull: Option<&mut Soa>,
+        step: f32,
+    ) {
+        for end in &self.ends {
+            let slot = end.slot as usize;
+            let w = inverse_mass[slot];
+            if w == 0.0 || self.now.normal.get(slot) != Vec3::ZERO {
+                continue;
+            }
+            let followed = d.get(slot) - self.unpulled.get(slot);
+            let unfollowed = followed * (1.0 / self.now.slip[slot] - 1.0);
+            self.borne.set(slot, unfollowed * (1.0 / end.presses as f32));
+            if let Some(pull) = &mut pull {
+                pull.set(slot, pull.get(slot) + unfollowed);
+            }
+            let given = unfollowed / w;
+            let owed = if pull.is_some() { Vec3::ZERO } else { given };
+            let share = Share { collider: self.holder[slot] as usize, given, owed };
+            self.impulses.give([share], step);
+        }
+    }
+
+    /// Notes that a collider presses on an end of an edge, by as much as it would go \[m\].
+    pub fn press_end(&mut self, slot: usize, collider: usize, by: f32) {
+        if by <= 0.0 {
+            return;
+        }
+        if self.pressed[slot] == 0.0 {
+            self.next_ends.push(End { slot: slot as u32, presses: 0 });
+        }
+        self.pressed[slot] += by;
+        self.presses[slot] += 1;
+        self.holder[slot] = collider as f32;
+    }
+
+    /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them
+    /// heavier, by the law of `slip`.
+    fn take_ends(&mut self, d: &Soa, skin: &Skin) {
+        for end in &self.ends {
+            self.borne.set(end.slot as usize, Vec3::ZERO);
+        }
+        core::mem::swap(&mut self.ends, &mut self.next_ends);
+        self.next_ends.clear();
+        for end in &mut self.ends {
+            let slot = end.slot as usize;
+            let pressed = core::mem::take(&mut self.pressed[slot]);
+            end.presses = core::mem::take(&mut self.presses[slot]);
+            if self.next.normal.get(slot) != Vec3::ZERO {
+                continue;
+            }
+            let went = (d.get(slot) - self.velocity.get(slot) * skin.step).length();
+            let slip = super::slip_of(went, pressed, pressed, skin);
+            let before = self.now.slip[slot];
+            let rate = if before < 1.0 { skin.following } else { 1.0 };
+            self.next.slip[slot] = before + (slip - before) * rate;
+            self.next.blocks[slot / LANES] = true;
+        }
+    }
+
     /// Goes on to the next substep.
-    pub fn turn(&mut self) {
+    pub fn turn(&mut self, d: &Soa, skin: &Skin) {
+        self.take_ends(d, skin);
         core::mem::swap(&mut self.before, &mut self.now);
         core::mem::swap(&mut self.now, &mut self.next);
         self.now.any = self.now.blocks.contains(&true);
@@ -265,8 +354,9 @@ impl Kernel for HoldOnto<'_> {
                 load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
                 let along = along - n * n.dot(along);
                 let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
+                let own = if is_free { moved.at(i) - carried } else { own };
                 unpulled.set(i, own);
-                moved.set(i, if is_free { moved.at(i) } else { own + along * slip });
+                moved.set(i, own + along * slip);
             }
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);

@@ -226,6 +226,8 @@ pub(super) struct Motion<'a> {
     pub overestimate: f32,
     /// What moves further in the substep beyond epsilon has its way looked at \[m\].
     pub fast: f32,
+    /// Least radius of curvature of the surface where it is convex \[m\].
+    pub least_radius: f32,
     pub measured: bool,
 }
 
@@ -261,6 +263,7 @@ impl<'a> Motion<'a> {
             overestimate: collider.shape.overestimate() * after.scale,
             // The rest is for what is not met head on: a way may cut off a part of a curved side.
             fast: 0.125 * collider.shape.core_depth() * after.scale,
+            least_radius: collider.shape.least_radius() * after.scale,
             measured: collider.measured,
         }
     }

@@ -9,9 +9,10 @@ use super::super::lanes::{
 };
 use super::active_set::Normals;
 use super::collider::Motion;
+use super::edges::NearbyMut;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
+use super::{BLOW, LEAST_SLIDING, Skin, slip_of};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -88,6 +89,10 @@ pub(super) struct MeetCollider<'a> {
     /// See [`ResolveContacts`].
     pub pull: Option<PartMut<'a>>,
     pub until: ByBlock<'a, f32>,
+    /// Gap within which particles are looked at for the sake of their edges \[m\].
+    pub edge_reach: f32,
+    /// Where their gaps and normals are noted, if they are.
+    pub nearby: Option<NearbyMut<'a>>,
     /// The active set as the corrections saw it.
     pub held: Held<'a>,
     /// What lies on a collider now.
@@ -196,7 +201,7 @@ impl Kernel for MeetCollider<'_> {
                 None => None,
             };
             for (block, until) in self.until.row(first, blocks).iter_mut().enumerate() {
-                if *until > gone {
+                if *until > gone + self.edge_reach {
                     continue;
                 }
                 let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
@@ -224,6 +229,9 @@ impl Kernel for MeetCollider<'_> {
                 let nearest = near.least - motion.overestimate;
                 *until = gone + larger(nearest, 0.0);
                 met.deepest = larger(motion.overestimate - near.deepest, met.deepest);
+                if let Some(nearby) = &mut self.nearby {
+                    nearby.set(first + block * LANES, &near.gap, &near.normals);
+                }
                 if near.least >= 0.0 {
                     continue;
                 }
@@ -276,6 +284,7 @@ impl Cut for MeetCollider<'_> {
         let (until, until_below) = self.until.cut(slot);
         let (held, held_below) = self.held.cut(slot);
         let (found, found_below) = self.found.cut(slot);
+        let (nearby, nearby_below) = self.nearby.cut(slot);
         let below = Self {
             band: below,
             x: x_below,
@@ -284,9 +293,10 @@ impl Cut for MeetCollider<'_> {
             until: until_below,
             held: held_below,
             found: found_below,
+            nearby: nearby_below,
             ..self
         };
-        (Self { band: above, x, d, pull, until, held, found, ..self }, below)
+        (Self { band: above, x, d, pull, until, held, found, nearby, ..self }, below)
     }
 
     fn run(self, isa: Isa) -> Met {
@@ -392,9 +402,7 @@ impl Pushed {
     #[inline(always)]
     fn slip(&self, lane: usize, friction: f32, hold: &Hold, skin: &Skin) -> f32 {
         let (went, pressed) = (self.went.0[lane], self.undone.0[lane]);
-        let slips = larger(went / (went + friction * pressed), LEAST_SLIP);
-        let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
-        let slips = larger(slips, if light < 1.0 { light } else { 1.0 });
+        let slips = slip_of(went, friction * pressed, pressed, skin);
         // What is struck sticks at once.
         let rate = if hold.was.0[lane] > 0.0 { skin.following } else { 1.0 };
         let before = 1.0 / hold.unslipped.0[lane];
@@ -467,7 +475,9 @@ struct Near {
     depth: Block,
     /// Least of the gaps above epsilon that any would have \[m\]; below zero where it touches.
     least: f32,
-    /// Least gap above epsilon of any where they are \[m\].
+    /// Their gaps above epsilon where they are \[m\].
+    gap: Block,
+    /// Least of those that are not held \[m\].
     deepest: f32,
 }
 
@@ -487,11 +497,12 @@ impl Meeting<'_> {
             None => motion.shape.sample_block(&points, &mut samples),
         }
         let mut normals = Block3::ZERO;
-        let (mut depth, mut gap) = (Block::ZERO, Block::ZERO);
+        let (mut depth, mut gap, mut gaps) = (Block::ZERO, Block::ZERO, Block::ZERO);
         for i in 0..LANES {
             let outward = Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]);
             normals.set(i, motion.after.rotate(outward));
             let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
+            gaps.0[i] = above;
             gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
             depth.0[i] = larger(-gap.0[i], 0.0);
         }
@@ -504,7 +515,7 @@ impl Meeting<'_> {
             }
             least = gap.smallest();
         }
-        Near { points, normals, depth, least, deepest }
+        Near { points, normals, depth, least, gap: gaps, deepest }
     }
 
     /// Moves particles out by their depth, and takes approach and friction from their displacements, with all that

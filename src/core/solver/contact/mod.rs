@@ -11,6 +11,7 @@
 
 mod active_set;
 mod collider;
+mod edges;
 mod impulses;
 mod meet;
 mod room;
@@ -23,13 +24,15 @@ use super::isa::Isa;
 use super::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
 
 pub(super) use active_set::{
-    ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
+    ActiveSet, Contacts, End, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
 };
 pub use collider::{Collider, ColliderMotion, Pose};
+pub(super) use edges::Edges;
 pub(super) use room::ContactRoom;
 
 use active_set::LetGo;
 use collider::Motion;
+use edges::{HoldEdges, Rule};
 use impulses::Share;
 use meet::{Found, FurthestWay, Held, MeetCollider, Tally};
 use room::{Awake, ByBlock};
@@ -80,6 +83,14 @@ pub(super) struct Skin {
     pub notes: bool,
 }
 
+/// Part of its inverse mass that corrections are to see of a particle that went so far and is held by so much \[m\].
+#[inline(always)]
+fn slip_of(went: f32, held: f32, pressed: f32, skin: &Skin) -> f32 {
+    let slips = larger(went / (went + held), LEAST_SLIP);
+    let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
+    larger(slips, if light < 1.0 { light } else { 1.0 })
+}
+
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
     pub bands: &'a Bands,
@@ -93,6 +104,8 @@ pub(super) struct ResolveContacts<'a> {
     /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
     pub pull: Option<&'a mut Soa>,
     pub room: &'a mut ContactRoom,
+    /// The cloth's edges, where they are to be held out too, and how much longer than at rest they may be.
+    pub edges: Option<(&'a Edges, f32)>,
     pub set: &'a mut ActiveSet,
 }
 
@@ -105,6 +118,8 @@ impl ResolveContacts<'_> {
         let layout = self.bands.rows.layout;
         self.room.begin_substep();
         self.room.wake(isa, way, epsilon, layers, self.x, layout, self.origin, self.colliders);
+        let pull = self.pull.as_deref_mut();
+        self.set.bear_ends(self.inverse_mass, self.d, pull, self.skin.step);
         let mut touching = 0;
         for k in 0..self.room.awake.len() {
             touching += self.meet(isa, k, way);
@@ -115,7 +130,7 @@ impl ResolveContacts<'_> {
             let (step, notes) = (self.skin.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
-        self.set.turn();
+        self.set.turn(self.d, &self.skin);
         touching
     }
 
@@ -131,6 +146,10 @@ impl ResolveContacts<'_> {
         // Particles that another collider has pushed have gone further.
         let way = way + room.pushed + motion.reach;
         let gone = (room.gone + room.pushed + gone + motion.reach) * ROUNDED_UP;
+        let skin = &self.skin;
+        let rule = self
+            .edges
+            .and_then(|(edges, stretch)| Some((edges, Rule::new(edges, &motion, skin, stretch)?)));
         let met = bands::run(
             isa,
             MeetCollider {
@@ -145,6 +164,8 @@ impl ResolveContacts<'_> {
                 d: self.d.part_mut(),
                 pull: self.pull.as_deref_mut().map(Soa::part_mut),
                 until: ByBlock::all(&mut room.until[first..]),
+                edge_reach: rule.map_or(0.0, |(_, rule)| rule.reach),
+                nearby: rule.map(|_| room.nearby.part_mut()),
                 held: Held {
                     set: &set.now,
                     unpulled: &set.unpulled,
@@ -167,10 +188,32 @@ impl ResolveContacts<'_> {
             let share = Share { collider, given: sum(given), owed: sum(owed) };
             set.impulses.give([share], self.skin.step);
         }
-        if left.largest() > 0.0 {
-            self.calm(first, gone, &motion, met.deepest);
+        let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
+        let touching = touching.iter().sum();
+        if let Some((edges, rule)) = rule {
+            let held = HoldEdges {
+                edges,
+                nearby: &mut room.nearby,
+                rule,
+                motion: &motion,
+                skin,
+                inverse_mass: self.inverse_mass,
+                x: self.x,
+                d: self.d,
+                pull: self.pull.as_deref_mut(),
+                set,
+                collider,
+            };
+            let held = held.run();
+            room.pushed += held.pushed;
+            if motion.measured {
+                set.impulses.give([held.share(collider)], self.skin.step);
+            }
         }
-        touching.iter().sum()
+        if is_left {
+            self.calm(first, gone, &motion, deepest);
+        }
+        touching
     }
 
     /// While particles are so deep inside that they take more than a substep to come out, what is as

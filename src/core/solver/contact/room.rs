@@ -12,6 +12,7 @@ use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Block, Block3, LANES, Soa, larger};
 use super::super::lattice::Layout;
 use super::Collider;
+use super::edges::Nearby;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -25,6 +26,8 @@ pub(in crate::solver) struct ContactRoom {
     /// The way at which the particles of a block may touch a collider \[m\]: for each awake collider,
     /// all blocks.
     pub until: Vec<f32>,
+    /// How particles lie to a collider, while its edges are held out.
+    pub nearby: Nearby,
     /// How far any particle has gone since the tick began, at most \[m\].
     pub gone: f32,
     /// How far contact has pushed any particle in this substep, at most \[m\].
@@ -86,6 +89,7 @@ impl ContactRoom {
             blocks,
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
+            nearby: Nearby::new(layout.len()),
             gone: 0.0,
             pushed: 0.0,
             struck: false,

@@ -39,8 +39,6 @@ impl Graph {
 struct Span {
     /// Slots of the particle in the middle and of those around it.
     slots: [u32; 4],
-    /// Weights of the latter, which sum up to one: at rest their mean lies where the first is, as nearly as it can.
-    weights: [f32; 3],
     /// The largest force for a bending friction of one.
     most: f32,
 }
@@ -74,12 +72,14 @@ impl Spans {
 impl Span {
     fn brake(&self, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
         let [middle, around @ ..] = self.slots.map(|slot| slot as usize);
-        let (mut bend, mut rate) = (-x.get(middle), -d.get(middle));
-        let mut w = inverse_mass[middle];
-        for (slot, weight) in around.into_iter().zip(self.weights) {
-            bend += x.get(slot) * weight;
-            rate += d.get(slot) * weight;
-            w += inverse_mass[slot] * (weight * weight);
+        let (here, moved) = (x.get(middle), d.get(middle));
+        let ways = around.map(|slot| x.get(slot) - here);
+        let Some(weights) = weights(ways) else { return };
+        let (mut bend, mut rate, mut w) = (Vec3::ZERO, Vec3::ZERO, inverse_mass[middle]);
+        for (i, &slot) in around.iter().enumerate() {
+            bend += ways[i] * weights[i];
+            rate += (d.get(slot) - moved) * weights[i];
+            w += inverse_mass[slot] * (weights[i] * weights[i]);
         }
         let length = bend.dot(bend).sqrt();
         if length < LEAST_BEND || w == 0.0 {
@@ -88,8 +88,8 @@ impl Span {
         let most = most * self.most;
         let impulse = (bend.dot(rate) / (length * w)).clamp(-most, most);
         let impulse = bend * (impulse / length);
-        d.set(middle, d.get(middle) + impulse * inverse_mass[middle]);
-        for (slot, weight) in around.into_iter().zip(self.weights) {
+        d.set(middle, moved + impulse * inverse_mass[middle]);
+        for (slot, weight) in around.into_iter().zip(weights) {
             d.set(slot, d.get(slot) - impulse * (weight * inverse_mass[slot]));
         }
     }
@@ -140,12 +140,10 @@ impl Neighbours {
         for (end, way) in around.iter_mut().zip([along, third(1.0), third(-1.0)]) {
             *end = self.walk(slot, way, width)?;
         }
-        let [a, b, c] = around.map(|slot| self.at(slot) - middle);
-        let weights = weights(a, b, c)?;
+        weights(around.map(|slot| self.at(slot) - middle))?;
         let [end_a, end_b, end_c] = around;
         Some(Span {
             slots: [slot, end_a, end_b, end_c],
-            weights,
             // In a cloth that bends about one axis, what the friction of its hinges does in all.
             most: 4.0 / (width * width) as f32,
         })
@@ -175,7 +173,7 @@ impl Neighbours {
 }
 
 /// Weights of three points whose mean is as near to the origin as it can be; `None` where that is not in their midst.
-fn weights(a: Vec3, b: Vec3, c: Vec3) -> Option<[f32; 3]> {
+fn weights([a, b, c]: [Vec3; 3]) -> Option<[f32; 3]> {
     let (to_a, to_b) = (a - c, b - c);
     let (aa, ab, bb) = (to_a.dot(to_a), to_a.dot(to_b), to_b.dot(to_b));
     let (ca, cb) = (-c.dot(to_a), -c.dot(to_b));

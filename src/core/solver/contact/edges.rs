@@ -1,0 +1,353 @@
+//! Edges of the cloth are held out of colliders that are thin or sharp at the scale of its particles.
+//!
+//! The distance to a solid changes by at most a metre in a metre. So an edge of length l, whose ends have the gaps g0 and g1
+//! to what is held, is held itself as long as g0 + g1 >= l. Of the others, those are left out whose ends see the surface face
+//! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod. There the place
+//! of an edge that is nearest to the solid is found by golden-section search (Kiefer 1953; for contact with distance
+//! fields: Macklin et al. 2020, *Local Optimization for Robust Signed Distance Field Collision*), and moved out with both
+//! ends, each by its share and its inverse mass. Friction acts there as it does on particles.
+//!
+//! An edge is held at half the distance of the particles, so that on a smooth solid these touch first, and edges cost nothing.
+
+use bevy_math::Vec3;
+
+use super::super::bands::CutAt;
+use super::super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
+use super::super::topology::Topology;
+use super::active_set::ActiveSet;
+use super::collider::{Frame, Motion};
+use super::impulses::Share;
+use super::room::ByBlock;
+use super::{LEAST_SLIDING, Skin};
+use crate::sdf::PointBlock;
+
+/// Part of the particles' distance at which edges are held.
+const HELD: f32 = 0.5;
+/// Part of its length by which an edge may sink into a curved side, where that is more.
+const SAGITTA: f32 = 1.0 / 64.0;
+/// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.
+const STEPS: usize = 6;
+/// The smaller part of a golden section.
+const GOLDEN: f32 = 0.381_966_02;
+
+/// The edges of a cloth, in the order of their first ends.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct Edges {
+    ends: Vec<[u32; 2]>,
+    /// Edges whose first ends are in block i: from `first[i]` to `first[i + 1]`.
+    first: Vec<u32>,
+    /// Length of the longest at rest \[m\].
+    longest: f32,
+}
+
+impl Edges {
+    /// Those of a cloth.
+    pub fn new(topology: &Topology) -> Self {
+        let (mut ends, mut longest) = (Vec::new(), 0.0_f32);
+        for (a, b, rest) in topology.structural_springs() {
+            let (a, b) = (topology.slot(a) as u32, topology.slot(b) as u32);
+            ends.push([a.min(b), a.max(b)]);
+            longest = longest.max(rest);
+        }
+        if let Some(lattice) = topology.as_lattice() {
+            let layout = lattice.layout;
+            for row in 0..layout.rows - 1 {
+                for column in 0..layout.columns - 1 {
+                    let [at, below] = [row, row + 1].map(|row| layout.slot(row, column) as u32);
+                    ends.extend([[at, below + 1], [at + 1, below]]);
+                    longest = longest.max(lattice.diagonal.rest[at as usize]);
+                }
+            }
+        }
+        ends.sort_unstable();
+        let blocks = (topology.layout().len() / LANES) as u32;
+        let before = |block| ends.partition_point(|&[a, _]| a < block * LANES as u32) as u32;
+        let first = (0..=blocks).map(before).collect();
+        Self { ends, first, longest }
+    }
+
+    /// Those whose first ends are in a block.
+    fn of(&self, block: usize) -> &[[u32; 2]] {
+        &self.ends[self.first[block] as usize..self.first[block + 1] as usize]
+    }
+}
+
+/// How particles lie to a collider: what is known of those that are near to it.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct Nearby {
+    /// Whether anything is known of a block.
+    blocks: Vec<bool>,
+    /// Gap beyond epsilon, by slot \[m\]; infinite where nothing is known.
+    gap: Array,
+    /// Outward normals by slot.
+    normal: Soa,
+    /// Edges that are looked at closely.
+    close: Vec<[u32; 2]>,
+}
+
+impl Nearby {
+    /// Nothing known yet, of so many slots.
+    pub fn new(slots: usize) -> Self {
+        let mut gap = Array::zeros(slots);
+        gap.fill(f32::INFINITY);
+        Self { blocks: vec![false; slots / LANES], gap, normal: Soa::zeros(slots), close: Vec::new() }
+    }
+
+    /// For what finds out about it.
+    pub fn part_mut(&mut self) -> NearbyMut<'_> {
+        NearbyMut {
+            blocks: ByBlock::all(&mut self.blocks),
+            gap: ValuesMut::all(&mut self.gap),
+            normal: self.normal.part_mut(),
+        }
+    }
+
+    /// Forgets all.
+    fn clear(&mut self) {
+        for (block, known) in self.blocks.iter_mut().enumerate() {
+            if core::mem::take(known) {
+                Block::splat(f32::INFINITY).store(&mut self.gap, block * LANES);
+            }
+        }
+    }
+
+    /// Finds the edges that may be held, and do not lie along a side that is gently curved.
+    fn find(&mut self, edges: &Edges, rule: &Rule) {
+        self.close.clear();
+        for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
+            for &[a, b] in edges.of(block) {
+                let (a, b) = (a as usize, b as usize);
+                if self.gap[a] + self.gap[b] < rule.reach
+                    && self.normal.get(a).dot(self.normal.get(b)) < rule.alike
+                {
+                    self.close.push([a as u32, b as u32]);
+                }
+            }
+        }
+    }
+}
+
+/// What a band finds out.
+pub(in crate::solver) struct NearbyMut<'a> {
+    blocks: ByBlock<'a, bool>,
+    gap: ValuesMut<'a>,
+    normal: PartMut<'a>,
+}
+
+impl CutAt for NearbyMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (blocks, blocks_below) = self.blocks.cut(slot);
+        let (gap, gap_below) = self.gap.cut(slot);
+        let (normal, normal_below) = self.normal.cut(slot);
+        let below = Self { blocks: blocks_below, gap: gap_below, normal: normal_below };
+        (Self { blocks, gap, normal }, below)
+    }
+}
+
+impl NearbyMut<'_> {
+    /// Notes gaps and normals of a block.
+    #[inline(always)]
+    pub fn set(&mut self, slot: usize, gap: &Block, normal: &Block3) {
+        self.blocks.row(slot, 1)[0] = true;
+        self.gap.blocks(slot, 1).set(0, *gap);
+        normal.store(&mut self.normal, slot);
+    }
+}
+
+/// Which edges are looked at closely.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rule {
+    /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
+    pub reach: f32,
+    /// Least cosine between normals of a side that is gently curved.
+    alike: f32,
+}
+
+impl Rule {
+    /// For edges of a cloth and a collider; `None` where none is ever to be looked at, as the whole solid is gently
+    /// curved. Edges may be longer than at rest by `stretch`.
+    pub fn new(edges: &Edges, motion: &Motion<'_>, skin: &Skin, stretch: f32) -> Option<Self> {
+        let length = edges.longest * stretch;
+        // An arc over a chord, and the angle between its normals: the sagitta is an eighth of their product.
+        let sagitta = larger(HELD * skin.epsilon, SAGITTA * length);
+        if length * length <= 8.0 * sagitta * motion.least_radius {
+            return None;
+        }
+        let angle = 8.0 * sagitta / length;
+        let reach = length - 2.0 * (1.0 - HELD) * skin.epsilon + motion.reach;
+        (reach > 0.0).then_some(Self { reach, alike: 1.0 - 0.5 * angle * angle })
+    }
+}
+
+/// Holds the edges of a cloth out of one collider.
+pub(super) struct HoldEdges<'a> {
+    pub edges: &'a Edges,
+    pub nearby: &'a mut Nearby,
+    pub rule: Rule,
+    pub motion: &'a Motion<'a>,
+    pub skin: &'a Skin,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    /// Pulls noted from before the corrections on (`carry`), of which contact is none.
+    pub pull: Option<&'a mut Soa>,
+    pub set: &'a mut ActiveSet,
+    /// Which one it is.
+    pub collider: usize,
+}
+
+/// What it came to.
+#[derive(Default)]
+pub(super) struct EdgesHeld {
+    /// How far any particle was moved at most \[m\].
+    pub pushed: f32,
+    /// What the collider is given, times the substep \[kg m\].
+    pub given: Vec3,
+}
+
+impl HoldEdges<'_> {
+    pub fn run(mut self) -> EdgesHeld {
+        self.nearby.find(self.edges, &self.rule);
+        let close = core::mem::take(&mut self.nearby.close);
+        let mut held = EdgesHeld::default();
+        for close in close.chunks(LANES) {
+            self.hold(close, &mut held);
+        }
+        self.nearby.close = close;
+        self.nearby.clear();
+        held
+    }
+
+    /// Holds so many edges at once.
+    fn hold(&mut self, close: &[[u32; 2]], held: &mut EdgesHeld) {
+        let search = Search::new(close, self.x, self.d, &self.motion.after);
+        let (at, distance) = search.nearest(self.motion);
+        let distance_held = HELD * self.skin.epsilon;
+        for (lane, &ends) in close.iter().enumerate() {
+            if distance[lane] * self.motion.after.scale < distance_held {
+                self.push_out(ends.map(|slot| slot as usize), at[lane], held);
+            }
+        }
+    }
+
+    /// Moves an edge out at a place of it, and brakes it there.
+    fn push_out(&mut self, [a, b]: [usize; 2], t: f32, held: &mut EdgesHeld) {
+        let Self { motion, skin, .. } = self;
+        let parts = [1.0 - t, t];
+        let w = [self.inverse_mass[a], self.inverse_mass[b]];
+        let mobility = parts[0] * parts[0] * w[0] + parts[1] * parts[1] * w[1];
+        if mobility <= 0.0 {
+            return;
+        }
+        let between = |of: &Soa| of.get(a) * parts[0] + of.get(b) * parts[1];
+        let moved = between(self.d);
+        let place = between(self.x) + moved;
+        let local = motion.after.to_local(place);
+        let sample = motion.shape.sample(local);
+        let depth = HELD * skin.epsilon - sample.distance * motion.after.scale;
+        if depth <= 0.0 || depth.is_nan() {
+            return;
+        }
+        let normal = motion.after.rotate(sample.normal);
+        let surface = if motion.moves { place - motion.before.to_world(local) } else { Vec3::ZERO };
+        let relative = moved - surface;
+        let approach = larger(-relative.dot(normal), 0.0);
+        let undone = if depth < approach { depth } else { approach };
+        let allowed = larger(skin.most_push - larger(relative.dot(normal), 0.0), 0.0);
+        let rest = if depth - undone < allowed { depth - undone } else { allowed };
+        let tangential = relative - normal * relative.dot(normal);
+        let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
+        // With what the ends do not follow, and the collider bears already.
+        let borne = between(&self.set.borne);
+        let pressed = larger(-borne.dot(normal), 0.0);
+        let stuck = borne + normal * pressed;
+        let left = motion.friction * (undone + pressed) - stuck.dot(stuck).sqrt();
+        let part = larger(left, 0.0) / sliding;
+        let braked = tangential * if part < 1.0 { part } else { 1.0 };
+        let (into_d, into_x) = (normal * undone - braked, normal * rest);
+        for ((slot, part), w) in [a, b].into_iter().zip(parts).zip(w) {
+            let share = part * w / mobility;
+            self.d.set(slot, self.d.get(slot) + into_d * share);
+            self.x.set(slot, self.x.get(slot) + into_x * share);
+            if let Some(pull) = &mut self.pull {
+                pull.set(slot, pull.get(slot) - into_d * share);
+            }
+            self.set.press_end(slot, self.collider, (undone + pressed) * share);
+            held.pushed = larger(share * (undone + rest), held.pushed);
+        }
+        held.given -= into_d * (1.0 / mobility);
+    }
+}
+
+impl EdgesHeld {
+    /// What a collider is given.
+    pub fn share(&self, collider: usize) -> Share {
+        Share { collider, given: self.given, owed: Vec3::ZERO }
+    }
+}
+
+/// Edges in a collider's frame, of which the places nearest to it are searched.
+struct Search {
+    from: PointBlock,
+    way: PointBlock,
+}
+
+impl Search {
+    fn new(close: &[[u32; 2]], x: &Soa, d: &Soa, frame: &Frame) -> Self {
+        let mut search = Self { from: PointBlock::default(), way: PointBlock::default() };
+        for lane in 0..LANES {
+            // Unused lanes look for what the last one does.
+            let [a, b] = close[lane.min(close.len() - 1)].map(|slot| slot as usize);
+            let (from, to) = (x.get(a) + d.get(a), x.get(b) + d.get(b));
+            let (from, to) = (frame.to_local(from), frame.to_local(to));
+            search.from.set(lane, from);
+            search.way.set(lane, to - from);
+        }
+        search
+    }
+
+    /// The nearest places, as parts of the ways, and their distances.
+    fn nearest(&self, motion: &Motion<'_>) -> ([f32; LANES], [f32; LANES]) {
+        let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
+        let mut inner = [[GOLDEN; LANES], [1.0 - GOLDEN; LANES]];
+        let mut found = [self.distances(&inner[0], motion), self.distances(&inner[1], motion)];
+        for _ in 0..STEPS {
+            let mut probe = [0.0; LANES];
+            for i in 0..LANES {
+                let is_low = found[0][i] < found[1][i];
+                low[i] = if is_low { low[i] } else { inner[0][i] };
+                high[i] = if is_low { inner[1][i] } else { high[i] };
+                let width = (high[i] - low[i]) * GOLDEN;
+                probe[i] = if is_low { low[i] + width } else { high[i] - width };
+            }
+            let new = self.distances(&probe, motion);
+            for i in 0..LANES {
+                let is_low = found[0][i] < found[1][i];
+                let kept = if is_low { (inner[0][i], found[0][i]) } else { (inner[1][i], found[1][i]) };
+                let new = (probe[i], new[i]);
+                let (first, second) = if is_low { (new, kept) } else { (kept, new) };
+                (inner[0][i], found[0][i]) = first;
+                (inner[1][i], found[1][i]) = second;
+            }
+        }
+        let (mut at, mut distance) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let is_first = found[0][i] < found[1][i];
+            at[i] = if is_first { inner[0][i] } else { inner[1][i] };
+            distance[i] = if is_first { found[0][i] } else { found[1][i] };
+        }
+        (at, distance)
+    }
+
+    fn distances(&self, at: &[f32; LANES], motion: &Motion<'_>) -> [f32; LANES] {
+        let mut points = PointBlock::default();
+        for i in 0..LANES {
+            points.x[i] = self.from.x[i] + self.way.x[i] * at[i];
+            points.y[i] = self.from.y[i] + self.way.y[i] * at[i];
+            points.z[i] = self.from.z[i] + self.way.z[i] * at[i];
+        }
+        let mut distances = [0.0; LANES];
+        motion.shape.distance_block(&points, &mut distances);
+        distances
+    }
+}
