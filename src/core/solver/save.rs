@@ -71,7 +71,7 @@ impl SavedContacts {
     fn is_good(&self, particles: usize) -> bool {
         let Self { normals, before, slips, velocities, holders, ends, owed } = self;
         let is_normal =
-            |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && (n.length() - 1.0).abs() < 1e-3);
+            |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
         [normals, before]
             .iter()
             .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
@@ -198,6 +198,7 @@ impl ClothSolver {
             next_ends: _,
             pressed: _,
             presses: _,
+            end_friction: _,
             borne: _,
             velocity,
             holder,

@@ -32,6 +32,11 @@ use super::impulses::{Impulses, Share};
 /// be pulled at without bound.
 pub(in crate::solver) const LEAST_MOBILITY: f32 = 0.2;
 
+/// Part of its inverse mass that is left out along the normal, below which corrections see an end of an edge as free again,
+/// once nothing presses on it.
+const NEARLY_FREE: f32 = 0.02;
+/// Square of the length of a normal, from which on it is one of a particle that lies on a surface.
+const WHOLE: f32 = 0.999;
 /// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
 const GIVING: f32 = 0.1;
 
@@ -49,8 +54,10 @@ pub(in crate::solver) struct ActiveSet {
     /// Those of `next`.
     pub next_ends: Vec<End>,
     /// What presses on each of those, summed up over its edges, and how many these are, by slot \[m\].
-    pub pressed: Array,
+    pub pressed: Soa,
     pub presses: Vec<u32>,
+    /// Coefficients of friction there.
+    pub end_friction: Array,
     /// What pulled at an end of `now` without moving it, for each of its edges, by slot \[m\].
     pub borne: Soa,
     /// Velocity of the surface that a particle lies on, by slot \[m/s\].
@@ -154,7 +161,8 @@ impl ActiveSet {
             next: normals,
             ends: Vec::new(),
             next_ends: Vec::new(),
-            pressed: Array::zeros(slots),
+            pressed: Soa::zeros(slots),
+            end_friction: Array::zeros(slots),
             presses: vec![0; slots],
             borne: Soa::zeros(slots),
             velocity: Soa::zeros(slots),
@@ -193,12 +201,13 @@ impl ActiveSet {
     ) {
         for end in &self.ends {
             let slot = end.slot as usize;
-            let w = inverse_mass[slot];
-            if w == 0.0 || self.now.normal.get(slot) != Vec3::ZERO {
+            let (n, w) = (self.now.normal.get(slot), inverse_mass[slot]);
+            if w == 0.0 || !is_end(n) {
                 continue;
             }
+            let load = core::mem::take(&mut self.load[slot]);
             let followed = d.get(slot) - self.unpulled.get(slot);
-            let unfollowed = followed * (1.0 / self.now.slip[slot] - 1.0);
+            let unfollowed = n * (load * w) + followed * (1.0 / self.now.slip[slot] - 1.0);
             self.borne.set(slot, unfollowed * (1.0 / end.presses as f32));
             if let Some(pull) = &mut pull {
                 pull.set(slot, pull.get(slot) + unfollowed);
@@ -211,38 +220,59 @@ impl ActiveSet {
     }
 
     /// Notes that a collider presses on an end of an edge, by as much as it would go \[m\].
-    pub fn press_end(&mut self, slot: usize, collider: usize, by: f32) {
-        if by <= 0.0 {
+    pub fn press_end(&mut self, slot: usize, collider: usize, by: Vec3, surface: Vec3, mu: f32) {
+        if by == Vec3::ZERO {
             return;
         }
-        if self.pressed[slot] == 0.0 {
+        if self.presses[slot] == 0 {
             self.next_ends.push(End { slot: slot as u32, presses: 0 });
         }
-        self.pressed[slot] += by;
+        self.pressed.set(slot, self.pressed.get(slot) + by);
         self.presses[slot] += 1;
-        self.holder[slot] = collider as f32;
+        self.end_friction[slot] = mu;
+        if self.next.normal.get(slot) == Vec3::ZERO {
+            self.holder[slot] = collider as f32;
+            self.velocity.set(slot, surface);
+        }
     }
 
     /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them
     /// heavier, by the law of `slip`.
     fn take_ends(&mut self, d: &Soa, skin: &Skin) {
         for end in &self.ends {
-            self.borne.set(end.slot as usize, Vec3::ZERO);
+            let slot = end.slot as usize;
+            self.borne.set(slot, Vec3::ZERO);
+            let n = self.now.normal.get(slot);
+            // What is pressed no more becomes light again over some time.
+            if self.presses[slot] == 0 && is_end(n) && n.dot(n) > NEARLY_FREE {
+                self.next_ends.push(*end);
+            }
         }
         core::mem::swap(&mut self.ends, &mut self.next_ends);
         self.next_ends.clear();
         for end in &mut self.ends {
             let slot = end.slot as usize;
-            let pressed = core::mem::take(&mut self.pressed[slot]);
-            end.presses = core::mem::take(&mut self.presses[slot]);
+            let by = self.pressed.get(slot);
+            self.pressed.set(slot, Vec3::ZERO);
+            end.presses = core::mem::take(&mut self.presses[slot]).max(1);
             if self.next.normal.get(slot) != Vec3::ZERO {
                 continue;
             }
-            let went = (d.get(slot) - self.velocity.get(slot) * skin.step).length();
-            let slip = super::slip_of(went, pressed, pressed, skin);
-            let before = self.now.slip[slot];
-            let rate = if before < 1.0 { skin.following } else { 1.0 };
-            self.next.slip[slot] = before + (slip - before) * rate;
+            let pressed = by.length();
+            let normal = by.normalize_or_zero();
+            let relative = d.get(slot) - self.velocity.get(slot) * skin.step;
+            let goes = relative.dot(normal);
+            let slides = (relative - normal * goes).length();
+            let mu = self.end_friction[slot];
+            let part = super::slip_of(goes.abs(), pressed, pressed, super::least_end(), skin);
+            let slip = super::slip_of(slides, mu * pressed, pressed, super::LEAST_SLIP, skin);
+            let held = normal * (1.0 - part).sqrt();
+            let before = self.now.normal.get(slot);
+            let was = is_end(before);
+            let rate = if was { skin.following } else { 1.0 };
+            let (before, slip_before) = if was { (before, self.now.slip[slot]) } else { (held, slip) };
+            self.next.normal.set(slot, before + (held - before) * rate);
+            self.next.slip[slot] = slip_before + (slip - slip_before) * rate;
             self.next.blocks[slot / LANES] = true;
         }
     }
@@ -287,6 +317,14 @@ impl Contacts<'_> {
     pub fn add(&mut self, slot: usize, load: &Block) {
         self.load.add(slot, load);
     }
+}
+
+/// Whether a normal is that of an end of an edge: it is shorter, as such a particle may go along it, if with less of
+/// its inverse mass.
+#[inline(always)]
+fn is_end(n: Vec3) -> bool {
+    let square = n.dot(n);
+    square > 0.0 && square < WHOLE
 }
 
 /// What of the pulls at particles moves them, and their load, for normals `n`.
@@ -343,15 +381,16 @@ impl Kernel for HoldOnto<'_> {
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
                 let borne = before.dot(carried);
-                let along = carried - before * borne;
+                let whole = before.dot(before) >= WHOLE;
+                let along = if whole { carried - before * borne } else { carried };
                 let held = if slip_before < slip { slip_before / slip } else { 1.0 };
                 let along = along * held;
                 let own = moved.at(i) - carried;
                 dropped.set(i, carried - along - n * borne);
-                let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
+                let is_free = n.dot(n) < WHOLE || w.0[i] == 0.0;
                 let relative = own + along - velocity.at(i) * step;
                 lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
-                load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
+                load.0[i] = if is_free { n.dot(along) / larger(w.0[i], f32::MIN_POSITIVE) } else { borne / w.0[i] };
                 let along = along - n * n.dot(along);
                 let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
                 let own = if is_free { moved.at(i) - carried } else { own };
@@ -397,7 +436,7 @@ impl Kernel for NoteUnfollowed<'_> {
             for i in 0..LANES {
                 let n = n.at(i);
                 let pulled = d.at(i) - unpulled.at(i);
-                let slid = pulled - n * n.dot(pulled);
+                let slid = if is_end(n) { pulled } else { pulled - n * n.dot(pulled) };
                 let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
                 let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
                 noted.set(i, noted.at(i) + unfollowed * part);

@@ -272,7 +272,9 @@ impl HoldEdges<'_> {
             if let Some(pull) = &mut self.pull {
                 pull.set(slot, pull.get(slot) - into_d * share);
             }
-            self.set.press_end(slot, self.collider, (undone + pressed) * share);
+            let by = normal * ((undone + pressed) * share);
+            let velocity = surface * (1.0 / skin.step);
+            self.set.press_end(slot, self.collider, by, velocity, motion.friction);
             held.pushed = larger(share * (undone + rest), held.pushed);
         }
         held.given -= into_d * (1.0 / mobility);

@@ -12,7 +12,7 @@ use super::collider::Motion;
 use super::edges::NearbyMut;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{BLOW, LEAST_SLIDING, Skin, slip_of};
+use super::{BLOW, LEAST_SLIDING, LEAST_SLIP, Skin, slip_of};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -402,7 +402,7 @@ impl Pushed {
     #[inline(always)]
     fn slip(&self, lane: usize, friction: f32, hold: &Hold, skin: &Skin) -> f32 {
         let (went, pressed) = (self.went.0[lane], self.undone.0[lane]);
-        let slips = slip_of(went, friction * pressed, pressed, skin);
+        let slips = slip_of(went, friction * pressed, pressed, LEAST_SLIP, skin);
         // What is struck sticks at once.
         let rate = if hold.was.0[lane] > 0.0 { skin.following } else { 1.0 };
         let before = 1.0 / hold.unslipped.0[lane];

@@ -85,12 +85,13 @@ pub(super) struct Skin {
 
 /// Part of its inverse mass that corrections are to see of a particle that went so far and is held by so much \[m\].
 #[inline(always)]
-fn slip_of(went: f32, held: f32, pressed: f32, skin: &Skin) -> f32 {
-    let slips = larger(went / (went + held), LEAST_SLIP);
+fn slip_of(went: f32, held: f32, pressed: f32, least: f32, skin: &Skin) -> f32 {
+    let slips = larger(went / (went + held), least);
     let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
     larger(slips, if light < 1.0 { light } else { 1.0 })
 }
 
+fn least_end() -> f32 { std::env::var("LE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.2) }
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
     pub bands: &'a Bands,
