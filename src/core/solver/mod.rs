@@ -613,7 +613,7 @@ impl ClothSolver {
             self.contact_count = 0;
         } else {
             let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
-            let stretch = 1.0 + self.material.max_strain;
+            let stretch = 1.0 + self.material.max_strain.max(self.survey.max_strain);
             let contacts = ResolveContacts {
                 bands: &self.bands,
                 colliders: input.colliders,

@@ -199,6 +199,7 @@ impl ClothSolver {
             pressed: _,
             presses: _,
             end_friction: _,
+            touch: _,
             borne: _,
             velocity,
             holder,

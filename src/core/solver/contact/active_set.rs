@@ -56,6 +56,8 @@ pub(in crate::solver) struct ActiveSet {
     /// What presses on each of those, summed up over its edges, and how many these are, by slot \[m\].
     pub pressed: Soa,
     pub presses: Vec<u32>,
+    /// What presses on particles that lie on a collider of `next`, by slot \[m\].
+    pub touch: Array,
     /// Coefficients of friction there.
     pub end_friction: Array,
     /// What pulled at an end of `now` without moving it, for each of its edges, by slot \[m\].
@@ -163,6 +165,7 @@ impl ActiveSet {
             next_ends: Vec::new(),
             pressed: Soa::zeros(slots),
             end_friction: Array::zeros(slots),
+            touch: Array::zeros(slots),
             presses: vec![0; slots],
             borne: Soa::zeros(slots),
             velocity: Soa::zeros(slots),
@@ -239,6 +242,7 @@ impl ActiveSet {
     /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them
     /// heavier, by the law of `slip`.
     fn take_ends(&mut self, d: &Soa, skin: &Skin) {
+        if super::tune(3, 0.0) > 0.0 { for e in core::mem::take(&mut self.next_ends) { let s = e.slot as usize; self.pressed.set(s, Vec3::ZERO); self.presses[s] = 0; } return; }
         for end in &self.ends {
             let slot = end.slot as usize;
             self.borne.set(slot, Vec3::ZERO);
@@ -255,9 +259,12 @@ impl ActiveSet {
             let by = self.pressed.get(slot);
             self.pressed.set(slot, Vec3::ZERO);
             end.presses = core::mem::take(&mut self.presses[slot]).max(1);
-            if self.next.normal.get(slot) != Vec3::ZERO {
+            // What lies on a collider by itself as well is pressed by both.
+            let lies = self.next.normal.get(slot);
+            if lies != Vec3::ZERO && (super::tune(9, 1.0) == 0.0 || by == Vec3::ZERO) {
                 continue;
             }
+            let by = by + lies * self.touch[slot];
             let pressed = by.length();
             let normal = by.normalize_or_zero();
             let relative = d.get(slot) - self.velocity.get(slot) * skin.step;
@@ -267,9 +274,10 @@ impl ActiveSet {
             let part = super::slip_of(goes.abs(), pressed, pressed, super::least_end(), skin);
             let slip = super::slip_of(slides, mu * pressed, pressed, super::LEAST_SLIP, skin);
             let held = normal * (1.0 - part).sqrt();
+            let slip = if super::tune(4, 0.0) > 0.0 { 1.0 } else { slip };
             let before = self.now.normal.get(slot);
-            let was = is_end(before);
-            let rate = if was { skin.following } else { 1.0 };
+            let was = is_end(before) || (super::tune(6, 0.0) > 0.0 && before != Vec3::ZERO);
+            let rate = if was { skin.following * super::tune(5, 1.0) } else { 1.0 };
             let (before, slip_before) = if was { (before, self.now.slip[slot]) } else { (held, slip) };
             self.next.normal.set(slot, before + (held - before) * rate);
             self.next.slip[slot] = slip_before + (slip - slip_before) * rate;
@@ -322,7 +330,7 @@ impl Contacts<'_> {
 /// Whether a normal is that of an end of an edge: it is shorter, as such a particle may go along it, if with less of
 /// its inverse mass.
 #[inline(always)]
-fn is_end(n: Vec3) -> bool {
+pub(super) fn is_end(n: Vec3) -> bool {
     let square = n.dot(n);
     square > 0.0 && square < WHOLE
 }
@@ -391,6 +399,7 @@ impl Kernel for HoldOnto<'_> {
                 let relative = own + along - velocity.at(i) * step;
                 lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
                 load.0[i] = if is_free { n.dot(along) / larger(w.0[i], f32::MIN_POSITIVE) } else { borne / w.0[i] };
+                let n = if is_end(before) && n.dot(n) < before.dot(before) { before } else { n };
                 let along = along - n * n.dot(along);
                 let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
                 let own = if is_free { moved.at(i) - carried } else { own };

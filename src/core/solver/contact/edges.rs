@@ -25,6 +25,8 @@ use crate::sdf::PointBlock;
 const HELD: f32 = 0.5;
 /// Part of its length by which an edge may sink into a curved side, where that is more.
 const SAGITTA: f32 = 1.0 / 64.0;
+/// Part of an edge by which a collider may go in a substep and count as slow.
+const SLOW: f32 = 0.125;
 /// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.
 const STEPS: usize = 6;
 /// The smaller part of a golden section.
@@ -170,7 +172,9 @@ impl Rule {
         let length = edges.longest * stretch;
         // An arc over a chord, and the angle between its normals: the sagitta is an eighth of their product.
         let sagitta = larger(HELD * skin.epsilon, SAGITTA * length);
-        if length * length <= 8.0 * sagitta * motion.least_radius {
+        // What is fast stretches edges, and then passes between particles whatever its curvature.
+        let is_slow = motion.reach <= SLOW * length;
+        if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
             return None;
         }
         let angle = 8.0 * sagitta / length;
@@ -248,13 +252,18 @@ impl HoldEdges<'_> {
         if depth <= 0.0 || depth.is_nan() {
             return;
         }
-        let normal = motion.after.rotate(sample.normal);
+        // At the nearest place exactly the normal is across the edge. What the search is off by would drive it along.
+        let outward = motion.after.rotate(sample.normal);
+        let along = (self.x.get(b) + self.d.get(b)) - (self.x.get(a) + self.d.get(a));
+        let across = outward - along * (outward.dot(along) / larger(along.dot(along), LEAST_SLIDING));
+        let normal = across.normalize_or(outward);
         let surface = if motion.moves { place - motion.before.to_world(local) } else { Vec3::ZERO };
         let relative = moved - surface;
         let approach = larger(-relative.dot(normal), 0.0);
         let undone = if depth < approach { depth } else { approach };
         let allowed = larger(skin.most_push - larger(relative.dot(normal), 0.0), 0.0);
         let rest = if depth - undone < allowed { depth - undone } else { allowed };
+        let rest = rest * super::tune(1, 1.0);
         let tangential = relative - normal * relative.dot(normal);
         let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
         // With what the ends do not follow, and the collider bears already.
@@ -278,6 +287,16 @@ impl HoldEdges<'_> {
             held.pushed = larger(share * (undone + rest), held.pushed);
         }
         held.given -= into_d * (1.0 / mobility);
+        let limit = super::tune(7, 0.0) * (undone + pressed) / mobility;
+        let turning = normal.dot(self.d.get(b) - self.d.get(a));
+        let j = (super::tune(8, 0.5) * turning / (w[0] + w[1])).clamp(-limit, limit);
+        for (slot, part) in [(a, w[0]), (b, -w[1])] {
+            let by = normal * (j * part);
+            self.d.set(slot, self.d.get(slot) + by);
+            if let Some(pull) = &mut self.pull {
+                pull.set(slot, pull.get(slot) - by);
+            }
+        }
     }
 }
 
@@ -313,7 +332,7 @@ impl Search {
         let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
         let mut inner = [[GOLDEN; LANES], [1.0 - GOLDEN; LANES]];
         let mut found = [self.distances(&inner[0], motion), self.distances(&inner[1], motion)];
-        for _ in 0..STEPS {
+        for _ in 0..super::tune(2, 6.0) as usize {
             let mut probe = [0.0; LANES];
             for i in 0..LANES {
                 let is_low = found[0][i] < found[1][i];

@@ -7,7 +7,7 @@ use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{
     Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
 };
-use super::active_set::Normals;
+use super::active_set::{Normals, is_end};
 use super::collider::Motion;
 use super::edges::NearbyMut;
 use super::room::ByBlock;
@@ -124,6 +124,7 @@ pub(super) struct Found<'a> {
     pub slip: ValuesMut<'a>,
     pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
+    pub touch: ValuesMut<'a>,
 }
 
 impl CutAt for Found<'_> {
@@ -133,14 +134,16 @@ impl CutAt for Found<'_> {
         let (slip, slip_below) = self.slip.cut(slot);
         let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
+        let (touch, touch_below) = self.touch.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
             slip: slip_below,
             velocity: velocity_below,
             holder: holder_below,
+            touch: touch_below,
         };
-        (Self { blocks, normal, slip, velocity, holder }, below)
+        (Self { blocks, normal, slip, velocity, holder, touch }, below)
     }
 }
 
@@ -342,7 +345,7 @@ impl Held<'_> {
             let all = lost.0[i] + load.0[i] * w.0[i];
             // What another collider has met is held no more.
             let was = n.dot(n) > 0.0 && all != 0.0;
-            hold.was.0[i] = if was { 1.0 } else { 0.0 };
+            hold.was.0[i] = if was || is_end(n) { 1.0 } else { 0.0 };
             hold.unslipped.0[i] = if was { 1.0 / slip.0[i] } else { 1.0 };
             hold.unfollowed.set(i, n * all);
         }
@@ -436,6 +439,7 @@ impl Found<'_> {
         let mut slips = self.slip.blocks(slot, 1);
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
+        self.touch.blocks(slot, 1).set(0, pushed.undone);
         let mut slip = slips.at(0);
         let rate = 1.0 / skin.step;
         for i in 0..LANES {

@@ -91,6 +91,7 @@ fn slip_of(went: f32, held: f32, pressed: f32, least: f32, skin: &Skin) -> f32 {
     larger(slips, if light < 1.0 { light } else { 1.0 })
 }
 
+pub fn tune(i: usize, d: f32) -> f32 { std::env::var(format!("T{i}")).ok().and_then(|s| s.parse().ok()).unwrap_or(d) }
 fn least_end() -> f32 { std::env::var("LE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.2) }
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
@@ -179,6 +180,7 @@ impl ResolveContacts<'_> {
                     slip: ValuesMut::all(&mut set.next.slip),
                     velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
+                    touch: ValuesMut::all(&mut set.touch),
                 },
             },
         );
