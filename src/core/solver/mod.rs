@@ -629,7 +629,7 @@ impl ClothSolver {
                     step: self.plan.step,
                     notes: self.scratch.carries,
                 },
-                inverse_mass: &self.held.inverse_mass,
+                inverse_mass: &mut self.held.inverse_mass,
                 x: &mut self.state.x,
                 d: &mut self.state.d,
                 pull: self.scratch.carries.then_some(&mut self.state.pull),

@@ -62,6 +62,8 @@ struct SavedContacts {
     holders: Vec<u32>,
     /// Particles that are ends of edges that were pressed, and how many these were.
     ends: Vec<[u32; 2]>,
+    /// Particles that pass through a collider, and which one.
+    freed: Vec<[u32; 2]>,
     /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
     owed: Vec<Option<Vec3>>,
 }
@@ -69,9 +71,8 @@ struct SavedContacts {
 impl SavedContacts {
     /// Whether a cloth of so many particles may have been in such contact.
     fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders, ends, owed } = self;
-        let is_normal =
-            |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
+        let Self { normals, before, slips, velocities, holders, ends, freed, owed } = self;
+        let is_normal = |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
         [normals, before]
             .iter()
             .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
@@ -79,6 +80,7 @@ impl SavedContacts {
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
             && ends.iter().all(|&[end, presses]| (end as usize) < particles && presses > 0)
+            && freed.iter().all(|&[particle, _]| (particle as usize) < particles)
             && owed.iter().flatten().all(|owed| is_near(*owed))
     }
 }
@@ -196,6 +198,8 @@ impl ClothSolver {
             next: _,
             ends,
             next_ends: _,
+            freed,
+            next_freed: _,
             pressed: _,
             presses: _,
             end_friction: _,
@@ -235,6 +239,7 @@ impl ClothSolver {
                 velocities: by_particle(velocity),
                 holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
                 ends: ends_at(topology, ends),
+                freed: freed_by_particle(topology, freed),
                 owed: impulses.owed(),
             }),
             tick: plan.tick,
@@ -308,7 +313,16 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts { normals, before, slips, velocities, holders, ends, owed }) = contacts
+        if let Some(SavedContacts {
+            normals,
+            before,
+            slips,
+            velocities,
+            holders,
+            ends,
+            freed,
+            owed,
+        }) = contacts
         {
             let set = &mut self.state.contacts;
             set.impulses.set_owed(owed);
@@ -324,6 +338,9 @@ impl ClothSolver {
                 presses,
             };
             set.ends = ends.iter().map(end).collect();
+            let freed = freed.iter();
+            let at = |&[p, it]: &[u32; 2]| [topology.slot(p as usize) as u32, it];
+            set.freed = freed.map(at).collect();
             set.now.find();
             set.before.find();
         }
@@ -339,6 +356,19 @@ impl ClothSolver {
 /// Rows and columns, where there are any.
 fn grid(topology: &Topology) -> Option<[u32; 2]> {
     topology.as_lattice().map(|lattice| [lattice.rows() as u32, lattice.columns() as u32])
+}
+
+/// Pairs of a slot and a collider by particle, ascending.
+fn freed_by_particle(topology: &Topology, freed: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let mut sorted = freed.to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let of = |particle: u32| {
+        let slot = topology.slot(particle as usize) as u32;
+        let from = sorted.partition_point(|&[at, _]| at < slot);
+        sorted[from..].iter().take_while(move |it| it[0] == slot).map(move |it| [particle, it[1]])
+    };
+    (0..topology.particle_count() as u32).flat_map(of).collect()
 }
 
 /// Ends of edges by particle, ascending.

@@ -53,6 +53,10 @@ pub(in crate::solver) struct ActiveSet {
     pub ends: Vec<End>,
     /// Those of `next`.
     pub next_ends: Vec<End>,
+    /// Particles that pass through a collider for a substep, as their edges are hooked in it, and which one; those of the
+    /// next substep.
+    pub freed: Vec<[u32; 2]>,
+    pub next_freed: Vec<[u32; 2]>,
     /// What presses on each of those, summed up over its edges, and how many these are, by slot \[m\].
     pub pressed: Soa,
     pub presses: Vec<u32>,
@@ -163,6 +167,8 @@ impl ActiveSet {
             next: normals,
             ends: Vec::new(),
             next_ends: Vec::new(),
+            freed: Vec::new(),
+            next_freed: Vec::new(),
             pressed: Soa::zeros(slots),
             end_friction: Array::zeros(slots),
             touch: Array::zeros(slots),
@@ -184,6 +190,7 @@ impl ActiveSet {
         self.before.clear();
         self.next.clear();
         self.ends.clear();
+        self.freed.clear();
     }
 
     /// Forgets what the particle of a slot lies on.
@@ -242,7 +249,6 @@ impl ActiveSet {
     /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them
     /// heavier, by the law of `slip`.
     fn take_ends(&mut self, d: &Soa, skin: &Skin) {
-        if super::tune(3, 0.0) > 0.0 { for e in core::mem::take(&mut self.next_ends) { let s = e.slot as usize; self.pressed.set(s, Vec3::ZERO); self.presses[s] = 0; } return; }
         for end in &self.ends {
             let slot = end.slot as usize;
             self.borne.set(slot, Vec3::ZERO);
@@ -261,7 +267,7 @@ impl ActiveSet {
             end.presses = core::mem::take(&mut self.presses[slot]).max(1);
             // What lies on a collider by itself as well is pressed by both.
             let lies = self.next.normal.get(slot);
-            if lies != Vec3::ZERO && (super::tune(9, 1.0) == 0.0 || by == Vec3::ZERO) {
+            if lies != Vec3::ZERO && by == Vec3::ZERO {
                 continue;
             }
             let by = by + lies * self.touch[slot];
@@ -271,23 +277,32 @@ impl ActiveSet {
             let goes = relative.dot(normal);
             let slides = (relative - normal * goes).length();
             let mu = self.end_friction[slot];
-            let part = super::slip_of(goes.abs(), pressed, pressed, super::least_end(), skin);
+            let part = super::slip_of(goes.abs(), pressed, pressed, super::LEAST_END, skin);
             let slip = super::slip_of(slides, mu * pressed, pressed, super::LEAST_SLIP, skin);
             let held = normal * (1.0 - part).sqrt();
-            let slip = if super::tune(4, 0.0) > 0.0 { 1.0 } else { slip };
             let before = self.now.normal.get(slot);
-            let was = is_end(before) || (super::tune(6, 0.0) > 0.0 && before != Vec3::ZERO);
-            let rate = if was { skin.following * super::tune(5, 1.0) } else { 1.0 };
-            let (before, slip_before) = if was { (before, self.now.slip[slot]) } else { (held, slip) };
+            let was = is_end(before);
+            let rate = if was { skin.following } else { 1.0 };
+            let (before, slip_before) =
+                if was { (before, self.now.slip[slot]) } else { (held, slip) };
             self.next.normal.set(slot, before + (held - before) * rate);
             self.next.slip[slot] = slip_before + (slip - slip_before) * rate;
             self.next.blocks[slot / LANES] = true;
         }
     }
 
+    /// Whether a particle passes through a collider.
+    pub fn is_freed(&self, slot: usize, collider: usize) -> bool {
+        self.freed.binary_search(&[slot as u32, collider as u32]).is_ok()
+    }
+
     /// Goes on to the next substep.
     pub fn turn(&mut self, d: &Soa, skin: &Skin) {
         self.take_ends(d, skin);
+        self.next_freed.sort_unstable();
+        self.next_freed.dedup();
+        core::mem::swap(&mut self.freed, &mut self.next_freed);
+        self.next_freed.clear();
         core::mem::swap(&mut self.before, &mut self.now);
         core::mem::swap(&mut self.now, &mut self.next);
         self.now.any = self.now.blocks.contains(&true);
@@ -398,7 +413,11 @@ impl Kernel for HoldOnto<'_> {
                 let is_free = n.dot(n) < WHOLE || w.0[i] == 0.0;
                 let relative = own + along - velocity.at(i) * step;
                 lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
-                load.0[i] = if is_free { n.dot(along) / larger(w.0[i], f32::MIN_POSITIVE) } else { borne / w.0[i] };
+                load.0[i] = if is_free {
+                    n.dot(along) / larger(w.0[i], f32::MIN_POSITIVE)
+                } else {
+                    borne / w.0[i]
+                };
                 let n = if is_end(before) && n.dot(n) < before.dot(before) { before } else { n };
                 let along = along - n * n.dot(along);
                 let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));

@@ -25,10 +25,19 @@ use crate::sdf::PointBlock;
 const HELD: f32 = 0.5;
 /// Part of its length by which an edge may sink into a curved side, where that is more.
 const SAGITTA: f32 = 1.0 / 64.0;
+/// An edge that is so many times as long as at rest, and so many times epsilon inside a collider, is hooked in it.
+const HOOKED_STRETCH: f32 = 2.0;
+const HOOKED_DEPTH: f32 = 2.0;
+/// So long it stays, as long as it is inside at all, until it is free.
+const UNHOOKED_STRETCH: f32 = 1.25;
 /// Part of an edge by which a collider may go in a substep and count as slow.
 const SLOW: f32 = 0.125;
+/// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
+const TURNING: f32 = 0.6;
 /// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.
 const STEPS: usize = 6;
+/// Part of an edge by which the place that the search finds may be off.
+const UNSURE: f32 = 0.06;
 /// The smaller part of a golden section.
 const GOLDEN: f32 = 0.381_966_02;
 
@@ -68,9 +77,9 @@ impl Edges {
         Self { ends, first, longest }
     }
 
-    /// Those whose first ends are in a block.
-    fn of(&self, block: usize) -> &[[u32; 2]] {
-        &self.ends[self.first[block] as usize..self.first[block + 1] as usize]
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.ends.len()
     }
 }
 
@@ -83,8 +92,8 @@ pub(in crate::solver) struct Nearby {
     gap: Array,
     /// Outward normals by slot.
     normal: Soa,
-    /// Edges that are looked at closely.
-    close: Vec<[u32; 2]>,
+    /// Edges that are looked at closely, by their places in the list.
+    close: Vec<u32>,
 }
 
 impl Nearby {
@@ -92,7 +101,12 @@ impl Nearby {
     pub fn new(slots: usize) -> Self {
         let mut gap = Array::zeros(slots);
         gap.fill(f32::INFINITY);
-        Self { blocks: vec![false; slots / LANES], gap, normal: Soa::zeros(slots), close: Vec::new() }
+        Self {
+            blocks: vec![false; slots / LANES],
+            gap,
+            normal: Soa::zeros(slots),
+            close: Vec::new(),
+        }
     }
 
     /// For what finds out about it.
@@ -114,15 +128,26 @@ impl Nearby {
     }
 
     /// Finds the edges that may be held, and do not lie along a side that is gently curved.
-    fn find(&mut self, edges: &Edges, rule: &Rule) {
+    fn find(&mut self, edges: &Edges, rule: &Rule, x: &Soa, d: &Soa, gone: f32, until: &mut [f32]) {
         self.close.clear();
         for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
-            for &[a, b] in edges.of(block) {
-                let (a, b) = (a as usize, b as usize);
-                if self.gap[a] + self.gap[b] < rule.reach
-                    && self.normal.get(a).dot(self.normal.get(b)) < rule.alike
-                {
-                    self.close.push([a as u32, b as u32]);
+            let [first, last] = [block, block + 1].map(|block| edges.first[block] as usize);
+            for edge in first..last {
+                if until[edge] > gone {
+                    continue;
+                }
+                let [a, b] = edges.ends[edge].map(|slot| slot as usize);
+                let gap = self.gap[a] + self.gap[b];
+                if gap >= rule.reach || self.normal.get(a).dot(self.normal.get(b)) >= rule.alike {
+                    continue;
+                }
+                let way = (x.get(b) - x.get(a)) + (d.get(b) - d.get(a));
+                // Both ends may come nearer.
+                let slack = 0.5 * (gap - way.dot(way).sqrt() - rule.less);
+                if slack > 0.0 {
+                    until[edge] = gone + slack;
+                } else {
+                    self.close.push(edge as u32);
                 }
             }
         }
@@ -161,6 +186,8 @@ impl NearbyMut<'_> {
 pub(super) struct Rule {
     /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
     pub reach: f32,
+    /// The same beyond its length.
+    less: f32,
     /// Least cosine between normals of a side that is gently curved.
     alike: f32,
 }
@@ -178,8 +205,9 @@ impl Rule {
             return None;
         }
         let angle = 8.0 * sagitta / length;
-        let reach = length - 2.0 * (1.0 - HELD) * skin.epsilon + motion.reach;
-        (reach > 0.0).then_some(Self { reach, alike: 1.0 - 0.5 * angle * angle })
+        let less = 2.0 * (HELD - 1.0) * skin.epsilon + motion.reach;
+        let reach = length + less;
+        (reach > 0.0).then_some(Self { reach, less, alike: 1.0 - 0.5 * angle * angle })
     }
 }
 
@@ -188,6 +216,9 @@ pub(super) struct HoldEdges<'a> {
     pub edges: &'a Edges,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
+    /// The ways at which edges may touch, and the way that has been gone, as `ContactRoom` counts it \[m\].
+    pub until: &'a mut [f32],
+    pub gone: f32,
     pub motion: &'a Motion<'a>,
     pub skin: &'a Skin,
     pub inverse_mass: &'a [f32],
@@ -211,7 +242,8 @@ pub(super) struct EdgesHeld {
 
 impl HoldEdges<'_> {
     pub fn run(mut self) -> EdgesHeld {
-        self.nearby.find(self.edges, &self.rule);
+        let (edges, rule) = (self.edges, &self.rule);
+        self.nearby.find(edges, rule, self.x, self.d, self.gone, self.until);
         let close = core::mem::take(&mut self.nearby.close);
         let mut held = EdgesHeld::default();
         for close in close.chunks(LANES) {
@@ -223,13 +255,22 @@ impl HoldEdges<'_> {
     }
 
     /// Holds so many edges at once.
-    fn hold(&mut self, close: &[[u32; 2]], held: &mut EdgesHeld) {
-        let search = Search::new(close, self.x, self.d, &self.motion.after);
+    fn hold(&mut self, close: &[u32], held: &mut EdgesHeld) {
+        let mut ends = [[0; 2]; LANES];
+        for (lane, ends) in ends.iter_mut().enumerate() {
+            // Unused lanes look for what the last one does.
+            *ends =
+                self.edges.ends[close[lane.min(close.len() - 1)] as usize].map(|it| it as usize);
+        }
+        let search = Search::new(&ends, self.x, self.d, &self.motion.after);
         let (at, distance) = search.nearest(self.motion);
-        let distance_held = HELD * self.skin.epsilon;
-        for (lane, &ends) in close.iter().enumerate() {
-            if distance[lane] * self.motion.after.scale < distance_held {
-                self.push_out(ends.map(|slot| slot as usize), at[lane], held);
+        for (lane, &edge) in close.iter().enumerate() {
+            let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
+            if gap < 0.0 {
+                self.push_out(ends[lane], at[lane], held);
+            } else {
+                let unsure = self.motion.overestimate + UNSURE * self.edges.longest;
+                self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
             }
         }
     }
@@ -255,15 +296,32 @@ impl HoldEdges<'_> {
         // At the nearest place exactly the normal is across the edge. What the search is off by would drive it along.
         let outward = motion.after.rotate(sample.normal);
         let along = (self.x.get(b) + self.d.get(b)) - (self.x.get(a) + self.d.get(a));
-        let across = outward - along * (outward.dot(along) / larger(along.dot(along), LEAST_SLIDING));
+        let across =
+            outward - along * (outward.dot(along) / larger(along.dot(along), LEAST_SLIDING));
         let normal = across.normalize_or(outward);
+        let is_freed = |slot| self.set.is_freed(slot, self.collider);
+        let passes = is_freed(a) || is_freed(b);
+        let (stretch, deep) = if passes {
+            (UNHOOKED_STRETCH, 0.0)
+        } else {
+            (HOOKED_STRETCH, HOOKED_DEPTH * skin.epsilon)
+        };
+        let hooked = stretch * self.edges.longest;
+        if depth > deep && along.dot(along) > hooked * hooked {
+            for slot in [a, b] {
+                self.set.next_freed.push([slot as u32, self.collider as u32]);
+            }
+            return;
+        }
+        if passes {
+            return;
+        }
         let surface = if motion.moves { place - motion.before.to_world(local) } else { Vec3::ZERO };
         let relative = moved - surface;
         let approach = larger(-relative.dot(normal), 0.0);
         let undone = if depth < approach { depth } else { approach };
         let allowed = larger(skin.most_push - larger(relative.dot(normal), 0.0), 0.0);
         let rest = if depth - undone < allowed { depth - undone } else { allowed };
-        let rest = rest * super::tune(1, 1.0);
         let tangential = relative - normal * relative.dot(normal);
         let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
         // With what the ends do not follow, and the collider bears already.
@@ -287,14 +345,19 @@ impl HoldEdges<'_> {
             held.pushed = larger(share * (undone + rest), held.pushed);
         }
         held.given -= into_d * (1.0 / mobility);
-        let limit = super::tune(7, 0.0) * (undone + pressed) / mobility;
+        self.brake_turning([a, b], normal, (undone + pressed) / mobility);
+    }
+
+    /// Brakes the turning of an edge about where it is held, which nothing else stops: it is pressed by `load` there \[kg m\].
+    fn brake_turning(&mut self, [a, b]: [usize; 2], normal: Vec3, load: f32) {
+        let w = [self.inverse_mass[a], self.inverse_mass[b]];
+        let most = TURNING * self.motion.friction * load;
         let turning = normal.dot(self.d.get(b) - self.d.get(a));
-        let j = (super::tune(8, 0.5) * turning / (w[0] + w[1])).clamp(-limit, limit);
-        for (slot, part) in [(a, w[0]), (b, -w[1])] {
-            let by = normal * (j * part);
-            self.d.set(slot, self.d.get(slot) + by);
+        let braked = (0.5 * turning / (w[0] + w[1])).clamp(-most, most);
+        for (slot, by) in [(a, braked * w[0]), (b, -braked * w[1])] {
+            self.d.set(slot, self.d.get(slot) + normal * by);
             if let Some(pull) = &mut self.pull {
-                pull.set(slot, pull.get(slot) - by);
+                pull.set(slot, pull.get(slot) - normal * by);
             }
         }
     }
@@ -314,11 +377,9 @@ struct Search {
 }
 
 impl Search {
-    fn new(close: &[[u32; 2]], x: &Soa, d: &Soa, frame: &Frame) -> Self {
+    fn new(ends: &[[usize; 2]; LANES], x: &Soa, d: &Soa, frame: &Frame) -> Self {
         let mut search = Self { from: PointBlock::default(), way: PointBlock::default() };
-        for lane in 0..LANES {
-            // Unused lanes look for what the last one does.
-            let [a, b] = close[lane.min(close.len() - 1)].map(|slot| slot as usize);
+        for (lane, &[a, b]) in ends.iter().enumerate() {
             let (from, to) = (x.get(a) + d.get(a), x.get(b) + d.get(b));
             let (from, to) = (frame.to_local(from), frame.to_local(to));
             search.from.set(lane, from);
@@ -332,7 +393,7 @@ impl Search {
         let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
         let mut inner = [[GOLDEN; LANES], [1.0 - GOLDEN; LANES]];
         let mut found = [self.distances(&inner[0], motion), self.distances(&inner[1], motion)];
-        for _ in 0..super::tune(2, 6.0) as usize {
+        for _ in 0..STEPS {
             let mut probe = [0.0; LANES];
             for i in 0..LANES {
                 let is_low = found[0][i] < found[1][i];
@@ -344,7 +405,8 @@ impl Search {
             let new = self.distances(&probe, motion);
             for i in 0..LANES {
                 let is_low = found[0][i] < found[1][i];
-                let kept = if is_low { (inner[0][i], found[0][i]) } else { (inner[1][i], found[1][i]) };
+                let kept =
+                    if is_low { (inner[0][i], found[0][i]) } else { (inner[1][i], found[1][i]) };
                 let new = (probe[i], new[i]);
                 let (first, second) = if is_low { (new, kept) } else { (kept, new) };
                 (inner[0][i], found[0][i]) = first;

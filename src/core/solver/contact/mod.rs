@@ -47,6 +47,8 @@ const LIGHT: f32 = 8.0;
 const HEAVY: f32 = 32.0;
 /// The least part of its inverse mass that corrections see of what friction holds.
 const LEAST_SLIP: f32 = 0.2;
+/// The least part that they see along the normal of what is an end of an edge.
+const LEAST_END: f32 = 0.1;
 /// Time over which the mean is taken of how far a particle slips \[s\]: a mobility that followed each substep's would
 /// shake the cloth.
 pub(super) const FOLLOWING: f32 = 0.01;
@@ -91,8 +93,6 @@ fn slip_of(went: f32, held: f32, pressed: f32, least: f32, skin: &Skin) -> f32 {
     larger(slips, if light < 1.0 { light } else { 1.0 })
 }
 
-pub fn tune(i: usize, d: f32) -> f32 { std::env::var(format!("T{i}")).ok().and_then(|s| s.parse().ok()).unwrap_or(d) }
-fn least_end() -> f32 { std::env::var("LE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.2) }
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
     pub bands: &'a Bands,
@@ -100,7 +100,7 @@ pub(super) struct ResolveContacts<'a> {
     pub origin: Vec3,
     pub span: Span,
     pub skin: Skin,
-    pub inverse_mass: &'a [f32],
+    pub inverse_mass: &'a mut [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
     /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
@@ -140,6 +140,9 @@ impl ResolveContacts<'_> {
     /// fastest particle goes in this substep \[m\].
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
         let (room, set) = (&mut *self.room, &mut *self.set);
+        if let Some((edges, _)) = self.edges {
+            room.edge_until.resize(room.awake.len() * edges.count(), 0.0);
+        }
         let Awake { collider, first, gone } = room.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
@@ -152,6 +155,12 @@ impl ResolveContacts<'_> {
         let rule = self
             .edges
             .and_then(|(edges, stretch)| Some((edges, Rule::new(edges, &motion, skin, stretch)?)));
+        let freed = set.freed.iter().filter(|freed| freed[1] as usize == collider);
+        let freed: Vec<_> =
+            freed.map(|&[slot, _]| (slot as usize, self.inverse_mass[slot as usize])).collect();
+        for &(slot, _) in &freed {
+            self.inverse_mass[slot] = 0.0;
+        }
         let met = bands::run(
             isa,
             MeetCollider {
@@ -184,6 +193,9 @@ impl ResolveContacts<'_> {
                 },
             },
         );
+        for &(slot, w) in freed.iter().rev() {
+            self.inverse_mass[slot] = w;
+        }
         room.struck |= met.struck;
         room.pushed += met.deepest;
         let Tally { given, owed, left, touching } = &met.tally;
@@ -198,6 +210,8 @@ impl ResolveContacts<'_> {
                 edges,
                 nearby: &mut room.nearby,
                 rule,
+                until: &mut room.edge_until[k * edges.count()..][..edges.count()],
+                gone,
                 motion: &motion,
                 skin,
                 inverse_mass: self.inverse_mass,

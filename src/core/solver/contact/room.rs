@@ -26,6 +26,8 @@ pub(in crate::solver) struct ContactRoom {
     /// The way at which the particles of a block may touch a collider \[m\]: for each awake collider,
     /// all blocks.
     pub until: Vec<f32>,
+    /// The same of edges: for each place in `awake`, all edges.
+    pub edge_until: Vec<f32>,
     /// How particles lie to a collider, while its edges are held out.
     pub nearby: Nearby,
     /// How far any particle has gone since the tick began, at most \[m\].
@@ -89,6 +91,7 @@ impl ContactRoom {
             blocks,
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
+            edge_until: Vec::new(),
             nearby: Nearby::new(layout.len()),
             gone: 0.0,
             pushed: 0.0,
@@ -113,6 +116,7 @@ impl ContactRoom {
     ) {
         self.awake.clear();
         self.until.clear();
+        self.edge_until.clear();
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
@@ -178,6 +182,8 @@ impl ContactRoom {
                 let until = &mut self.until[first..];
                 isa.run(BlockGaps { layout, x, origin, bounds, held, before, until });
             }
+            // Places shift.
+            self.edge_until.clear();
             self.awake.insert(place, Awake { collider: index, first, gone: 0.0 });
             place += 1;
         }
