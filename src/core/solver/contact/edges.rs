@@ -12,7 +12,9 @@
 use bevy_math::Vec3;
 
 use super::super::bands::CutAt;
+use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
+use super::super::lattice::Layout;
 use super::super::topology::Topology;
 use super::active_set::ActiveSet;
 use super::collider::{Frame, Motion};
@@ -41,45 +43,62 @@ const UNSURE: f32 = 0.06;
 /// The smaller part of a golden section.
 const GOLDEN: f32 = 0.381_966_02;
 
-/// The edges of a cloth, in the order of their first ends.
+/// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
+const FAN: usize = 4;
+
+/// The edges of a cloth.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct Edges {
-    ends: Vec<[u32; 2]>,
-    /// Edges whose first ends are in block i: from `first[i]` to `first[i + 1]`.
-    first: Vec<u32>,
     /// Length of the longest at rest \[m\].
     longest: f32,
+    joined: Joined,
+}
+
+/// What they join.
+#[derive(Clone, Debug)]
+enum Joined {
+    /// Neighbours of a lattice: slots from one to the other. Edge `FAN s + i` goes from slot s on by the i-th of them.
+    Neighbours { hops: [usize; FAN], slots: usize },
+    /// Any particles, in the order of the first; edges from block i are from `first[i]` to `first[i + 1]`.
+    Pairs { ends: Vec<[u32; 2]>, first: Vec<u32> },
 }
 
 impl Edges {
     /// Those of a cloth.
     pub fn new(topology: &Topology) -> Self {
-        let (mut ends, mut longest) = (Vec::new(), 0.0_f32);
-        for (a, b, rest) in topology.structural_springs() {
-            let (a, b) = (topology.slot(a) as u32, topology.slot(b) as u32);
-            ends.push([a.min(b), a.max(b)]);
-            longest = longest.max(rest);
-        }
+        let mut longest = topology.structural_springs().map(|(.., rest)| rest).fold(0.0, f32::max);
+        let slots = topology.layout().len();
         if let Some(lattice) = topology.as_lattice() {
-            let layout = lattice.layout;
-            for row in 0..layout.rows - 1 {
-                for column in 0..layout.columns - 1 {
-                    let [at, below] = [row, row + 1].map(|row| layout.slot(row, column) as u32);
-                    ends.extend([[at, below + 1], [at + 1, below]]);
-                    longest = longest.max(lattice.diagonal.rest[at as usize]);
-                }
-            }
+            let stride = lattice.layout.stride;
+            let across = lattice.diagonal.rest.iter().chain(&*lattice.antidiagonal_rest);
+            longest = across.fold(longest, |longest, &rest| longest.max(rest));
+            let hops = [1, stride - 1, stride, stride + 1];
+            return Self { longest, joined: Joined::Neighbours { hops, slots } };
         }
+        let slot = |particle| topology.slot(particle) as u32;
+        let springs = topology.structural_springs().map(|(a, b, _)| [slot(a), slot(b)]);
+        let mut ends: Vec<_> = springs.map(|[a, b]| [a.min(b), a.max(b)]).collect();
         ends.sort_unstable();
-        let blocks = (topology.layout().len() / LANES) as u32;
-        let before = |block| ends.partition_point(|&[a, _]| a < block * LANES as u32) as u32;
-        let first = (0..=blocks).map(before).collect();
-        Self { ends, first, longest }
+        let before = |block| ends.partition_point(|&[a, _]| (a as usize) < block * LANES) as u32;
+        let first = (0..=slots / LANES).map(before).collect();
+        Self { longest, joined: Joined::Pairs { ends, first } }
     }
 
-    /// How many there are.
+    /// How many there are, with those that lead beside the sheet.
     pub fn count(&self) -> usize {
-        self.ends.len()
+        match &self.joined {
+            Joined::Neighbours { slots, .. } => FAN * slots,
+            Joined::Pairs { ends, .. } => ends.len(),
+        }
+    }
+
+    /// The slots that one joins.
+    fn ends(&self, edge: u32) -> [usize; 2] {
+        let edge = edge as usize;
+        match &self.joined {
+            Joined::Neighbours { hops, .. } => [edge / FAN, edge / FAN + hops[edge % FAN]],
+            Joined::Pairs { ends, .. } => ends[edge].map(|slot| slot as usize),
+        }
     }
 }
 
@@ -126,31 +145,94 @@ impl Nearby {
             }
         }
     }
+}
 
-    /// Finds the edges that may be held, and do not lie along a side that is gently curved.
-    fn find(&mut self, edges: &Edges, rule: &Rule, x: &Soa, d: &Soa, gone: f32, until: &mut [f32]) {
-        self.close.clear();
-        for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
-            let [first, last] = [block, block + 1].map(|block| edges.first[block] as usize);
-            for edge in first..last {
-                if until[edge] > gone {
-                    continue;
-                }
-                let [a, b] = edges.ends[edge].map(|slot| slot as usize);
-                let gap = self.gap[a] + self.gap[b];
-                if gap >= rule.reach || self.normal.get(a).dot(self.normal.get(b)) >= rule.alike {
-                    continue;
-                }
-                let way = (x.get(b) - x.get(a)) + (d.get(b) - d.get(a));
-                // Both ends may come nearer.
-                let slack = 0.5 * (gap - way.dot(way).sqrt() - rule.less);
-                if slack > 0.0 {
-                    until[edge] = gone + slack;
-                } else {
-                    self.close.push(edge as u32);
+/// Finds the edges that may be held, and do not lie along a side that is gently curved: which of each block's do.
+struct FindClose<'a> {
+    edges: &'a Edges,
+    nearby: &'a mut Nearby,
+    rule: Rule,
+    inside: Inside,
+    until: &'a [f32],
+    gone: f32,
+}
+
+impl Kernel for FindClose<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        self.nearby.close.clear();
+        for block in 0..self.nearby.blocks.len() {
+            if !self.nearby.blocks[block] {
+                continue;
+            }
+            match &self.edges.joined {
+                &Joined::Neighbours { hops, .. } => self.look_at_fans(block, hops),
+                Joined::Pairs { ends, first } => {
+                    for edge in first[block]..first[block + 1] {
+                        let [a, b] = ends[edge as usize].map(|slot| slot as usize);
+                        let Nearby { gap, normal, .. } = &*self.nearby;
+                        let cosine = normal.get(a).dot(normal.get(b));
+                        if gap[a] + gap[b] < self.rule.reach && cosine < self.rule.alike {
+                            self.take(edge);
+                        }
+                    }
                 }
             }
         }
+    }
+}
+
+impl FindClose<'_> {
+    #[inline(always)]
+    fn look_at_fans(&mut self, block: usize, hops: [usize; FAN]) {
+        let slot = block * LANES;
+        let Nearby { gap, normal, .. } = &*self.nearby;
+        let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
+        let mut found = [Block::ZERO; FAN];
+        let mut any = Block::ZERO;
+        for (found, hop) in found.iter_mut().zip(hops) {
+            let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
+            for i in 0..LANES {
+                let cosine = normal0.at(i).dot(normal1.at(i));
+                let reaches = gap0.0[i] + gap1.0[i] < self.rule.reach;
+                let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
+                found.0[i] = if reaches { differs } else { 0.0 };
+                any.0[i] = larger(found.0[i], any.0[i]);
+            }
+        }
+        if any.largest() == 0.0 {
+            return;
+        }
+        for lane in (0..LANES).filter(|&lane| any.0[lane] > 0.0) {
+            for (i, (found, hop)) in found.iter().zip(hops).enumerate() {
+                let from = slot + lane;
+                if found.0[lane] > 0.0 && self.inside.has(from) && self.inside.has(from + hop) {
+                    self.take((from * FAN + i) as u32);
+                }
+            }
+        }
+    }
+
+    /// Takes an edge, unless it has been found to be further away.
+    #[inline(always)]
+    fn take(&mut self, edge: u32) {
+        if self.until[edge as usize] <= self.gone {
+            self.nearby.close.push(edge);
+        }
+    }
+}
+
+/// Which slots are of particles.
+#[derive(Clone, Copy)]
+struct Inside(Layout);
+
+impl Inside {
+    #[inline(always)]
+    fn has(&self, slot: usize) -> bool {
+        let from = slot.wrapping_sub(self.0.slot(0, 0));
+        from / self.0.stride < self.0.rows && from % self.0.stride < self.0.columns
     }
 }
 
@@ -186,8 +268,6 @@ impl NearbyMut<'_> {
 pub(super) struct Rule {
     /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
     pub reach: f32,
-    /// The same beyond its length.
-    less: f32,
     /// Least cosine between normals of a side that is gently curved.
     alike: f32,
 }
@@ -207,13 +287,14 @@ impl Rule {
         let angle = 8.0 * sagitta / length;
         let less = 2.0 * (HELD - 1.0) * skin.epsilon + motion.reach;
         let reach = length + less;
-        (reach > 0.0).then_some(Self { reach, less, alike: 1.0 - 0.5 * angle * angle })
+        (reach > 0.0).then_some(Self { reach, alike: 1.0 - 0.5 * angle * angle })
     }
 }
 
 /// Holds the edges of a cloth out of one collider.
 pub(super) struct HoldEdges<'a> {
     pub edges: &'a Edges,
+    pub layout: Layout,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
     /// The ways at which edges may touch, and the way that has been gone, as `ContactRoom` counts it \[m\].
@@ -241,9 +322,15 @@ pub(super) struct EdgesHeld {
 }
 
 impl HoldEdges<'_> {
-    pub fn run(mut self) -> EdgesHeld {
-        let (edges, rule) = (self.edges, &self.rule);
-        self.nearby.find(edges, rule, self.x, self.d, self.gone, self.until);
+    pub fn run(mut self, isa: Isa) -> EdgesHeld {
+        isa.run(FindClose {
+            edges: self.edges,
+            nearby: self.nearby,
+            rule: self.rule,
+            inside: Inside(self.layout),
+            until: self.until,
+            gone: self.gone,
+        });
         let close = core::mem::take(&mut self.nearby.close);
         let mut held = EdgesHeld::default();
         for close in close.chunks(LANES) {
@@ -259,8 +346,7 @@ impl HoldEdges<'_> {
         let mut ends = [[0; 2]; LANES];
         for (lane, ends) in ends.iter_mut().enumerate() {
             // Unused lanes look for what the last one does.
-            *ends =
-                self.edges.ends[close[lane.min(close.len() - 1)] as usize].map(|it| it as usize);
+            *ends = self.edges.ends(close[lane.min(close.len() - 1)]);
         }
         let search = Search::new(&ends, self.x, self.d, &self.motion.after);
         let (at, distance) = search.nearest(self.motion);

@@ -208,6 +208,7 @@ impl ResolveContacts<'_> {
         if let Some((edges, rule)) = rule {
             let held = HoldEdges {
                 edges,
+                layout: self.bands.rows.layout,
                 nearby: &mut room.nearby,
                 rule,
                 until: &mut room.edge_until[k * edges.count()..][..edges.count()],
@@ -221,7 +222,7 @@ impl ResolveContacts<'_> {
                 set,
                 collider,
             };
-            let held = held.run();
+            let held = held.run(isa);
             room.pushed += held.pushed;
             if motion.measured {
                 set.impulses.give([held.share(collider)], self.skin.step);
