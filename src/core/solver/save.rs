@@ -228,19 +228,21 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
-            contacts: (now.any || impulses.are_measured()).then(|| SavedContacts {
-                normals: by_particle(&now.normal),
-                before: by_particle(&before.normal),
-                slips: values(&now.slip)
-                    .into_iter()
-                    .zip(values(&before.slip))
-                    .map(Into::into)
-                    .collect(),
-                velocities: by_particle(velocity),
-                holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
-                ends: ends_at(topology, ends),
-                freed: freed_by_particle(topology, freed),
-                owed: impulses.owed(),
+            contacts: (now.any || impulses.are_measured() || !freed.is_empty()).then(|| {
+                SavedContacts {
+                    normals: by_particle(&now.normal),
+                    before: by_particle(&before.normal),
+                    slips: values(&now.slip)
+                        .into_iter()
+                        .zip(values(&before.slip))
+                        .map(Into::into)
+                        .collect(),
+                    velocities: by_particle(velocity),
+                    holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+                    ends: ends_at(topology, ends),
+                    freed: freed_by_particle(topology, freed),
+                    owed: impulses.owed(),
+                }
             }),
             tick: plan.tick,
             pins: held.particles.clone(),
@@ -341,6 +343,7 @@ impl ClothSolver {
             let freed = freed.iter();
             let at = |&[p, it]: &[u32; 2]| [topology.slot(p as usize) as u32, it];
             set.freed = freed.map(at).collect();
+            set.freed.sort_unstable();
             set.now.find();
             set.before.find();
         }

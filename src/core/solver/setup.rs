@@ -49,15 +49,16 @@ impl ClothSolver {
         held.set_density(&topology, material.area_density);
         let bound = Bound::new(&topology, &held);
         let state = State::new(&topology, positions);
+        let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
-            scratch: Scratch::new(&topology),
+            scratch: Scratch::new(&topology, edges.count()),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
             shares: true,
             tethered_under: None,
             tether_ease: 1.0,
-            edges: Edges::new(&topology),
+            edges,
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,

@@ -151,7 +151,8 @@ impl Line {
 }
 
 impl Scratch {
-    pub fn new(topology: &Topology) -> Self {
+    /// For a cloth of so many edges.
+    pub fn new(topology: &Topology, edges: usize) -> Self {
         let layout = topology.layout();
         let len = layout.len();
         // What only a lattice's threads and hinges work in.
@@ -173,7 +174,7 @@ impl Scratch {
             graph: topology.as_graph().map(|graph| Room::new(graph)),
             study: None,
             carries: false,
-            contact: ContactRoom::new(&Band::all(layout)),
+            contact: ContactRoom::new(&Band::all(layout), edges),
             seams: Seams::new(bands.rows),
         }
     }

@@ -165,8 +165,8 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            ends: Vec::new(),
-            next_ends: Vec::new(),
+            ends: Vec::with_capacity(slots),
+            next_ends: Vec::with_capacity(slots),
             freed: Vec::new(),
             next_freed: Vec::new(),
             pressed: Soa::zeros(slots),
@@ -244,6 +244,12 @@ impl ActiveSet {
             self.holder[slot] = collider as f32;
             self.velocity.set(slot, surface);
         }
+    }
+
+    /// How many ends of edges are pressed that do not lie on a collider by themselves.
+    pub fn lone_ends(&self) -> u32 {
+        let is_lone = |end: &&End| self.next.normal.get(end.slot as usize) == Vec3::ZERO;
+        self.next_ends.iter().filter(is_lone).count() as u32
     }
 
     /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them

@@ -32,6 +32,8 @@ const HOOKED_STRETCH: f32 = 2.0;
 const HOOKED_DEPTH: f32 = 2.0;
 /// So long it stays, as long as it is inside at all, until it is free.
 const UNHOOKED_STRETCH: f32 = 1.25;
+/// Multiple of epsilon by which an end is nearer than that where it is inside, and did not only begin to touch.
+const INSIDE: f32 = 2.0;
 /// Part of an edge by which a collider may go in a substep and count as slow.
 const SLOW: f32 = 0.125;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
@@ -43,6 +45,8 @@ const UNSURE: f32 = 0.06;
 /// The smaller part of a golden section.
 const GOLDEN: f32 = 0.381_966_02;
 
+/// Edges that are looked at closely in a substep that there is room for from the start.
+const FEW_CLOSE: usize = 4096;
 /// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
 const FAN: usize = 4;
 
@@ -113,6 +117,8 @@ pub(in crate::solver) struct Nearby {
     normal: Soa,
     /// Edges that are looked at closely, by their places in the list.
     close: Vec<u32>,
+    /// Those of them that are to be moved out, and where.
+    places: Vec<(u32, f32)>,
 }
 
 impl Nearby {
@@ -124,7 +130,8 @@ impl Nearby {
             blocks: vec![false; slots / LANES],
             gap,
             normal: Soa::zeros(slots),
-            close: Vec::new(),
+            close: Vec::with_capacity(FEW_CLOSE),
+            places: Vec::with_capacity(FEW_CLOSE),
         }
     }
 
@@ -174,7 +181,9 @@ impl Kernel for FindClose<'_> {
                         let [a, b] = ends[edge as usize].map(|slot| slot as usize);
                         let Nearby { gap, normal, .. } = &*self.nearby;
                         let cosine = normal.get(a).dot(normal.get(b));
-                        if gap[a] + gap[b] < self.rule.reach && cosine < self.rule.alike {
+                        let is_out = gap[a] > self.rule.inside && gap[b] > self.rule.inside;
+                        let reaches = gap[a] + gap[b] < self.rule.reach;
+                        if is_out && reaches && cosine < self.rule.alike {
                             self.take(edge);
                         }
                     }
@@ -196,7 +205,9 @@ impl FindClose<'_> {
             let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
             for i in 0..LANES {
                 let cosine = normal0.at(i).dot(normal1.at(i));
+                let least = if gap0.0[i] < gap1.0[i] { gap0.0[i] } else { gap1.0[i] };
                 let reaches = gap0.0[i] + gap1.0[i] < self.rule.reach;
+                let reaches = reaches && least > self.rule.inside;
                 let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
                 found.0[i] = if reaches { differs } else { 0.0 };
                 any.0[i] = larger(found.0[i], any.0[i]);
@@ -268,6 +279,8 @@ impl NearbyMut<'_> {
 pub(super) struct Rule {
     /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
     pub reach: f32,
+    /// Gap below which an end is inside: it comes out by itself, before its edges are held.
+    inside: f32,
     /// Least cosine between normals of a side that is gently curved.
     alike: f32,
 }
@@ -287,7 +300,11 @@ impl Rule {
         let angle = 8.0 * sagitta / length;
         let less = 2.0 * (HELD - 1.0) * skin.epsilon + motion.reach;
         let reach = length + less;
-        (reach > 0.0).then_some(Self { reach, alike: 1.0 - 0.5 * angle * angle })
+        (reach > 0.0).then_some(Self {
+            reach,
+            inside: -INSIDE * skin.epsilon - motion.reach,
+            alike: 1.0 - 0.5 * angle * angle,
+        })
     }
 }
 
@@ -323,6 +340,12 @@ pub(super) struct EdgesHeld {
 
 impl HoldEdges<'_> {
     pub fn run(mut self, isa: Isa) -> EdgesHeld {
+        // What passes through may be inside.
+        for &[slot, collider] in &self.set.freed {
+            if collider as usize == self.collider && self.nearby.blocks[slot as usize / LANES] {
+                self.nearby.gap[slot as usize] = 0.0;
+            }
+        }
         isa.run(FindClose {
             edges: self.edges,
             nearby: self.nearby,
@@ -331,18 +354,23 @@ impl HoldEdges<'_> {
             until: self.until,
             gone: self.gone,
         });
+        // All are searched before any is moved: what is passed over as it is too far changes no bit of the others.
         let close = core::mem::take(&mut self.nearby.close);
-        let mut held = EdgesHeld::default();
+        let mut places = core::mem::take(&mut self.nearby.places);
         for close in close.chunks(LANES) {
-            self.hold(close, &mut held);
+            self.search(close, &mut places);
         }
-        self.nearby.close = close;
+        let mut held = EdgesHeld::default();
+        for (edge, t) in places.drain(..) {
+            self.push_out(self.edges.ends(edge), t, &mut held);
+        }
+        (self.nearby.close, self.nearby.places) = (close, places);
         self.nearby.clear();
         held
     }
 
-    /// Holds so many edges at once.
-    fn hold(&mut self, close: &[u32], held: &mut EdgesHeld) {
+    /// Searches so many edges at once, and notes the places of those that are to be moved out.
+    fn search(&mut self, close: &[u32], places: &mut Vec<(u32, f32)>) {
         let mut ends = [[0; 2]; LANES];
         for (lane, ends) in ends.iter_mut().enumerate() {
             // Unused lanes look for what the last one does.
@@ -353,7 +381,7 @@ impl HoldEdges<'_> {
         for (lane, &edge) in close.iter().enumerate() {
             let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
             if gap < 0.0 {
-                self.push_out(ends[lane], at[lane], held);
+                places.push((edge, at[lane]));
             } else {
                 let unsure = self.motion.overestimate + UNSURE * self.edges.longest;
                 self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
@@ -393,7 +421,9 @@ impl HoldEdges<'_> {
             (HOOKED_STRETCH, HOOKED_DEPTH * skin.epsilon)
         };
         let hooked = stretch * self.edges.longest;
-        if depth > deep && along.dot(along) > hooked * hooked {
+        // What is fast still pushes what it hooks.
+        let is_slow = motion.reach <= SLOW * self.edges.longest;
+        if is_slow && depth > deep && along.dot(along) > hooked * hooked {
             for slot in [a, b] {
                 self.set.next_freed.push([slot as u32, self.collider as u32]);
             }

@@ -132,6 +132,7 @@ impl ResolveContacts<'_> {
             let (step, notes) = (self.skin.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
+        touching += self.set.lone_ends();
         self.set.turn(self.d, &self.skin);
         touching
     }

@@ -16,6 +16,8 @@ use super::edges::Nearby;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
+/// The same of those that are thin or sharp.
+const FEW_WITH_EDGES: usize = 2;
 
 /// What contact remembers from substep to substep of a tick.
 #[derive(Clone, Debug)]
@@ -84,14 +86,15 @@ pub(in crate::solver) struct Awake {
 }
 
 impl ContactRoom {
-    pub fn new(band: &Band) -> Self {
+    /// For a cloth of so many edges.
+    pub fn new(band: &Band, edges: usize) -> Self {
         let layout = band.layout;
         let blocks = layout.len() / LANES;
         Self {
             blocks,
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
-            edge_until: Vec::new(),
+            edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges),
             nearby: Nearby::new(layout.len()),
             gone: 0.0,
             pushed: 0.0,

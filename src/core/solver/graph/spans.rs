@@ -60,17 +60,17 @@ impl Spans {
         Self(spans)
     }
 
-    /// Brakes the bending of all, one after the other, by no more than what stops it. `most` is what friction moves a
+    /// Brakes the bending of all, one after the other, by no more than `part` of what stops it. `most` is what friction moves a
     /// particle of mass one by \[m\], for a force of one.
-    pub fn brake(&self, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
+    pub fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
         for span in &self.0 {
-            span.brake(most, inverse_mass, x, d);
+            span.brake(part, most, inverse_mass, x, d);
         }
     }
 }
 
 impl Span {
-    fn brake(&self, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
+    fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
         let [middle, around @ ..] = self.slots.map(|slot| slot as usize);
         let (here, moved) = (x.get(middle), d.get(middle));
         let ways = around.map(|slot| x.get(slot) - here);
@@ -86,7 +86,7 @@ impl Span {
             return;
         }
         let most = most * self.most;
-        let impulse = (bend.dot(rate) / (length * w)).clamp(-most, most);
+        let impulse = (part * bend.dot(rate) / (length * w)).clamp(-most, most);
         let impulse = bend * (impulse / length);
         d.set(middle, moved + impulse * inverse_mass[middle]);
         for (slot, weight) in around.into_iter().zip(weights) {
