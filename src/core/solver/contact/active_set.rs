@@ -409,25 +409,31 @@ impl Kernel for HoldOnto<'_> {
                 let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
-                let borne = before.dot(carried);
-                let whole = before.dot(before) >= WHOLE;
-                let along = if whole { carried - before * borne } else { carried };
+                let (square, square_before) = (n.dot(n), before.dot(before));
+                let (lies, lay) = (square >= WHOLE, square_before >= WHOLE);
+                let was_let_go = square == 0.0 && lay;
                 let held = if slip_before < slip { slip_before / slip } else { 1.0 };
-                let along = along * held;
-                let own = moved.at(i) - carried;
-                dropped.set(i, carried - along - n * borne);
-                let is_free = n.dot(n) < WHOLE || w.0[i] == 0.0;
-                let relative = own + along - velocity.at(i) * step;
-                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
-                load.0[i] = if is_free {
-                    n.dot(along) / larger(w.0[i], f32::MIN_POSITIVE)
+                let borne = before.dot(carried);
+                // Of the end of an edge, as far as it is now freer than it was.
+                let freer = if square < square_before {
+                    (1.0 - square / square_before) / (1.0 - square)
                 } else {
-                    borne / w.0[i]
+                    0.0
                 };
-                let n = if is_end(before) && n.dot(n) < before.dot(before) { before } else { n };
+                let left_out = if lies && lay { 1.0 } else { freer };
+                let along = (carried - before * (borne * left_out)) * held;
+                let along = if was_let_go { carried } else { along };
+                let own = moved.at(i) - carried;
+                let is_free = !lies || w.0[i] == 0.0;
+                let relative = own + along - velocity.at(i) * step;
+                let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
+                let borne = if lay { borne } else { 0.0 };
+                load.0[i] = if is_free { n.dot(along) } else { borne } * mass;
+                dropped.set(i, carried - along - if lies { n * borne } else { Vec3::ZERO });
                 let along = along - n * n.dot(along);
-                let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
-                let own = if is_free { moved.at(i) - carried } else { own };
+                let held_own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
+                let own = if is_free { own } else { held_own };
                 unpulled.set(i, own);
                 moved.set(i, own + along * slip);
             }
@@ -529,7 +535,8 @@ impl ActiveSet {
     }
 
     fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
-        self.held_slots(inverse_mass).map(|(slot, w)| {
+        let touched = self.touched_slots(inverse_mass);
+        touched.filter(|&(slot, _)| self.dropped.get(slot) != Vec3::ZERO).map(|(slot, w)| {
             let dropped = self.dropped.get(slot) / w;
             Share { collider: self.holder[slot] as usize, given: dropped, owed: dropped }
         })
@@ -568,9 +575,17 @@ impl ActiveSet {
         &'a self,
         inverse_mass: &'a [f32],
     ) -> impl Iterator<Item = (usize, f32)> + 'a {
+        let touched = self.touched_slots(inverse_mass);
+        touched.filter(|&(slot, _)| self.now.normal.get(slot) != Vec3::ZERO)
+    }
+
+    /// Slots of blocks of which any particle is, but for pins.
+    fn touched_slots<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+    ) -> impl Iterator<Item = (usize, f32)> + 'a {
         let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
         let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
-        let all = slots.map(|slot| (slot, inverse_mass[slot]));
-        all.filter(|&(slot, w)| w > 0.0 && self.now.normal.get(slot) != Vec3::ZERO)
+        slots.map(|slot| (slot, inverse_mass[slot])).filter(|&(_, w)| w > 0.0)
     }
 }

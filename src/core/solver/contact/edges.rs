@@ -34,8 +34,16 @@ const HOOKED_DEPTH: f32 = 2.0;
 const UNHOOKED_STRETCH: f32 = 1.25;
 /// Multiple of epsilon by which an end is nearer than that where it is inside, and did not only begin to touch.
 const INSIDE: f32 = 2.0;
+/// Cosine between the normal of an end and the way in, from which on it lies beyond the solid.
+const BEYOND: f32 = 0.25;
+/// What an end goes at most, in ways of the place of its edge that is moved.
+const MOST_SHARE: f32 = 2.0;
+/// Places that are looked at on a way of an end that is pushed by what is fast.
+const LOOKS: u32 = 8;
 /// Part of an edge by which a collider may go in a substep and count as slow.
 const SLOW: f32 = 0.125;
+/// The same from which on it passes edges within a substep, and only particles are held.
+const FAST: f32 = 0.75;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
 /// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.
@@ -293,6 +301,9 @@ impl Rule {
         // An arc over a chord, and the angle between its normals: the sagitta is an eighth of their product.
         let sagitta = larger(HELD * skin.epsilon, SAGITTA * length);
         // What is fast stretches edges, and then passes between particles whatever its curvature.
+        if motion.reach > FAST * length {
+            return None;
+        }
         let is_slow = motion.reach <= SLOW * length;
         if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
             return None;
@@ -421,6 +432,9 @@ impl HoldEdges<'_> {
             (HOOKED_STRETCH, HOOKED_DEPTH * skin.epsilon)
         };
         let hooked = stretch * self.edges.longest;
+        // An end beyond the solid would be moved into it.
+        let faces = |slot| self.nearby.normal.get(slot).dot(normal);
+        let is_beyond = larger(-faces(a), -faces(b)) > BEYOND;
         // What is fast still pushes what it hooks.
         let is_slow = motion.reach <= SLOW * self.edges.longest;
         if is_slow && depth > deep && along.dot(along) > hooked * hooked {
@@ -429,7 +443,7 @@ impl HoldEdges<'_> {
             }
             return;
         }
-        if passes {
+        if passes || is_beyond {
             return;
         }
         let surface = if motion.moves { place - motion.before.to_world(local) } else { Vec3::ZERO };
@@ -448,8 +462,22 @@ impl HoldEdges<'_> {
         let part = larger(left, 0.0) / sliding;
         let braked = tangential * if part < 1.0 { part } else { 1.0 };
         let (into_d, into_x) = (normal * undone - braked, normal * rest);
-        for ((slot, part), w) in [a, b].into_iter().zip(parts).zip(w) {
-            let share = part * w / mobility;
+        // What is fast would push an end through itself, on a way that nothing looks at any more.
+        let goes_through = |slot: usize, share: f32| {
+            let (from, way) = (self.x.get(slot), self.d.get(slot) + (into_d + into_x) * share);
+            let (from, to) = (motion.before.to_local(from), motion.after.to_local(from + way));
+            let looks = (1..=LOOKS).map(|i| from.lerp(to, i as f32 / LOOKS as f32));
+            looks.fold(f32::INFINITY, |least, at| least.min(motion.shape.distance(at))) < 0.0
+        };
+        let shares = [parts[0] * w[0] / mobility, parts[1] * w[1] / mobility];
+        // Next to an end that is held, the other would be thrown about.
+        let most = larger(shares[0], shares[1]);
+        let part = if most > MOST_SHARE { MOST_SHARE / most } else { 1.0 };
+        let shares = shares.map(|share| share * part);
+        if !is_slow && (goes_through(a, shares[0]) || goes_through(b, shares[1])) {
+            return;
+        }
+        for (slot, share) in [a, b].into_iter().zip(shares) {
             self.d.set(slot, self.d.get(slot) + into_d * share);
             self.x.set(slot, self.x.get(slot) + into_x * share);
             if let Some(pull) = &mut self.pull {
@@ -460,8 +488,10 @@ impl HoldEdges<'_> {
             self.set.press_end(slot, self.collider, by, velocity, motion.friction);
             held.pushed = larger(share * (undone + rest), held.pushed);
         }
-        held.given -= into_d * (1.0 / mobility);
-        self.brake_turning([a, b], normal, (undone + pressed) / mobility);
+        held.given -= into_d * (part / mobility);
+        if is_slow {
+            self.brake_turning([a, b], normal, (undone + pressed) / mobility);
+        }
     }
 
     /// Brakes the turning of an edge about where it is held, which nothing else stops: it is pressed by `load` there \[kg m\].
