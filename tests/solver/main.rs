@@ -5,6 +5,7 @@
 mod air;
 mod automatic;
 mod bending;
+mod bending_friction;
 mod carry;
 mod common;
 mod contact;

@@ -26,3 +26,4 @@ mod rest;
 mod squeezed;
 mod starts;
 mod teleports;
+mod thin;

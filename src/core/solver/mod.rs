@@ -36,6 +36,7 @@
 //! | `push` | forces, impulses and changes of velocity from outside |
 //! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
 //! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
+//! | `bending_friction` | friction between the yarns, which brings a cloth to rest |
 //! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
 //! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
 //! | `bands` | large sheets cut into bands of rows, which threads share |

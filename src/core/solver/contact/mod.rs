@@ -7,7 +7,7 @@
 //!
 //! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
 //! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). Corrections know what
-//! lies on a collider (`active_set`).
+//! lies on a collider (`active_set`). After the particles come the edges between them (`edges`).
 
 mod active_set;
 mod collider;
