@@ -2,8 +2,10 @@
 //! spin; a swing ends; without it nothing changes.
 
 use crate::common::*;
-use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping, Material, Topology};
+use bevy::math::{Vec2, Vec3, primitives::Sphere};
+use bevy_drape::solver::{
+    ClothSolver, Collider, FormChoice, MassLumping, Material, Pose, Topology,
+};
 
 const N: usize = 24;
 
@@ -48,26 +50,30 @@ fn a_free_cloth_keeps_its_momentum_and_its_spin() {
     }
 }
 
-/// A sheet that hangs from two corners bends as it swings. Its drag of 0.2 /s alone leaves a third of its speed.
+/// What hangs from a ball sways. Its drag of 0.2 /s alone leaves a third of its speed after ten seconds.
 #[test]
-fn a_swing_ends() {
+fn a_dropped_cloth_is_still_after_ten_seconds() {
     let speed = |friction: f32| {
         let lattice = sheet(Vec2::ONE, N, N, MassLumping::Lumped);
         let material = Material {
             thread_stiffness: 2000.0,
             shear_stiffness: 100.0,
-            drag: 0.2,
+            flexural_rigidity: 1e-5,
             bending_friction: friction,
+            drag: 0.2,
+            max_strain: 0.1,
+            friction: 0.5,
             ..plain()
         };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 16));
-        solver.set_pins(&[0, N as u32 - 1]).unwrap();
-        run(&mut solver, 640, GRAVITY, &[]);
+        let (ball, pose) = (Sphere::new(0.3), Pose::from_translation(Vec3::NEG_Y * 0.4));
+        run(&mut solver, 640, GRAVITY, &[Collider::new(&ball, pose)]);
         (2.0 * kinetic(&solver) / 0.2).sqrt()
     };
     let (without, with) = (speed(0.0), speed(2.3e-4));
-    assert!(without > 0.005, "it does not swing without friction either: {without}");
-    check_at_most("speed after ten seconds [m/s]", with, 0.5 * without);
+    println!("speed after ten seconds: {without:.2e} m/s without friction, {with:.2e} with it");
+    assert!(without > 2e-3, "it does not sway without friction either: {without}");
+    check_at_most("speed after ten seconds [m/s]", with, 0.25 * without);
 }
 
 #[test]
