@@ -570,10 +570,10 @@ impl Search {
 
     fn distances(&self, at: &[f32; LANES], motion: &Motion<'_>) -> [f32; LANES] {
         let mut points = PointBlock::default();
-        for i in 0..LANES {
-            points.x[i] = self.from.x[i] + self.way.x[i] * at[i];
-            points.y[i] = self.from.y[i] + self.way.y[i] * at[i];
-            points.z[i] = self.from.z[i] + self.way.z[i] * at[i];
+        for (i, at) in at.iter().enumerate() {
+            points.x[i] = self.from.x[i] + self.way.x[i] * at;
+            points.y[i] = self.from.y[i] + self.way.y[i] * at;
+            points.z[i] = self.from.z[i] + self.way.z[i] * at;
         }
         let mut distances = [0.0; LANES];
         motion.shape.distance_block(&points, &mut distances);
