@@ -14,9 +14,9 @@
 //!   wool suiting is 4 to 8 %). Cloth is softer at first, as its yarns straighten: this is the secant.
 //! - *Shear stiffness*: usual results of Kawabata's shear test: 0.3, 0.8, 0.6, 2 and 3 gf/cm a degree for silk,
 //!   cotton, wool, denim and canvas; one is 56.2 N/m.
-//! - *Bending friction*: 23/m times the rigidity, the ratio of half of 2HB to B in Kawabata's test of bending: 0.062
-//!   gf cm/cm to 0.136 gf cm2/cm, the means of men's winter suitings (Kawabata 1980, "The Standardization and Analysis of
-//!   Hand Evaluation"). Of rubber, what a loss factor of 0.05 makes at a radius of 5 cm.
+//! - *Bending friction*: 23/m times the rigidity, an assumption: 2HB is taken as 0.46 times B a centimetre, of the size that
+//!   Kawabata's test of bending gives for wovens (Kawabata 1980, "The Standardization and Analysis of Hand Evaluation"). No
+//!   table was at hand for each of these fabrics. Of rubber, what a loss factor of 0.05 makes at a radius of 5 cm.
 //! - *Rubber* is worked out: a sheet of 1 mm, 930 kg/m3, Young's modulus `E = 1.5 MPa`, Poisson's ratio 1/2. A
 //!   square lattice is isotropic where threads have `3/4 E h` and shear springs half of it; its
 //!   rigidity is `E h^3 / (12 (1 - 1/4))`.

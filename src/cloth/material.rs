@@ -21,7 +21,7 @@ pub struct ClothMaterial {
     /// Resistance to bending [N m]. Higher makes wider folds.
     pub flexural_rigidity: f32,
     /// Moment for each metre of width with which friction between the yarns resists a change of curvature: half of
-    /// Kawabata's hysteresis of bending, 2HB [N]. Higher comes to rest sooner; with none, a cloth swings for minutes.
+    /// Kawabata's hysteresis of bending, 2HB, in \[N\]. Higher comes to rest sooner; with none, a cloth swings for minutes.
     pub bending_friction: f32,
     /// Damping between neighbouring particles [N s/m]. Higher stops ripples sooner.
     pub damping: f32,

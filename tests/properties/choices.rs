@@ -83,8 +83,8 @@ pub fn settings() -> impl Strategy<Value = Settings> + Clone {
     let choices =
         (prop::sample::select(form), prop::sample::select(bending), prop::sample::select(lumping));
     let speeds = (logarithmic(-3, 5), logarithmic(-3, 5));
-    (substeps, choices, 0_u32..6, any::<bool>(), speeds).prop_map(
-        |(substeps, (form, bending, lumping), provot_passes, tethers, speeds)| Settings {
+    (substeps, choices, 0_u32..6, any::<[bool; 2]>(), speeds).prop_map(
+        |(substeps, (form, bending, lumping), provot_passes, [tethers, edges], speeds)| Settings {
             substeps,
             form,
             provot_passes,
@@ -95,7 +95,7 @@ pub fn settings() -> impl Strategy<Value = Settings> + Clone {
             max_speed: speeds.0.clamp(1e-3, 1e5),
             max_push_speed: speeds.1.clamp(1e-3, 1e5),
             layers: u32::MAX,
-            edges: tethers,
+            edges,
         },
     )
 }

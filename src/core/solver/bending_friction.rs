@@ -35,10 +35,11 @@ const EVERY: f32 = 1.0 / 120.0;
 /// Particles from the middle of a hinge to its ends: of the narrowest, and how many times as many of the next.
 const NARROWEST: usize = 2;
 const WIDER: usize = 4;
-/// Part of its rate that a hinge is braked by at the most, in all hinges that it meets: of threads, and of springs.
+/// Part of its rate that a hinge is braked by at the most, together with all that it shares particles with: beside
+/// threads, and beside springs.
 const MOST_OF_THREADS: f32 = 1.0;
 const MOST_OF_SPRINGS: f32 = 0.2;
-/// The same of a hinge by itself.
+/// Share of one hinge in that part.
 const PART: f32 = 0.2;
 /// Least square of a length that has a direction \[m2\].
 const LEAST_SQUARE: f32 = 1e-20;
@@ -196,7 +197,7 @@ struct Resist<'a> {
     inverse_mass: &'a [f32],
     x: &'a Soa,
     d: &'a Soa,
-    /// Times the same.
+    /// Impulses by the slots of middles, times the time that makes velocities of displacements \[kg m\].
     to: PartMut<'a>,
     /// Where the bends end on the lines, as parts of these.
     parts: ValuesMut<'a>,

@@ -165,7 +165,7 @@ pub struct ClothSolver {
     steady: f32,
     /// What the tethers' bounds are multiplied by in this tick, as its pins are too far apart.
     tether_ease: f32,
-    /// Those that are held out of colliders.
+    /// Edges that are held out of colliders.
     edges: contact::Edges,
     state: State,
     scratch: Scratch,

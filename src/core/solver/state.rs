@@ -114,7 +114,7 @@ pub(crate) struct Scratch {
     pub load_apart: Array,
     /// Displacements predicted for the damping.
     pub b: Soa,
-    /// What brakes a lattice's bending.
+    /// Room for braking a lattice's bending.
     pub brakes: Brakes,
     /// What only a graph's stages work in.
     pub graph: Option<Room>,

@@ -49,23 +49,25 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// Ends of edges that lie on a collider, in `now`: they are heavier to corrections.
+    /// Ends of edges that a collider presses on, in `now`: they are heavier to corrections.
     pub ends: Vec<End>,
-    /// Those of `next`.
+    /// Ends of edges that are pressed in this substep.
     pub next_ends: Vec<End>,
-    /// Particles that pass through a collider for a substep, as their edges are hooked in it, and which one; those of the
-    /// next substep.
-    pub freed: Vec<[u32; 2]>,
-    pub next_freed: Vec<[u32; 2]>,
-    /// What presses on each of those, summed up over its edges, and how many these are, by slot \[m\].
+    /// Ways that `next_ends` are pressed by, summed up over their edges, by slot \[m\].
     pub pressed: Soa,
+    /// Numbers of pressed edges of `next_ends`, by slot.
     pub presses: Vec<u32>,
-    /// What presses on particles that lie on a collider of `next`, by slot \[m\].
-    pub touch: Array,
-    /// Coefficients of friction there.
+    /// Coefficients of friction of `next_ends`, by slot.
     pub end_friction: Array,
-    /// What pulled at an end of `now` without moving it, for each of its edges, by slot \[m\].
+    /// Ways that particles of `next` are pressed by which lie on a collider by themselves, by slot \[m\].
+    pub touch: Array,
+    /// Part of the pulls at an end of `now` that moved nothing, for each of its edges, by slot \[m\].
     pub borne: Soa,
+    /// Particles that pass through a collider in this substep, as an edge of theirs is hooked in it, and its index;
+    /// ascending.
+    pub freed: Vec<[u32; 2]>,
+    /// Particles that do so in the next substep.
+    pub next_freed: Vec<[u32; 2]>,
     /// Velocity of the surface that a particle lies on, by slot \[m/s\].
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
@@ -201,7 +203,7 @@ impl ActiveSet {
         }
     }
 
-    /// Notes what pulled at ends of edges and did not move them: their colliders bear it.
+    /// Notes pulls at ends of edges that did not move them: their colliders bear them.
     pub fn bear_ends(
         &mut self,
         inverse_mass: &[f32],

@@ -36,13 +36,13 @@ const UNHOOKED_STRETCH: f32 = 1.25;
 const INSIDE: f32 = 2.0;
 /// Cosine between the normal of an end and the way in, from which on it lies beyond the solid.
 const BEYOND: f32 = 0.25;
-/// What an end goes at most, in ways of the place of its edge that is moved.
+/// An end goes at most this many times as far as the place of its edge that is moved.
 const MOST_SHARE: f32 = 2.0;
 /// Places that are looked at on a way of an end that is pushed by what is fast.
 const LOOKS: u32 = 8;
 /// Part of an edge by which a collider may go in a substep and count as slow.
 const SLOW: f32 = 0.125;
-/// The same from which on it passes edges within a substep, and only particles are held.
+/// Part of an edge from which on a collider passes edges within a substep, and only particles are held.
 const FAST: f32 = 0.75;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
@@ -66,7 +66,7 @@ pub(in crate::solver) struct Edges {
     joined: Joined,
 }
 
-/// What they join.
+/// The particles that edges join.
 #[derive(Clone, Debug)]
 enum Joined {
     /// Neighbours of a lattice: slots from one to the other. Edge `FAN s + i` goes from slot s on by the i-th of them.
@@ -76,7 +76,7 @@ enum Joined {
 }
 
 impl Edges {
-    /// Those of a cloth.
+    /// Lists the edges of a cloth.
     pub fn new(topology: &Topology) -> Self {
         let mut longest = topology.structural_springs().map(|(.., rest)| rest).fold(0.0, f32::max);
         let slots = topology.layout().len();
@@ -125,7 +125,7 @@ pub(in crate::solver) struct Nearby {
     normal: Soa,
     /// Edges that are looked at closely, by their places in the list.
     close: Vec<u32>,
-    /// Those of them that are to be moved out, and where.
+    /// Close edges that are to be moved out, and the parts of them where.
     places: Vec<(u32, f32)>,
 }
 
@@ -255,7 +255,7 @@ impl Inside {
     }
 }
 
-/// What a band finds out.
+/// Gaps and normals that a band of rows finds out.
 pub(in crate::solver) struct NearbyMut<'a> {
     blocks: ByBlock<'a, bool>,
     gap: ValuesMut<'a>,
@@ -340,12 +340,12 @@ pub(super) struct HoldEdges<'a> {
     pub collider: usize,
 }
 
-/// What it came to.
+/// Edges of a collider, once they are held.
 #[derive(Default)]
 pub(super) struct EdgesHeld {
     /// How far any particle was moved at most \[m\].
     pub pushed: f32,
-    /// What the collider is given, times the substep \[kg m\].
+    /// Momentum that the collider is given, times the substep \[kg m\].
     pub given: Vec3,
 }
 
@@ -486,16 +486,16 @@ impl HoldEdges<'_> {
             let by = normal * ((undone + pressed) * share);
             let velocity = surface * (1.0 / skin.step);
             self.set.press_end(slot, self.collider, by, velocity, motion.friction);
-            held.pushed = larger(share * (undone + rest), held.pushed);
+            held.pushed = larger((into_d + into_x).length() * share, held.pushed);
         }
         held.given -= into_d * (part / mobility);
         if is_slow {
-            self.brake_turning([a, b], normal, (undone + pressed) / mobility);
+            self.brake_turning([a, b], normal, (undone + pressed) / mobility, held);
         }
     }
 
     /// Brakes the turning of an edge about where it is held, which nothing else stops: it is pressed by `load` there \[kg m\].
-    fn brake_turning(&mut self, [a, b]: [usize; 2], normal: Vec3, load: f32) {
+    fn brake_turning(&mut self, [a, b]: [usize; 2], normal: Vec3, load: f32, held: &mut EdgesHeld) {
         let w = [self.inverse_mass[a], self.inverse_mass[b]];
         let most = TURNING * self.motion.friction * load;
         let turning = normal.dot(self.d.get(b) - self.d.get(a));
@@ -505,12 +505,13 @@ impl HoldEdges<'_> {
             if let Some(pull) = &mut self.pull {
                 pull.set(slot, pull.get(slot) - normal * by);
             }
+            held.pushed = larger(by.abs(), held.pushed);
         }
     }
 }
 
 impl EdgesHeld {
-    /// What a collider is given.
+    /// The share of a collider in the momentum.
     pub fn share(&self, collider: usize) -> Share {
         Share { collider, given: self.given, owed: Vec3::ZERO }
     }

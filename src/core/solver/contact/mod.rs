@@ -141,9 +141,6 @@ impl ResolveContacts<'_> {
     /// fastest particle goes in this substep \[m\].
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
         let (room, set) = (&mut *self.room, &mut *self.set);
-        if let Some((edges, _)) = self.edges {
-            room.edge_until.resize(room.awake.len() * edges.count(), 0.0);
-        }
         let Awake { collider, first, gone } = room.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
@@ -207,12 +204,17 @@ impl ResolveContacts<'_> {
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let touching = touching.iter().sum();
         if let Some((edges, rule)) = rule {
+            // Only as far as a collider has edges to hold.
+            let [from, to] = [k, k + 1].map(|place| place * edges.count());
+            if room.edge_until.len() < to {
+                room.edge_until.resize(to, 0.0);
+            }
             let held = HoldEdges {
                 edges,
                 layout: self.bands.rows.layout,
                 nearby: &mut room.nearby,
                 rule,
-                until: &mut room.edge_until[k * edges.count()..][..edges.count()],
+                until: &mut room.edge_until[from..to],
                 gone,
                 motion: &motion,
                 skin,

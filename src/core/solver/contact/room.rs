@@ -16,7 +16,7 @@ use super::edges::Nearby;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
-/// The same of those that are thin or sharp.
+/// Colliders awake at once whose edges are held that there is room for from the start.
 const FEW_WITH_EDGES: usize = 2;
 
 /// What contact remembers from substep to substep of a tick.
@@ -28,7 +28,8 @@ pub(in crate::solver) struct ContactRoom {
     /// The way at which the particles of a block may touch a collider \[m\]: for each awake collider,
     /// all blocks.
     pub until: Vec<f32>,
-    /// The same of edges: for each place in `awake`, all edges.
+    /// The way at which an edge may touch a collider \[m\]: for each place in `awake`, all edges; shorter where the last have
+    /// none to hold.
     pub edge_until: Vec<f32>,
     /// How particles lie to a collider, while its edges are held out.
     pub nearby: Nearby,

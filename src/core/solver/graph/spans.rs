@@ -20,7 +20,7 @@ pub(in crate::solver) struct Spans(Vec<Span>);
 #[derive(Clone, Debug, Default)]
 pub(super) struct LazySpans(OnceLock<Spans>);
 
-/// They follow from the rest of the mesh.
+/// Wide hinges follow from the rest of the mesh.
 impl PartialEq for LazySpans {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -34,7 +34,7 @@ impl Graph {
     }
 }
 
-/// One of them.
+/// A wide hinge.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     /// Slots of the particle in the middle and of those around it.
@@ -49,7 +49,7 @@ const AHEAD: f32 = 0.5;
 const LEAST_WEIGHT: f32 = 0.1;
 
 impl Spans {
-    /// Those of a mesh.
+    /// Finds those of a mesh.
     fn new(graph: &Graph) -> Self {
         let neighbours = Neighbours::new(graph);
         let count = graph.particle_count();
