@@ -124,7 +124,7 @@ use bending::Bend;
 use beyond::IsAnyBeyond;
 use carry::Carry;
 use constraint::{CorrectSprings, Rule};
-use contact::{HoldOnto, ResolveContacts, Skin, Span};
+use contact::{ActiveSet, HoldOnto, ResolveContacts, Skin, Span};
 use damping::{AddDamping, DampedSprings, DampingTarget};
 use forces::AccumulateForces;
 use held::Held;
@@ -358,7 +358,10 @@ impl ClothSolver {
     pub fn integrate(&mut self, input: &StepInput<'_>) {
         match self.settings.integrator {
             Integrator::Verlet => self.integrate_verlet(input),
-            Integrator::Euler | Integrator::Midpoint => self.integrate_study(),
+            Integrator::Euler | Integrator::Midpoint => {
+                self.state.contacts.edges.warm.clear();
+                self.integrate_study();
+            }
         }
         self.state.unit = self.plan.step;
         self.move_pins(input);
@@ -390,6 +393,12 @@ impl ClothSolver {
             carry: Carry::new(self.scratch.carries, part, pull),
         };
         bands::run(self.isa, integrate);
+        let ratio = plan.step / self.state.last_step;
+        let State { d, pull, contacts, .. } = &mut self.state;
+        let ActiveSet { edges, impulses, .. } = contacts;
+        let pull = self.scratch.carries.then_some(pull);
+        let inverse_mass = &self.held.inverse_mass;
+        edges.start_warm(ratio * ratio, plan.step, inverse_mass, d, pull, impulses);
         self.state.last_step = plan.step;
     }
 
@@ -612,9 +621,9 @@ impl ClothSolver {
     pub fn collide(&mut self, input: &StepInput<'_>) {
         if input.colliders.is_empty() && !self.state.contacts.now.any {
             self.contact_count = 0;
+            self.state.contacts.edges.clear();
         } else {
             let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
-            let stretch = 1.0 + self.material.max_strain.max(self.survey.max_strain);
             let contacts = ResolveContacts {
                 bands: &self.bands,
                 colliders: input.colliders,
@@ -635,7 +644,9 @@ impl ClothSolver {
                 d: &mut self.state.d,
                 pull: self.scratch.carries.then_some(&mut self.state.pull),
                 room: &mut self.scratch.contact,
-                edges: self.settings.edges.then_some((&self.edges, stretch)),
+                edges: self.settings.edges.then_some(&self.edges),
+                max_strain: self.material.max_strain,
+                strain: self.survey.max_strain,
                 set: &mut self.state.contacts,
             };
             self.contact_count = contacts.run(self.isa);

@@ -219,6 +219,7 @@ impl ClothSolver {
         }
         if let Some(turn) = place.turn {
             self.state.contacts.impulses.turn(turn);
+            self.state.contacts.edges.turn(turn);
         }
         self.state.origin = place.origin;
         self.survey_anew();

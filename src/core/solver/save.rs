@@ -8,7 +8,7 @@ use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::air::Air;
-use super::contact::{ActiveSet, End};
+use super::contact::{ActiveSet, EdgeMemory, WarmStart};
 use super::error::SolverError;
 use super::input::is_near;
 use super::lanes::Soa;
@@ -60,18 +60,41 @@ struct SavedContacts {
     slips: Vec<[f32; 2]>,
     velocities: Vec<Vec3>,
     holders: Vec<u32>,
-    /// Particles that are ends of edges that were pressed, and how many these were.
-    ends: Vec<[u32; 2]>,
+    /// What is expected to press on edges.
+    warm: Vec<SavedWarmStart>,
     /// Particles that pass through a collider, and which one.
     freed: Vec<[u32; 2]>,
     /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
     owed: Vec<Option<Vec3>>,
 }
 
+/// What a collider is expected to press on an edge with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+struct SavedWarmStart {
+    collider: u32,
+    /// Its ends, by particle.
+    ends: [u32; 2],
+    at: f32,
+    impulse: Vec3,
+}
+
+impl SavedWarmStart {
+    fn of(warm: &WarmStart, particle: impl Fn(u32) -> u32) -> Self {
+        let WarmStart { collider, ends, at, impulse } = *warm;
+        Self { collider, ends: ends.map(particle), at, impulse }
+    }
+
+    fn with_slots(&self, slot: impl Fn(u32) -> u32) -> WarmStart {
+        let Self { collider, ends, at, impulse } = *self;
+        WarmStart { collider, ends: ends.map(slot), at, impulse }
+    }
+}
+
 impl SavedContacts {
     /// Whether a cloth of so many particles may have been in such contact.
     fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders, ends, freed, owed } = self;
+        let Self { normals, before, slips, velocities, holders, warm, freed, owed } = self;
         let is_normal = |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
         [normals, before]
             .iter()
@@ -79,7 +102,11 @@ impl SavedContacts {
             && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
-            && ends.iter().all(|&[end, presses]| (end as usize) < particles && presses > 0)
+            && warm.iter().all(|warm| {
+                warm.ends.iter().all(|&end| (end as usize) < particles)
+                    && (0.0..=1.0).contains(&warm.at)
+                    && is_near(warm.impulse)
+            })
             && freed.iter().all(|&[particle, _]| (particle as usize) < particles)
             && owed.iter().flatten().all(|owed| is_near(*owed))
     }
@@ -196,15 +223,7 @@ impl ClothSolver {
             now,
             before,
             next: _,
-            ends,
-            next_ends: _,
-            freed,
-            next_freed: _,
-            pressed: _,
-            presses: _,
-            end_friction: _,
-            touch: _,
-            borne: _,
+            edges,
             velocity,
             holder,
             unpulled: _,
@@ -213,6 +232,9 @@ impl ClothSolver {
             lost: _,
             load: _,
         } = contacts;
+        let EdgeMemory { warm, next_warm: _, freed, next_freed: _ } = edges;
+        let touches = now.any || impulses.are_measured() || !warm.is_empty() || !freed.is_empty();
+        let particle = |slot: u32| topology.particle(slot as usize) as u32;
         let values = |values: &[f32]| -> Vec<f32> {
             (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
         };
@@ -228,21 +250,19 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
-            contacts: (now.any || impulses.are_measured() || !freed.is_empty()).then(|| {
-                SavedContacts {
-                    normals: by_particle(&now.normal),
-                    before: by_particle(&before.normal),
-                    slips: values(&now.slip)
-                        .into_iter()
-                        .zip(values(&before.slip))
-                        .map(Into::into)
-                        .collect(),
-                    velocities: by_particle(velocity),
-                    holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
-                    ends: ends_at(topology, ends),
-                    freed: freed_by_particle(topology, freed),
-                    owed: impulses.owed(),
-                }
+            contacts: touches.then(|| SavedContacts {
+                normals: by_particle(&now.normal),
+                before: by_particle(&before.normal),
+                slips: values(&now.slip)
+                    .into_iter()
+                    .zip(values(&before.slip))
+                    .map(Into::into)
+                    .collect(),
+                velocities: by_particle(velocity),
+                holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+                warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
+                freed: freed.iter().map(|&[slot, it]| [particle(slot), it]).collect(),
+                owed: impulses.owed(),
             }),
             tick: plan.tick,
             pins: held.particles.clone(),
@@ -321,7 +341,7 @@ impl ClothSolver {
             slips,
             velocities,
             holders,
-            ends,
+            warm,
             freed,
             owed,
         }) = contacts
@@ -335,15 +355,12 @@ impl ClothSolver {
                 set.holder[slot] = holders[particle] as f32;
                 [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
             }
-            let end = |&[particle, presses]: &[u32; 2]| End {
-                slot: topology.slot(particle as usize) as u32,
-                presses,
-            };
-            set.ends = ends.iter().map(end).collect();
-            let freed = freed.iter();
-            let at = |&[p, it]: &[u32; 2]| [topology.slot(p as usize) as u32, it];
-            set.freed = freed.map(at).collect();
-            set.freed.sort_unstable();
+            let slot = |particle: u32| topology.slot(particle as usize) as u32;
+            let edges = &mut set.edges;
+            edges.warm = warm.iter().map(|warm| warm.with_slots(slot)).collect();
+            edges.warm.sort_unstable_by_key(WarmStart::key);
+            edges.freed = freed.iter().map(|&[particle, it]| [slot(particle), it]).collect();
+            edges.freed.sort_unstable();
             set.now.find();
             set.before.find();
         }
@@ -359,29 +376,6 @@ impl ClothSolver {
 /// Rows and columns, where there are any.
 fn grid(topology: &Topology) -> Option<[u32; 2]> {
     topology.as_lattice().map(|lattice| [lattice.rows() as u32, lattice.columns() as u32])
-}
-
-/// Pairs of a slot and a collider by particle, ascending.
-fn freed_by_particle(topology: &Topology, freed: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let mut sorted = freed.to_vec();
-    sorted.sort_unstable();
-    sorted.dedup();
-    let of = |particle: u32| {
-        let slot = topology.slot(particle as usize) as u32;
-        let from = sorted.partition_point(|&[at, _]| at < slot);
-        sorted[from..].iter().take_while(move |it| it[0] == slot).map(move |it| [particle, it[1]])
-    };
-    (0..topology.particle_count() as u32).flat_map(of).collect()
-}
-
-/// Ends of edges by particle, ascending.
-fn ends_at(topology: &Topology, ends: &[End]) -> Vec<[u32; 2]> {
-    let mut presses = vec![0; topology.layout().len()];
-    for end in ends {
-        presses[end.slot as usize] = end.presses;
-    }
-    let of = |particle| [particle, presses[topology.slot(particle as usize)]];
-    (0..topology.particle_count() as u32).map(of).filter(|&[_, presses]| presses > 0).collect()
 }
 
 fn by_particle(topology: &Topology, soa: &Soa) -> Vec<Vec3> {

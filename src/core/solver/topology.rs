@@ -109,6 +109,18 @@ impl Topology {
         }
     }
 
+    /// The particle of a slot.
+    pub(crate) fn particle(&self, slot: usize) -> usize {
+        match self {
+            Self::Lattice(lattice) => {
+                let layout = lattice.layout;
+                let from = slot - layout.slot(0, 0);
+                from / layout.stride * layout.columns + from % layout.stride
+            }
+            Self::Graph(graph) => graph.particle(slot),
+        }
+    }
+
     /// Area of cloth \[m2\] whose mass the particle of a slot carries.
     pub(crate) fn area(&self, slot: usize) -> f32 {
         match self {

@@ -25,18 +25,13 @@ use bevy_math::Vec3;
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
 use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
-use super::Skin;
+use super::edges::EdgeMemory;
 use super::impulses::{Impulses, Share};
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.
 pub(in crate::solver) const LEAST_MOBILITY: f32 = 0.2;
 
-/// Part of its inverse mass that is left out along the normal, below which corrections see an end of an edge as free again,
-/// once nothing presses on it.
-const NEARLY_FREE: f32 = 0.02;
-/// Square of the length of a normal, from which on it is one of a particle that lies on a surface.
-const WHOLE: f32 = 0.999;
 /// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
 const GIVING: f32 = 0.1;
 
@@ -49,25 +44,8 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// Ends of edges that a collider presses on, in `now`: they are heavier to corrections.
-    pub ends: Vec<End>,
-    /// Ends of edges that are pressed in this substep.
-    pub next_ends: Vec<End>,
-    /// Ways that `next_ends` are pressed by, summed up over their edges, by slot \[m\].
-    pub pressed: Soa,
-    /// Numbers of pressed edges of `next_ends`, by slot.
-    pub presses: Vec<u32>,
-    /// Coefficients of friction of `next_ends`, by slot.
-    pub end_friction: Array,
-    /// Ways that particles of `next` are pressed by which lie on a collider by themselves, by slot \[m\].
-    pub touch: Array,
-    /// Part of the pulls at an end of `now` that moved nothing, for each of its edges, by slot \[m\].
-    pub borne: Soa,
-    /// Particles that pass through a collider in this substep, as an edge of theirs is hooked in it, and its index;
-    /// ascending.
-    pub freed: Vec<[u32; 2]>,
-    /// Particles that do so in the next substep.
-    pub next_freed: Vec<[u32; 2]>,
+    /// What contact of edges remembers.
+    pub edges: EdgeMemory,
     /// Velocity of the surface that a particle lies on, by slot \[m/s\].
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
@@ -84,14 +62,6 @@ pub(in crate::solver) struct ActiveSet {
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
     /// slot \[m kg\].
     pub load: Array,
-}
-
-/// An end of edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::solver) struct End {
-    pub slot: u32,
-    /// How many of its edges were pressed.
-    pub presses: u32,
 }
 
 /// Normals of the surfaces that particles lie on.
@@ -167,15 +137,7 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            ends: Vec::with_capacity(slots),
-            next_ends: Vec::with_capacity(slots),
-            freed: Vec::new(),
-            next_freed: Vec::new(),
-            pressed: Soa::zeros(slots),
-            end_friction: Array::zeros(slots),
-            touch: Array::zeros(slots),
-            presses: vec![0; slots],
-            borne: Soa::zeros(slots),
+            edges: EdgeMemory::default(),
             velocity: Soa::zeros(slots),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
@@ -191,8 +153,7 @@ impl ActiveSet {
         self.now.clear();
         self.before.clear();
         self.next.clear();
-        self.ends.clear();
-        self.freed.clear();
+        self.edges.clear();
     }
 
     /// Forgets what the particle of a slot lies on.
@@ -201,116 +162,12 @@ impl ActiveSet {
             normals.normal.set(slot, Vec3::ZERO);
             normals.slip[slot] = 1.0;
         }
-    }
-
-    /// Notes pulls at ends of edges that did not move them: their colliders bear them.
-    pub fn bear_ends(
-        &mut self,
-        inverse_mass: &[f32],
-        d: &Soa,
-        mut pull: Option<&mut Soa>,
-        step: f32,
-    ) {
-        for end in &self.ends {
-            let slot = end.slot as usize;
-            let (n, w) = (self.now.normal.get(slot), inverse_mass[slot]);
-            if w == 0.0 || !is_end(n) {
-                continue;
-            }
-            let load = core::mem::take(&mut self.load[slot]);
-            let followed = d.get(slot) - self.unpulled.get(slot);
-            let unfollowed = n * (load * w) + followed * (1.0 / self.now.slip[slot] - 1.0);
-            self.borne.set(slot, unfollowed * (1.0 / end.presses as f32));
-            if let Some(pull) = &mut pull {
-                pull.set(slot, pull.get(slot) + unfollowed);
-            }
-            let given = unfollowed / w;
-            let owed = if pull.is_some() { Vec3::ZERO } else { given };
-            let share = Share { collider: self.holder[slot] as usize, given, owed };
-            self.impulses.give([share], step);
-        }
-    }
-
-    /// Notes that a collider presses on an end of an edge, by as much as it would go \[m\].
-    pub fn press_end(&mut self, slot: usize, collider: usize, by: Vec3, surface: Vec3, mu: f32) {
-        if by == Vec3::ZERO {
-            return;
-        }
-        if self.presses[slot] == 0 {
-            self.next_ends.push(End { slot: slot as u32, presses: 0 });
-        }
-        self.pressed.set(slot, self.pressed.get(slot) + by);
-        self.presses[slot] += 1;
-        self.end_friction[slot] = mu;
-        if self.next.normal.get(slot) == Vec3::ZERO {
-            self.holder[slot] = collider as f32;
-            self.velocity.set(slot, surface);
-        }
-    }
-
-    /// How many ends of edges are pressed that do not lie on a collider by themselves.
-    pub fn lone_ends(&self) -> u32 {
-        let is_lone = |end: &&End| self.next.normal.get(end.slot as usize) == Vec3::ZERO;
-        self.next_ends.iter().filter(is_lone).count() as u32
-    }
-
-    /// Takes the ends of edges into the active set that do not lie on a collider by themselves: corrections see them
-    /// heavier, by the law of `slip`.
-    fn take_ends(&mut self, d: &Soa, skin: &Skin) {
-        for end in &self.ends {
-            let slot = end.slot as usize;
-            self.borne.set(slot, Vec3::ZERO);
-            let n = self.now.normal.get(slot);
-            // What is pressed no more becomes light again over some time.
-            if self.presses[slot] == 0 && is_end(n) && n.dot(n) > NEARLY_FREE {
-                self.next_ends.push(*end);
-            }
-        }
-        core::mem::swap(&mut self.ends, &mut self.next_ends);
-        self.next_ends.clear();
-        for end in &mut self.ends {
-            let slot = end.slot as usize;
-            let by = self.pressed.get(slot);
-            self.pressed.set(slot, Vec3::ZERO);
-            end.presses = core::mem::take(&mut self.presses[slot]).max(1);
-            // What lies on a collider by itself as well is pressed by both.
-            let lies = self.next.normal.get(slot);
-            if lies != Vec3::ZERO && by == Vec3::ZERO {
-                continue;
-            }
-            let by = by + lies * self.touch[slot];
-            let pressed = by.length();
-            let normal = by.normalize_or_zero();
-            let relative = d.get(slot) - self.velocity.get(slot) * skin.step;
-            let goes = relative.dot(normal);
-            let slides = (relative - normal * goes).length();
-            let mu = self.end_friction[slot];
-            let part = super::slip_of(goes.abs(), pressed, pressed, super::LEAST_END, skin);
-            let slip = super::slip_of(slides, mu * pressed, pressed, super::LEAST_SLIP, skin);
-            let held = normal * (1.0 - part).sqrt();
-            let before = self.now.normal.get(slot);
-            let was = is_end(before);
-            let rate = if was { skin.following } else { 1.0 };
-            let (before, slip_before) =
-                if was { (before, self.now.slip[slot]) } else { (held, slip) };
-            self.next.normal.set(slot, before + (held - before) * rate);
-            self.next.slip[slot] = slip_before + (slip - slip_before) * rate;
-            self.next.blocks[slot / LANES] = true;
-        }
-    }
-
-    /// Whether a particle passes through a collider.
-    pub fn is_freed(&self, slot: usize, collider: usize) -> bool {
-        self.freed.binary_search(&[slot as u32, collider as u32]).is_ok()
+        self.edges.forget(slot);
     }
 
     /// Goes on to the next substep.
-    pub fn turn(&mut self, d: &Soa, skin: &Skin) {
-        self.take_ends(d, skin);
-        self.next_freed.sort_unstable();
-        self.next_freed.dedup();
-        core::mem::swap(&mut self.freed, &mut self.next_freed);
-        self.next_freed.clear();
+    pub fn turn(&mut self) {
+        self.edges.end_substep();
         core::mem::swap(&mut self.before, &mut self.now);
         core::mem::swap(&mut self.now, &mut self.next);
         self.now.any = self.now.blocks.contains(&true);
@@ -348,14 +205,6 @@ impl Contacts<'_> {
     pub fn add(&mut self, slot: usize, load: &Block) {
         self.load.add(slot, load);
     }
-}
-
-/// Whether a normal is that of an end of an edge: it is shorter, as such a particle may go along it, if with less of
-/// its inverse mass.
-#[inline(always)]
-pub(super) fn is_end(n: Vec3) -> bool {
-    let square = n.dot(n);
-    square > 0.0 && square < WHOLE
 }
 
 /// What of the pulls at particles moves them, and their load, for normals `n`.
@@ -411,33 +260,20 @@ impl Kernel for HoldOnto<'_> {
                 let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
-                let (square, square_before) = (n.dot(n), before.dot(before));
-                let (lies, lay) = (square >= WHOLE, square_before >= WHOLE);
-                let was_let_go = square == 0.0 && lay;
-                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
                 let borne = before.dot(carried);
-                // Of the end of an edge, as far as it is now freer than it was.
-                let freer = if square < square_before {
-                    (1.0 - square / square_before) / (1.0 - square)
-                } else {
-                    0.0
-                };
-                let left_out = if lies && lay { 1.0 } else { freer };
-                let along = (carried - before * (borne * left_out)) * held;
-                let along = if was_let_go { carried } else { along };
+                let along = carried - before * borne;
+                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
+                let along = along * held;
                 let own = moved.at(i) - carried;
-                let is_free = !lies || w.0[i] == 0.0;
+                dropped.set(i, carried - along - n * borne);
+                let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
                 let relative = own + along - velocity.at(i) * step;
-                let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
                 lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
-                let borne = if lay { borne } else { 0.0 };
-                load.0[i] = if is_free { n.dot(along) } else { borne } * mass;
-                dropped.set(i, carried - along - if lies { n * borne } else { Vec3::ZERO });
+                load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
                 let along = along - n * n.dot(along);
-                let held_own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
-                let own = if is_free { own } else { held_own };
+                let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
                 unpulled.set(i, own);
-                moved.set(i, own + along * slip);
+                moved.set(i, if is_free { moved.at(i) } else { own + along * slip });
             }
             moved.store(d, slot);
             lost.store(&mut set.lost, slot);
@@ -478,7 +314,7 @@ impl Kernel for NoteUnfollowed<'_> {
             for i in 0..LANES {
                 let n = n.at(i);
                 let pulled = d.at(i) - unpulled.at(i);
-                let slid = if is_end(n) { pulled } else { pulled - n * n.dot(pulled) };
+                let slid = pulled - n * n.dot(pulled);
                 let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
                 let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
                 noted.set(i, noted.at(i) + unfollowed * part);
@@ -537,8 +373,7 @@ impl ActiveSet {
     }
 
     fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
-        let touched = self.touched_slots(inverse_mass);
-        touched.filter(|&(slot, _)| self.dropped.get(slot) != Vec3::ZERO).map(|(slot, w)| {
+        self.held_slots(inverse_mass).map(|(slot, w)| {
             let dropped = self.dropped.get(slot) / w;
             Share { collider: self.holder[slot] as usize, given: dropped, owed: dropped }
         })
@@ -577,17 +412,9 @@ impl ActiveSet {
         &'a self,
         inverse_mass: &'a [f32],
     ) -> impl Iterator<Item = (usize, f32)> + 'a {
-        let touched = self.touched_slots(inverse_mass);
-        touched.filter(|&(slot, _)| self.now.normal.get(slot) != Vec3::ZERO)
-    }
-
-    /// Slots of blocks of which any particle is, but for pins.
-    fn touched_slots<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-    ) -> impl Iterator<Item = (usize, f32)> + 'a {
         let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
         let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
-        slots.map(|slot| (slot, inverse_mass[slot])).filter(|&(_, w)| w > 0.0)
+        let all = slots.map(|slot| (slot, inverse_mass[slot]));
+        all.filter(|&(slot, w)| w > 0.0 && self.now.normal.get(slot) != Vec3::ZERO)
     }
 }

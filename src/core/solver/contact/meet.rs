@@ -7,12 +7,12 @@ use super::super::isa::{Isa, Kernel};
 use super::super::lanes::{
     Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
 };
-use super::active_set::{Normals, is_end};
+use super::active_set::Normals;
 use super::collider::Motion;
 use super::edges::NearbyMut;
 use super::room::ByBlock;
 use super::sweep::Sweep;
-use super::{BLOW, LEAST_SLIDING, LEAST_SLIP, Skin, slip_of};
+use super::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
 use crate::sdf::{PointBlock, SampleBlock};
 
 /// What the particles that met a collider in a substep came to, a lane each.
@@ -124,7 +124,6 @@ pub(super) struct Found<'a> {
     pub slip: ValuesMut<'a>,
     pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
-    pub touch: ValuesMut<'a>,
 }
 
 impl CutAt for Found<'_> {
@@ -134,16 +133,14 @@ impl CutAt for Found<'_> {
         let (slip, slip_below) = self.slip.cut(slot);
         let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
-        let (touch, touch_below) = self.touch.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
             slip: slip_below,
             velocity: velocity_below,
             holder: holder_below,
-            touch: touch_below,
         };
-        (Self { blocks, normal, slip, velocity, holder, touch }, below)
+        (Self { blocks, normal, slip, velocity, holder }, below)
     }
 }
 
@@ -345,7 +342,7 @@ impl Held<'_> {
             let all = lost.0[i] + load.0[i] * w.0[i];
             // What another collider has met is held no more.
             let was = n.dot(n) > 0.0 && all != 0.0;
-            hold.was.0[i] = if was || is_end(n) { 1.0 } else { 0.0 };
+            hold.was.0[i] = if was { 1.0 } else { 0.0 };
             hold.unslipped.0[i] = if was { 1.0 / slip.0[i] } else { 1.0 };
             hold.unfollowed.set(i, n * all);
         }
@@ -405,7 +402,9 @@ impl Pushed {
     #[inline(always)]
     fn slip(&self, lane: usize, friction: f32, hold: &Hold, skin: &Skin) -> f32 {
         let (went, pressed) = (self.went.0[lane], self.undone.0[lane]);
-        let slips = slip_of(went, friction * pressed, pressed, LEAST_SLIP, skin);
+        let slips = larger(went / (went + friction * pressed), LEAST_SLIP);
+        let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
+        let slips = larger(slips, if light < 1.0 { light } else { 1.0 });
         // What is struck sticks at once.
         let rate = if hold.was.0[lane] > 0.0 { skin.following } else { 1.0 };
         let before = 1.0 / hold.unslipped.0[lane];
@@ -439,7 +438,6 @@ impl Found<'_> {
         let mut slips = self.slip.blocks(slot, 1);
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
-        self.touch.blocks(slot, 1).set(0, pushed.undone);
         let mut slip = slips.at(0);
         let rate = 1.0 / skin.step;
         for i in 0..LANES {

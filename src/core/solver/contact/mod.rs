@@ -24,10 +24,10 @@ use super::isa::Isa;
 use super::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
 
 pub(super) use active_set::{
-    ActiveSet, Contacts, End, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
+    ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
 };
 pub use collider::{Collider, ColliderMotion, Pose};
-pub(super) use edges::Edges;
+pub(super) use edges::{EdgeMemory, Edges, WarmStart};
 pub(super) use room::ContactRoom;
 
 use active_set::LetGo;
@@ -47,8 +47,6 @@ const LIGHT: f32 = 8.0;
 const HEAVY: f32 = 32.0;
 /// The least part of its inverse mass that corrections see of what friction holds.
 const LEAST_SLIP: f32 = 0.2;
-/// The least part that they see along the normal of what is an end of an edge.
-const LEAST_END: f32 = 0.1;
 /// Time over which the mean is taken of how far a particle slips \[s\]: a mobility that followed each substep's would
 /// shake the cloth.
 pub(super) const FOLLOWING: f32 = 0.01;
@@ -85,14 +83,6 @@ pub(super) struct Skin {
     pub notes: bool,
 }
 
-/// Part of its inverse mass that corrections are to see of a particle that went so far and is held by so much \[m\].
-#[inline(always)]
-fn slip_of(went: f32, held: f32, pressed: f32, least: f32, skin: &Skin) -> f32 {
-    let slips = larger(went / (went + held), least);
-    let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
-    larger(slips, if light < 1.0 { light } else { 1.0 })
-}
-
 /// Moves particles out of all colliders, in their order, and returns how many touched one.
 pub(super) struct ResolveContacts<'a> {
     pub bands: &'a Bands,
@@ -106,8 +96,11 @@ pub(super) struct ResolveContacts<'a> {
     /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
     pub pull: Option<&'a mut Soa>,
     pub room: &'a mut ContactRoom,
-    /// The cloth's edges, where they are to be held out too, and how much longer than at rest they may be.
-    pub edges: Option<(&'a Edges, f32)>,
+    /// The cloth's edges, where they are to be held out too.
+    pub edges: Option<&'a Edges>,
+    /// Strain that threads are limited to, and the largest that any has.
+    pub max_strain: f32,
+    pub strain: f32,
     pub set: &'a mut ActiveSet,
 }
 
@@ -120,8 +113,6 @@ impl ResolveContacts<'_> {
         let layout = self.bands.rows.layout;
         self.room.begin_substep();
         self.room.wake(isa, way, epsilon, layers, self.x, layout, self.origin, self.colliders);
-        let pull = self.pull.as_deref_mut();
-        self.set.bear_ends(self.inverse_mass, self.d, pull, self.skin.step);
         let mut touching = 0;
         for k in 0..self.room.awake.len() {
             touching += self.meet(isa, k, way);
@@ -132,8 +123,7 @@ impl ResolveContacts<'_> {
             let (step, notes) = (self.skin.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
-        touching += self.set.lone_ends();
-        self.set.turn(self.d, &self.skin);
+        self.set.turn();
         touching
     }
 
@@ -150,10 +140,11 @@ impl ResolveContacts<'_> {
         let way = way + room.pushed + motion.reach;
         let gone = (room.gone + room.pushed + gone + motion.reach) * ROUNDED_UP;
         let skin = &self.skin;
-        let rule = self
-            .edges
-            .and_then(|(edges, stretch)| Some((edges, Rule::new(edges, &motion, skin, stretch)?)));
-        let freed = set.freed.iter().filter(|freed| freed[1] as usize == collider);
+        let stretch = 1.0 + larger(self.max_strain, self.strain);
+        let rule = |edges| Some((edges, Rule::new(edges, &motion, skin, stretch)?));
+        let rule = self.edges.and_then(rule);
+        // What passes through the collider is not met: it is shown as what nothing moves.
+        let freed = set.edges.freed.iter().filter(|freed| freed[1] as usize == collider);
         let freed: Vec<_> =
             freed.map(|&[slot, _]| (slot as usize, self.inverse_mass[slot as usize])).collect();
         for &(slot, _) in &freed {
@@ -187,7 +178,6 @@ impl ResolveContacts<'_> {
                     slip: ValuesMut::all(&mut set.next.slip),
                     velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
-                    touch: ValuesMut::all(&mut set.touch),
                 },
             },
         );
@@ -202,7 +192,7 @@ impl ResolveContacts<'_> {
             set.impulses.give([share], self.skin.step);
         }
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
-        let touching = touching.iter().sum();
+        let mut touching = touching.iter().sum();
         if let Some((edges, rule)) = rule {
             // Only as far as a collider has edges to hold.
             let [from, to] = [k, k + 1].map(|place| place * edges.count());
@@ -218,6 +208,7 @@ impl ResolveContacts<'_> {
                 gone,
                 motion: &motion,
                 skin,
+                max_strain: self.max_strain,
                 inverse_mass: self.inverse_mass,
                 x: self.x,
                 d: self.d,
@@ -227,6 +218,7 @@ impl ResolveContacts<'_> {
             };
             let held = held.run(isa);
             room.pushed += held.pushed;
+            touching += held.touching;
             if motion.measured {
                 set.impulses.give([held.share(collider)], self.skin.step);
             }

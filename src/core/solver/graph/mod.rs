@@ -227,6 +227,11 @@ impl Graph {
         self.slot_of[particle] as usize
     }
 
+    /// The particle of a slot.
+    pub(crate) fn particle(&self, slot: usize) -> usize {
+        self.particle_at[slot] as usize
+    }
+
     /// Rest position of the particle of a slot \[m\].
     pub(crate) fn rest(&self, slot: usize) -> Vec3 {
         self.rest_positions[self.particle_at[slot] as usize]

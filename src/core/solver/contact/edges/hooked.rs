@@ -1,0 +1,66 @@
+//! Threads that a collider is hooked in are let through.
+//!
+//! Where a fast collider has pierced the cloth, no particle is inside it: a thread spans it from side to side, each end is
+//! held outside on its own side, and nothing would ever undo that. So the ends of such an edge pass through the
+//! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again; what
+//! their threads are still long to and what touches the collider passes with them.
+
+use super::{EdgeMemory, HoldEdges};
+
+/// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
+const HOOKED_STRAIN: f32 = 1.0;
+const HOOKED_LIMITS: f32 = 4.0;
+/// The same of a thread that is long enough for its ends to pass on.
+const PASSING_STRAIN: f32 = 0.25;
+const PASSING_LIMITS: f32 = 2.0;
+/// How deep in a collider an edge is hooked, as a multiple of epsilon.
+const HOOKED_DEPTH: f32 = 2.0;
+
+impl HoldEdges<'_> {
+    /// Particles that pass through the collider go on doing so until they are out of it. Their edges are looked at, though
+    /// they may be inside.
+    pub(super) fn keep_passing(&mut self) {
+        let longest = 1.0 + (PASSING_LIMITS * self.max_strain).max(PASSING_STRAIN);
+        let (collider, epsilon) = (self.collider as u32, self.skin.epsilon);
+        let EdgeMemory { freed, next_freed, .. } = &mut self.set.edges;
+        let mine = freed.iter().filter(|freed| freed[1] == collider);
+        for &[slot, _] in mine.clone() {
+            // Infinite where nothing is known: it is far away.
+            let gap = self.nearby.gap[slot as usize];
+            let here = self.x.get(slot as usize) + self.d.get(slot as usize);
+            let mut passes = gap < 0.0;
+            self.edges.visit_threads(slot as usize, |other, rest| {
+                let way = self.x.get(other) + self.d.get(other) - here;
+                let bound = longest * rest;
+                if gap < f32::INFINITY && way.dot(way) > bound * bound {
+                    passes = true;
+                    if self.nearby.gap[other] < epsilon {
+                        next_freed.push([other as u32, collider]);
+                    }
+                }
+            });
+            if passes {
+                next_freed.push([slot, collider]);
+            }
+        }
+        for &[slot, _] in mine {
+            if self.nearby.gap[slot as usize] < f32::INFINITY {
+                self.nearby.gap[slot as usize] = 0.0;
+            }
+        }
+    }
+
+    /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on.
+    pub(super) fn is_hooked(&mut self, edge: u32, depth: f32, length: f32) -> bool {
+        let longest = 1.0 + (HOOKED_LIMITS * self.max_strain).max(HOOKED_STRAIN);
+        let hooked = self.is_slow()
+            && depth > HOOKED_DEPTH * self.skin.epsilon
+            && length > longest * self.edges.rest(edge);
+        if hooked {
+            let collider = self.collider as u32;
+            let ends = self.edges.ends(edge).map(|slot| [slot as u32, collider]);
+            self.set.edges.next_freed.extend(ends);
+        }
+        hooked
+    }
+}

@@ -1,0 +1,156 @@
+//! The edges of a cloth: what they join, how long they are at rest, and which meet at a particle.
+
+use super::super::super::lanes::LANES;
+use super::super::super::lattice::Lattice;
+use super::super::super::topology::Topology;
+
+/// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
+pub(super) const FAN: usize = 4;
+
+/// The edges of a cloth: all springs between neighbours of a lattice, both diagonals too, and the edges of a mesh.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct Edges {
+    topology: Topology,
+    /// Length of the longest at rest \[m\].
+    pub longest: f32,
+    pub(super) joined: Joined,
+}
+
+/// The particles that edges join.
+#[derive(Clone, Debug)]
+pub(super) enum Joined {
+    /// Neighbours of a lattice: slots from one to the other. Edge `FAN s + i` goes from slot s on by the i-th of them.
+    Neighbours { hops: [usize; FAN], slots: usize },
+    /// Any particles.
+    Pairs(Pairs),
+}
+
+/// Edges of a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Pairs {
+    /// Slots of the ends, ascending.
+    pub ends: Vec<[u32; 2]>,
+    /// Lengths at rest \[m\].
+    rest: Vec<f32>,
+    /// Edges from block i are from `first[i]` to `first[i + 1]`.
+    pub first: Vec<u32>,
+    /// Edges that meet at slot i: from `first_at[i]` to `first_at[i + 1]` of `at`.
+    first_at: Vec<u32>,
+    at: Vec<u32>,
+}
+
+impl Edges {
+    /// Lists the edges of a cloth.
+    pub fn new(topology: &Topology) -> Self {
+        let longest = topology.structural_springs().map(|(.., rest)| rest).fold(0.0, f32::max);
+        let Some(lattice) = topology.as_lattice() else {
+            let joined = Joined::Pairs(Pairs::new(topology));
+            return Self { topology: topology.clone(), longest, joined };
+        };
+        let stride = lattice.layout.stride;
+        let across = lattice.diagonal.rest.iter().chain(&*lattice.antidiagonal_rest);
+        let longest = across.fold(longest, |longest, &rest| longest.max(rest));
+        let hops = [1, stride - 1, stride, stride + 1];
+        let joined = Joined::Neighbours { hops, slots: topology.layout().len() };
+        Self { topology: topology.clone(), longest, joined }
+    }
+
+    /// How many there are, with those that lead beside the sheet.
+    pub fn count(&self) -> usize {
+        match &self.joined {
+            Joined::Neighbours { slots, .. } => FAN * slots,
+            Joined::Pairs(pairs) => pairs.ends.len(),
+        }
+    }
+
+    /// The slots that one joins.
+    pub fn ends(&self, edge: u32) -> [usize; 2] {
+        match &self.joined {
+            Joined::Neighbours { hops, .. } => {
+                let edge = edge as usize;
+                [edge / FAN, edge / FAN + hops[edge % FAN]]
+            }
+            Joined::Pairs(pairs) => pairs.ends[edge as usize].map(|slot| slot as usize),
+        }
+    }
+
+    /// Length of one at rest \[m\].
+    pub fn rest(&self, edge: u32) -> f32 {
+        let (edge, slot) = (edge as usize, edge as usize / FAN);
+        match (&self.joined, &self.topology) {
+            (Joined::Pairs(pairs), _) => pairs.rest[edge],
+            (_, Topology::Lattice(lattice)) => match edge % FAN {
+                0 => lattice.weft.rest[slot],
+                1 => lattice.antidiagonal_rest[slot - 1],
+                2 => lattice.warp.rest[slot],
+                _ => lattice.diagonal.rest[slot],
+            },
+            (_, Topology::Graph(_)) => self.longest,
+        }
+    }
+
+    /// The edge between two slots, the lower one first.
+    pub fn between(&self, [a, b]: [u32; 2]) -> Option<u32> {
+        match &self.joined {
+            Joined::Neighbours { hops, .. } => {
+                let hop = hops.iter().position(|&hop| hop as u32 == b.wrapping_sub(a))?;
+                Some(a * FAN as u32 + hop as u32)
+            }
+            Joined::Pairs(pairs) => pairs.ends.binary_search(&[a, b]).ok().map(|edge| edge as u32),
+        }
+    }
+
+    /// Visits the threads that meet at a slot: the slots of their other ends, and their lengths at rest \[m\]. Diagonals of a
+    /// lattice are none.
+    pub fn visit_threads(&self, slot: usize, mut visit: impl FnMut(usize, f32)) {
+        match (&self.joined, &self.topology) {
+            (Joined::Pairs(pairs), _) => {
+                let [from, to] = [slot, slot + 1].map(|slot| pairs.first_at[slot] as usize);
+                for &edge in &pairs.at[from..to] {
+                    let [a, b] = pairs.ends[edge as usize].map(|slot| slot as usize);
+                    visit(if a == slot { b } else { a }, pairs.rest[edge as usize]);
+                }
+            }
+            (_, Topology::Lattice(lattice)) => {
+                let Lattice { layout, weft, warp, .. } = &**lattice;
+                let threads = [
+                    (slot - 1, weft.rest[slot - 1]),
+                    (slot + 1, weft.rest[slot]),
+                    (slot - layout.stride, warp.rest[slot - layout.stride]),
+                    (slot + layout.stride, warp.rest[slot]),
+                ];
+                for (other, rest) in threads {
+                    // Beside the sheet there are none.
+                    if rest > 0.0 {
+                        visit(other, rest);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Pairs {
+    fn new(topology: &Topology) -> Self {
+        let slots = topology.layout().len();
+        let slot = |particle| topology.slot(particle) as u32;
+        let ascending = |(a, b, rest)| {
+            let [a, b]: [u32; 2] = [slot(a), slot(b)];
+            ([a.min(b), a.max(b)], rest)
+        };
+        let mut springs: Vec<_> = topology.structural_springs().map(ascending).collect();
+        springs.sort_unstable_by_key(|&(ends, _)| ends);
+        let (ends, rest): (Vec<_>, Vec<_>) = springs.into_iter().unzip();
+        let before = |block| ends.partition_point(|&[a, _]| (a as usize) < block * LANES) as u32;
+        let first = (0..=slots / LANES).map(before).collect();
+        let numbered = || ends.iter().zip(0_u32..);
+        let from = numbered().map(|(&[a, _], edge)| [a, edge]);
+        let mut met: Vec<_> = from.chain(numbered().map(|(&[_, b], edge)| [b, edge])).collect();
+        met.sort_unstable();
+        let before = |slot| met.partition_point(|&[at, _]| (at as usize) < slot) as u32;
+        let first_at = (0..=slots).map(before).collect();
+        let at = met.iter().map(|&[_, edge]| edge).collect();
+        Self { ends, rest, first, first_at, at }
+    }
+}

@@ -1,0 +1,104 @@
+//! What contact of edges remembers from one substep to the next.
+
+use bevy_math::{Mat3, Vec3};
+
+use super::super::super::lanes::Soa;
+use super::super::impulses::{Impulses, Share};
+
+/// What contact of edges remembers from one substep to the next.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solver) struct EdgeMemory {
+    /// Impulses that are expected again, by collider and ends, ascending. Those of this substep have been given to its
+    /// displacements.
+    pub warm: Vec<WarmStart>,
+    /// Impulses to be expected in the next substep.
+    pub next_warm: Vec<WarmStart>,
+    /// Slots of particles that pass through a collider in this substep, as a thread of theirs is hooked in it, and its
+    /// index; ascending.
+    pub freed: Vec<[u32; 2]>,
+    /// Particles that do so in the next substep.
+    pub next_freed: Vec<[u32; 2]>,
+}
+
+/// The impulse with which a collider is expected to press on an edge (warm starting: Catto 2005, *Iterative Dynamics with
+/// Temporal Coherence*).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::solver) struct WarmStart {
+    /// Index of the collider.
+    pub collider: u32,
+    /// Slots of the edge's ends, the lower one first.
+    pub ends: [u32; 2],
+    /// The place on the edge, from 0 at its first end to 1.
+    pub at: f32,
+    /// The impulse, times the substep \[kg m\].
+    pub impulse: Vec3,
+}
+
+impl WarmStart {
+    /// What makes one of them come before another.
+    pub fn key(&self) -> (u32, [u32; 2]) {
+        (self.collider, self.ends)
+    }
+}
+
+impl EdgeMemory {
+    /// Gives displacements the impulses that are expected, in a substep of length `step` that is the square root of `ratio`
+    /// times as long as the last one.
+    pub fn start_warm(
+        &mut self,
+        ratio: f32,
+        step: f32,
+        inverse_mass: &[f32],
+        d: &mut Soa,
+        mut pull: Option<&mut Soa>,
+        impulses: &mut Impulses,
+    ) {
+        for warm in &mut self.warm {
+            warm.impulse *= ratio;
+            for (slot, part) in warm.ends.into_iter().zip([1.0 - warm.at, warm.at]) {
+                let slot = slot as usize;
+                let by = warm.impulse * (part * inverse_mass[slot]);
+                d.set(slot, d.get(slot) + by);
+                // It is no pull of the cloth.
+                if let Some(pull) = &mut pull {
+                    pull.set(slot, pull.get(slot) - by);
+                }
+            }
+            let (collider, given) = (warm.collider as usize, -warm.impulse);
+            impulses.give([Share { collider, given, owed: Vec3::ZERO }], step);
+        }
+    }
+
+    /// Whether a particle passes through a collider.
+    pub fn is_freed(&self, slot: usize, collider: usize) -> bool {
+        self.freed.binary_search(&[slot as u32, collider as u32]).is_ok()
+    }
+
+    /// Expects nothing of the particle of a slot.
+    pub fn forget(&mut self, slot: usize) {
+        self.warm.retain(|warm| !warm.ends.contains(&(slot as u32)));
+    }
+
+    /// Turns with the cloth.
+    pub fn turn(&mut self, turn: Mat3) {
+        for warm in &mut self.warm {
+            warm.impulse = turn * warm.impulse;
+        }
+    }
+
+    /// Goes on to the next substep.
+    pub fn end_substep(&mut self) {
+        self.next_freed.sort_unstable();
+        self.next_freed.dedup();
+        core::mem::swap(&mut self.freed, &mut self.next_freed);
+        self.next_freed.clear();
+        core::mem::swap(&mut self.warm, &mut self.next_warm);
+        self.next_warm.clear();
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.warm.clear();
+        self.freed.clear();
+    }
+}

@@ -1,0 +1,179 @@
+//! Edges of the cloth are held out of colliders that are thin or sharp at the scale of its particles.
+//!
+//! The distance to a solid changes by at most a metre in a metre. So an edge of length l, whose ends have the gaps g0 and g1
+//! to what is held, is held itself as long as g0 + g1 >= l. Of the others, those are left out whose ends see the surface face
+//! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod (`nearby`). There the
+//! place of an edge that is nearest to the solid is searched (`search`; for contact with distance fields: Macklin et al. 2020,
+//! *Local Optimization for Robust Signed Distance Field Collision*), and moved out with both ends, each by its
+//! share and its inverse mass (`press`).
+//!
+//! An edge is held at half the distance of the particles, so that on a smooth solid these touch first, and edges cost nothing.
+//!
+//! Edges that meet at a particle hold each other, and so they are solved together, with Coulomb's friction and the strain limit
+//! of the threads beside them (`solve`). What they were pressed by is expected again in the next substep, and given to
+//! the displacements before the corrections (`memory`): threads that pull an edge over a rim find it held, and so they
+//! are stretched no further there, and nothing trembles. Threads that a collider is hooked in are let through (`hooked`).
+
+mod hooked;
+mod list;
+mod memory;
+mod nearby;
+mod press;
+mod search;
+mod solve;
+
+use bevy_math::Vec3;
+
+use super::super::isa::Isa;
+use super::super::lanes::{LANES, Soa, larger};
+use super::super::lattice::Layout;
+use super::Skin;
+use super::active_set::ActiveSet;
+use super::collider::Motion;
+use super::impulses::Share;
+
+pub(in crate::solver) use list::Edges;
+pub(in crate::solver) use memory::{EdgeMemory, WarmStart};
+pub(super) use nearby::{Nearby, NearbyMut};
+
+use nearby::{FindClose, Inside};
+use search::{Search, UNSURE};
+
+/// Part of the particles' distance at which edges are held.
+const HELD: f32 = 0.5;
+/// Part of its length by which an edge may sink into a curved side, where that is more.
+const SAGITTA: f32 = 1.0 / 64.0;
+/// Multiple of epsilon by which an end is nearer than that where it is inside, and did not only begin to touch.
+const INSIDE: f32 = 2.0;
+/// Part of an edge by which a collider may go in a substep and count as slow.
+const SLOW: f32 = 0.125;
+/// Part of an edge from which on a collider passes edges within a substep, and only particles are held.
+const FAST: f32 = 0.75;
+
+/// Which edges are looked at closely.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rule {
+    /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
+    pub reach: f32,
+    /// Gap below which an end is inside: it comes out by itself, before its edges are held.
+    inside: f32,
+    /// Least cosine between normals of a side that is gently curved.
+    alike: f32,
+}
+
+impl Rule {
+    /// For edges of a cloth and a collider; `None` where none is ever to be looked at, as the whole solid is gently
+    /// curved. Edges may be longer than at rest by `stretch`.
+    pub fn new(edges: &Edges, motion: &Motion<'_>, skin: &Skin, stretch: f32) -> Option<Self> {
+        let length = edges.longest * stretch;
+        // An arc over a chord, and the angle between its normals: the sagitta is an eighth of their product.
+        let sagitta = larger(HELD * skin.epsilon, SAGITTA * length);
+        // What is fast stretches edges, and then passes between particles whatever its curvature.
+        if motion.reach > FAST * length {
+            return None;
+        }
+        let is_slow = motion.reach <= SLOW * length;
+        if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
+            return None;
+        }
+        let angle = 8.0 * sagitta / length;
+        let less = 2.0 * (HELD - 1.0) * skin.epsilon + motion.reach;
+        let reach = length + less;
+        (reach > 0.0).then_some(Self {
+            reach,
+            inside: -INSIDE * skin.epsilon - motion.reach,
+            alike: 1.0 - 0.5 * angle * angle,
+        })
+    }
+}
+
+/// Holds the edges of a cloth out of one collider.
+pub(super) struct HoldEdges<'a> {
+    pub edges: &'a Edges,
+    pub layout: Layout,
+    pub nearby: &'a mut Nearby,
+    pub rule: Rule,
+    /// The ways at which edges may touch, and the way that has been gone, as `ContactRoom` counts it \[m\].
+    pub until: &'a mut [f32],
+    pub gone: f32,
+    pub motion: &'a Motion<'a>,
+    pub skin: &'a Skin,
+    /// Strain that threads are limited to.
+    pub max_strain: f32,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    /// Pulls noted from before the corrections on (`carry`), of which contact is none.
+    pub pull: Option<&'a mut Soa>,
+    pub set: &'a mut ActiveSet,
+    /// Which one it is.
+    pub collider: usize,
+}
+
+/// Edges of a collider, once they are held.
+#[derive(Default)]
+pub(super) struct EdgesHeld {
+    /// How far any particle was moved at most \[m\].
+    pub pushed: f32,
+    /// Momentum that the collider is given, times the substep \[kg m\].
+    pub given: Vec3,
+    /// How many ends of edges are held that do not lie on the collider by themselves.
+    pub touching: u32,
+}
+
+impl HoldEdges<'_> {
+    pub fn run(mut self, isa: Isa) -> EdgesHeld {
+        self.keep_passing();
+        isa.run(FindClose {
+            edges: self.edges,
+            nearby: self.nearby,
+            rule: self.rule,
+            inside: Inside(self.layout),
+            until: self.until,
+            gone: self.gone,
+        });
+        // All are searched before any is moved: what is passed over as it is too far changes no bit of the others.
+        let close = core::mem::take(&mut self.nearby.close);
+        for close in close.chunks(LANES) {
+            self.search(close);
+        }
+        self.nearby.close = close;
+        let mut presses = self.presses();
+        let held = self.solve(&mut presses);
+        self.nearby.presses = presses;
+        self.nearby.clear();
+        held
+    }
+
+    /// Searches so many edges at once, and notes the places of those that are to be moved out.
+    fn search(&mut self, close: &[u32]) {
+        let mut ends = [[0; 2]; LANES];
+        for (lane, ends) in ends.iter_mut().enumerate() {
+            // Unused lanes look for what the last one does.
+            *ends = self.edges.ends(close[lane.min(close.len() - 1)]);
+        }
+        let search = Search::new(&ends, self.x, self.d, &self.motion.after);
+        let (at, distance) = search.nearest(self.motion);
+        for (lane, &edge) in close.iter().enumerate() {
+            let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
+            if gap < 0.0 {
+                self.nearby.places.push((edge, at[lane]));
+            } else {
+                let unsure = self.motion.overestimate + UNSURE * self.edges.longest;
+                self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
+            }
+        }
+    }
+
+    /// Whether the collider hardly moves in the substep.
+    fn is_slow(&self) -> bool {
+        self.motion.reach <= SLOW * self.edges.longest
+    }
+}
+
+impl EdgesHeld {
+    /// The share of a collider in the momentum.
+    pub fn share(&self, collider: usize) -> Share {
+        Share { collider, given: self.given, owed: Vec3::ZERO }
+    }
+}

@@ -1,0 +1,191 @@
+//! How particles lie to a collider, and which edges between them are to be looked at closely.
+
+use super::super::super::bands::CutAt;
+use super::super::super::isa::Kernel;
+use super::super::super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
+use super::super::super::lattice::Layout;
+use super::super::room::ByBlock;
+use super::Rule;
+use super::list::{Edges, FAN, Joined, Pairs};
+use super::press::Press;
+use super::solve::{Limited, Moved};
+
+/// Edges that are looked at closely in a substep that there is room for from the start.
+const FEW_CLOSE: usize = 4096;
+
+/// How particles lie to a collider: what is known of those that are near to it.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct Nearby {
+    /// Whether anything is known of a block.
+    pub(super) blocks: Vec<bool>,
+    /// Gap beyond epsilon, by slot \[m\]; infinite where nothing is known.
+    pub(super) gap: Array,
+    /// Outward normals by slot.
+    pub(super) normal: Soa,
+    /// Edges that are looked at closely, by their places in the list.
+    pub(super) close: Vec<u32>,
+    /// Close edges that are to be moved out, and the parts of them where.
+    pub(super) places: Vec<(u32, f32)>,
+    /// Room for those that are pressed, for threads beside them, and for what they move.
+    pub(super) presses: Vec<Press>,
+    pub(super) limited: Vec<Limited>,
+    pub(super) moved: Vec<Moved>,
+    pub(super) counted: Vec<usize>,
+}
+
+impl Nearby {
+    /// Nothing known yet, of so many slots.
+    pub fn new(slots: usize) -> Self {
+        let mut gap = Array::zeros(slots);
+        gap.fill(f32::INFINITY);
+        Self {
+            blocks: vec![false; slots / LANES],
+            gap,
+            normal: Soa::zeros(slots),
+            close: Vec::with_capacity(FEW_CLOSE),
+            places: Vec::with_capacity(FEW_CLOSE),
+            presses: Vec::with_capacity(FEW_CLOSE),
+            limited: Vec::with_capacity(FEW_CLOSE),
+            moved: Vec::with_capacity(FEW_CLOSE),
+            counted: Vec::with_capacity(FEW_CLOSE),
+        }
+    }
+
+    /// For what finds out about it.
+    pub fn part_mut(&mut self) -> NearbyMut<'_> {
+        NearbyMut {
+            blocks: ByBlock::all(&mut self.blocks),
+            gap: ValuesMut::all(&mut self.gap),
+            normal: self.normal.part_mut(),
+        }
+    }
+
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        for (block, known) in self.blocks.iter_mut().enumerate() {
+            if core::mem::take(known) {
+                Block::splat(f32::INFINITY).store(&mut self.gap, block * LANES);
+            }
+        }
+    }
+}
+
+/// Gaps and normals that a band of rows finds out.
+pub(in crate::solver) struct NearbyMut<'a> {
+    blocks: ByBlock<'a, bool>,
+    gap: ValuesMut<'a>,
+    normal: PartMut<'a>,
+}
+
+impl CutAt for NearbyMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (blocks, blocks_below) = self.blocks.cut(slot);
+        let (gap, gap_below) = self.gap.cut(slot);
+        let (normal, normal_below) = self.normal.cut(slot);
+        let below = Self { blocks: blocks_below, gap: gap_below, normal: normal_below };
+        (Self { blocks, gap, normal }, below)
+    }
+}
+
+impl NearbyMut<'_> {
+    /// Notes gaps and normals of a block.
+    #[inline(always)]
+    pub fn set(&mut self, slot: usize, gap: &Block, normal: &Block3) {
+        self.blocks.row(slot, 1)[0] = true;
+        self.gap.blocks(slot, 1).set(0, *gap);
+        normal.store(&mut self.normal, slot);
+    }
+}
+
+/// Finds the edges that may be held, and do not lie along a side that is gently curved: which of each block's do.
+pub(super) struct FindClose<'a> {
+    pub edges: &'a Edges,
+    pub nearby: &'a mut Nearby,
+    pub rule: Rule,
+    pub inside: Inside,
+    pub until: &'a [f32],
+    pub gone: f32,
+}
+
+impl Kernel for FindClose<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        self.nearby.close.clear();
+        for block in 0..self.nearby.blocks.len() {
+            if !self.nearby.blocks[block] {
+                continue;
+            }
+            match &self.edges.joined {
+                &Joined::Neighbours { hops, .. } => self.look_at_fans(block, hops),
+                Joined::Pairs(Pairs { ends, first, .. }) => {
+                    for edge in first[block]..first[block + 1] {
+                        let [a, b] = ends[edge as usize].map(|slot| slot as usize);
+                        let Nearby { gap, normal, .. } = &*self.nearby;
+                        let cosine = normal.get(a).dot(normal.get(b));
+                        let is_out = gap[a] > self.rule.inside && gap[b] > self.rule.inside;
+                        let reaches = gap[a] + gap[b] < self.rule.reach;
+                        if is_out && reaches && cosine < self.rule.alike {
+                            self.take(edge);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl FindClose<'_> {
+    #[inline(always)]
+    fn look_at_fans(&mut self, block: usize, hops: [usize; FAN]) {
+        let slot = block * LANES;
+        let Nearby { gap, normal, .. } = &*self.nearby;
+        let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
+        let mut found = [Block::ZERO; FAN];
+        let mut any = Block::ZERO;
+        for (found, hop) in found.iter_mut().zip(hops) {
+            let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
+            for i in 0..LANES {
+                let cosine = normal0.at(i).dot(normal1.at(i));
+                let least = if gap0.0[i] < gap1.0[i] { gap0.0[i] } else { gap1.0[i] };
+                let reaches = gap0.0[i] + gap1.0[i] < self.rule.reach;
+                let reaches = reaches && least > self.rule.inside;
+                let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
+                found.0[i] = if reaches { differs } else { 0.0 };
+                any.0[i] = larger(found.0[i], any.0[i]);
+            }
+        }
+        if any.largest() == 0.0 {
+            return;
+        }
+        for lane in (0..LANES).filter(|&lane| any.0[lane] > 0.0) {
+            for (i, (found, hop)) in found.iter().zip(hops).enumerate() {
+                let from = slot + lane;
+                if found.0[lane] > 0.0 && self.inside.has(from) && self.inside.has(from + hop) {
+                    self.take((from * FAN + i) as u32);
+                }
+            }
+        }
+    }
+
+    /// Takes an edge, unless it has been found to be further away.
+    #[inline(always)]
+    fn take(&mut self, edge: u32) {
+        if self.until[edge as usize] <= self.gone {
+            self.nearby.close.push(edge);
+        }
+    }
+}
+
+/// Which slots are of particles.
+#[derive(Clone, Copy)]
+pub(super) struct Inside(pub Layout);
+
+impl Inside {
+    #[inline(always)]
+    fn has(&self, slot: usize) -> bool {
+        let from = slot.wrapping_sub(self.0.slot(0, 0));
+        from / self.0.stride < self.0.rows && from % self.0.stride < self.0.columns
+    }
+}
