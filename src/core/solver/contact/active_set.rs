@@ -324,10 +324,19 @@ impl Kernel for NoteUnfollowed<'_> {
     }
 }
 
+/// How far what is let go follows what pulled it onto its surface, where it leaves that by itself: no further than back \[m\].
+#[inline(always)]
+fn followed(lost: f32, pulled: f32) -> f32 {
+    let back = -larger(lost, 0.0);
+    let onto = if pulled < 0.0 { pulled } else { 0.0 };
+    larger(onto, back)
+}
+
 /// Ends contact: lets go what lay on a collider and was found to touch none any more. It goes on without what pulled at
 /// it while it was held.
 pub(in crate::solver) struct LetGo<'a> {
     pub set: &'a ActiveSet,
+    pub inverse_mass: &'a [f32],
     pub d: &'a mut Soa,
     /// Pulls noted in the substep, where any are.
     pub pull: Option<&'a mut Soa>,
@@ -338,17 +347,20 @@ impl Kernel for LetGo<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { set, d, mut pull } = self;
+        let Self { set, inverse_mass, d, mut pull } = self;
         for (block, &touched) in set.now.blocks.iter().enumerate() {
             if !touched {
                 continue;
             }
             let slot = block * LANES;
             let (n, lost) = (Block3::load(&set.now.normal, slot), Block::load(&set.lost, slot));
+            let (load, w) = (Block::load(&set.load, slot), Block::load(inverse_mass, slot));
             let mut moved = Block3::load(d, slot);
             for i in 0..LANES {
                 // What is pulled off does not fall back.
-                moved.set(i, moved.at(i) + n.at(i) * larger(lost.0[i], 0.0));
+                let leaves = larger(lost.0[i], 0.0);
+                let followed = followed(lost.0[i], load.0[i] * w.0[i]);
+                moved.set(i, moved.at(i) + n.at(i) * (leaves + followed));
             }
             moved.store(d, slot);
             if let Some(pull) = &mut pull {
@@ -400,7 +412,7 @@ impl ActiveSet {
             let pulled = d.get(slot) - self.unpulled.get(slot);
             let slid = pulled - n * n.dot(pulled);
             let unslipped = slid * (1.0 / self.now.slip[slot] - 1.0);
-            let unfollowed = n * load + unslipped / w;
+            let unfollowed = n * (load - followed(lost, load * w) / w) + unslipped / w;
             let owed = if notes { unfollowed } else { Vec3::ZERO };
             let given = unfollowed + n * (fallen / w);
             is_let_go.then(|| Share { collider: self.holder[slot] as usize, given, owed })

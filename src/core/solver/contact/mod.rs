@@ -119,7 +119,7 @@ impl ResolveContacts<'_> {
         }
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
-            isa.run(LetGo { set: self.set, d: self.d, pull });
+            isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
             let (step, notes) = (self.skin.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
