@@ -73,21 +73,21 @@ struct SavedContacts {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedWarmStart {
     collider: u32,
-    /// Its ends, by particle.
-    ends: [u32; 2],
-    at: f32,
+    /// The particles that it acts on, and their parts.
+    corners: [u32; 3],
+    parts: [f32; 3],
     impulse: Vec3,
 }
 
 impl SavedWarmStart {
     fn of(warm: &WarmStart, particle: impl Fn(u32) -> u32) -> Self {
-        let WarmStart { collider, ends, at, impulse } = *warm;
-        Self { collider, ends: ends.map(particle), at, impulse }
+        let WarmStart { collider, corners, parts, impulse } = *warm;
+        Self { collider, corners: corners.map(particle), parts, impulse }
     }
 
     fn with_slots(&self, slot: impl Fn(u32) -> u32) -> WarmStart {
-        let Self { collider, ends, at, impulse } = *self;
-        WarmStart { collider, ends: ends.map(slot), at, impulse }
+        let Self { collider, corners, parts, impulse } = *self;
+        WarmStart { collider, corners: corners.map(slot), parts, impulse }
     }
 }
 
@@ -103,8 +103,8 @@ impl SavedContacts {
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
             && warm.iter().all(|warm| {
-                warm.ends.iter().all(|&end| (end as usize) < particles)
-                    && (0.0..=1.0).contains(&warm.at)
+                warm.corners.iter().all(|&corner| (corner as usize) < particles)
+                    && warm.parts.iter().all(|part| (0.0..=1.0).contains(part))
                     && is_near(warm.impulse)
             })
             && freed.iter().all(|&[particle, _]| (particle as usize) < particles)

@@ -1,4 +1,4 @@
-//! The edges of a cloth: what they join, how long they are at rest, and which meet at a particle.
+//! The edges and faces of a cloth: what they join, how long edges are at rest, and which meet at a particle.
 
 use super::super::super::lanes::LANES;
 use super::super::super::lattice::Lattice;
@@ -6,6 +6,9 @@ use super::super::super::topology::Topology;
 
 /// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
 pub(super) const FAN: usize = 4;
+/// The faces of a lattice whose first corner is a particle, by the edges of its fan that lead to the others: with both
+/// diagonals of each cell.
+pub(super) const FAN_FACES: [[usize; 2]; 4] = [[0, 2], [0, 3], [2, 3], [1, 2]];
 
 /// The edges of a cloth: all springs between neighbours of a lattice, both diagonals too, and the edges of a mesh.
 #[derive(Clone, Debug)]
@@ -34,6 +37,10 @@ pub(super) struct Pairs {
     rest: Vec<f32>,
     /// Edges from block i are from `first[i]` to `first[i + 1]`.
     pub first: Vec<u32>,
+    /// Slots of the corners of faces, each ascending, in the order of the first.
+    pub faces: Vec<[u32; 3]>,
+    /// Faces whose first corner is in block i are from `first_face[i]` to `first_face[i + 1]`.
+    pub first_face: Vec<u32>,
     /// Edges that meet at slot i: from `first_at[i]` to `first_at[i + 1]` of `at`.
     first_at: Vec<u32>,
     at: Vec<u32>,
@@ -44,7 +51,8 @@ impl Edges {
     pub fn new(topology: &Topology) -> Self {
         let longest = topology.structural_springs().map(|(.., rest)| rest).fold(0.0, f32::max);
         let Some(lattice) = topology.as_lattice() else {
-            let joined = Joined::Pairs(Pairs::new(topology));
+            let faces = topology.as_graph().map_or(&[][..], |graph| graph.triangles());
+            let joined = Joined::Pairs(Pairs::new(topology, faces));
             return Self { topology: topology.clone(), longest, joined };
         };
         let stride = lattice.layout.stride;
@@ -89,17 +97,6 @@ impl Edges {
         }
     }
 
-    /// The edge between two slots, the lower one first.
-    pub fn between(&self, [a, b]: [u32; 2]) -> Option<u32> {
-        match &self.joined {
-            Joined::Neighbours { hops, .. } => {
-                let hop = hops.iter().position(|&hop| hop as u32 == b.wrapping_sub(a))?;
-                Some(a * FAN as u32 + hop as u32)
-            }
-            Joined::Pairs(pairs) => pairs.ends.binary_search(&[a, b]).ok().map(|edge| edge as u32),
-        }
-    }
-
     /// Visits the threads that meet at a slot: the slots of their other ends, and their lengths at rest \[m\]. Diagonals of a
     /// lattice are none.
     pub fn visit_threads(&self, slot: usize, mut visit: impl FnMut(usize, f32)) {
@@ -132,7 +129,7 @@ impl Edges {
 }
 
 impl Pairs {
-    fn new(topology: &Topology) -> Self {
+    fn new(topology: &Topology, triangles: &[[u32; 3]]) -> Self {
         let slots = topology.layout().len();
         let slot = |particle| topology.slot(particle) as u32;
         let ascending = |(a, b, rest)| {
@@ -151,6 +148,14 @@ impl Pairs {
         let before = |slot| met.partition_point(|&[at, _]| (at as usize) < slot) as u32;
         let first_at = (0..=slots).map(before).collect();
         let at = met.iter().map(|&[_, edge]| edge).collect();
-        Self { ends, rest, first, first_at, at }
+        let mut faces: Vec<_> =
+            triangles.iter().map(|corners| corners.map(|corner| slot(corner as usize))).collect();
+        for corners in &mut faces {
+            corners.sort_unstable();
+        }
+        faces.sort_unstable();
+        let before = |block| faces.partition_point(|&[a, ..]| (a as usize) < block * LANES) as u32;
+        let first_face = (0..=slots / LANES).map(before).collect();
+        Self { ends, rest, first, faces, first_face, first_at, at }
     }
 }

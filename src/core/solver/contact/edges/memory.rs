@@ -8,7 +8,7 @@ use super::super::impulses::{Impulses, Share};
 /// What contact of edges remembers from one substep to the next.
 #[derive(Clone, Debug, Default)]
 pub(in crate::solver) struct EdgeMemory {
-    /// Impulses that are expected again, by collider and ends, ascending. Those of this substep have been given to its
+    /// Impulses that are expected again, by collider and corners, ascending. Those of this substep have been given to its
     /// displacements.
     pub warm: Vec<WarmStart>,
     /// Impulses to be expected in the next substep.
@@ -20,24 +20,23 @@ pub(in crate::solver) struct EdgeMemory {
     pub next_freed: Vec<[u32; 2]>,
 }
 
-/// The impulse with which a collider is expected to press on an edge (warm starting: Catto 2005, *Iterative Dynamics with
+/// The impulse with which a collider is expected to press on an edge or a face (warm starting: Catto 2005, *Iterative Dynamics with
 /// Temporal Coherence*).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::solver) struct WarmStart {
     /// Index of the collider.
     pub collider: u32,
-    /// Slots of the edge's ends, the lower one first.
-    pub ends: [u32; 2],
-    /// The place on the edge, from 0 at its first end to 1.
-    pub at: f32,
+    /// Slots of the corners that it acts on, and their parts; of an edge, the last is the first again and has no part.
+    pub corners: [u32; 3],
+    pub parts: [f32; 3],
     /// The impulse, times the substep \[kg m\].
     pub impulse: Vec3,
 }
 
 impl WarmStart {
     /// What makes one of them come before another.
-    pub fn key(&self) -> (u32, [u32; 2]) {
-        (self.collider, self.ends)
+    pub fn key(&self) -> (u32, [u32; 3]) {
+        (self.collider, self.corners)
     }
 }
 
@@ -55,7 +54,7 @@ impl EdgeMemory {
     ) {
         for warm in &mut self.warm {
             warm.impulse *= ratio;
-            for (slot, part) in warm.ends.into_iter().zip([1.0 - warm.at, warm.at]) {
+            for (slot, part) in warm.corners.into_iter().zip(warm.parts) {
                 let slot = slot as usize;
                 let by = warm.impulse * (part * inverse_mass[slot]);
                 d.set(slot, d.get(slot) + by);
@@ -76,7 +75,7 @@ impl EdgeMemory {
 
     /// Expects nothing of the particle of a slot.
     pub fn forget(&mut self, slot: usize) {
-        self.warm.retain(|warm| !warm.ends.contains(&(slot as u32)));
+        self.warm.retain(|warm| !warm.corners.contains(&(slot as u32)));
     }
 
     /// Turns with the cloth.

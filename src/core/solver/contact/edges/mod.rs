@@ -1,11 +1,12 @@
-//! Edges of the cloth are held out of colliders that are thin or sharp at the scale of its particles.
+//! Edges and faces of the cloth are held out of colliders that are thin or sharp at the scale of its particles.
 //!
 //! The distance to a solid changes by at most a metre in a metre. So an edge of length l, whose ends have the gaps g0 and g1
 //! to what is held, is held itself as long as g0 + g1 >= l. Of the others, those are left out whose ends see the surface face
 //! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod (`nearby`). There the
 //! place of an edge that is nearest to the solid is searched (`search`; for contact with distance fields: Macklin et al. 2020,
 //! *Local Optimization for Robust Signed Distance Field Collision*), and moved out with both ends, each by its
-//! share and its inverse mass (`press`).
+//! share and its inverse mass (`press`). Where the three corners of a face see three sides of a solid, whose vertex may be in their
+//! midst, the face is searched and held in the same way.
 //!
 //! An edge is held at half the distance of the particles, so that on a smooth solid these touch first, and edges cost nothing.
 //!
@@ -37,7 +38,8 @@ pub(in crate::solver) use memory::{EdgeMemory, WarmStart};
 pub(super) use nearby::{Nearby, NearbyMut};
 
 use nearby::{FindClose, Inside};
-use search::{Search, UNSURE};
+use press::Place;
+use search::{Search, UNSURE, nearest_on_faces};
 
 /// Part of the particles' distance at which edges are held.
 const HELD: f32 = 0.5;
@@ -49,6 +51,8 @@ const INSIDE: f32 = 2.0;
 const SLOW: f32 = 0.125;
 /// Part of an edge from which on a collider passes edges within a substep, and only particles are held.
 const FAST: f32 = 0.75;
+/// Part of each corner in a place that is within a face.
+const WITHIN: f32 = 0.05;
 
 /// Which edges are looked at closely.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +142,11 @@ impl HoldEdges<'_> {
             self.search(close);
         }
         self.nearby.close = close;
+        let faces = core::mem::take(&mut self.nearby.faces);
+        for faces in faces.chunks(LANES) {
+            self.search_faces(faces);
+        }
+        self.nearby.faces = faces;
         let mut presses = self.presses();
         let held = self.solve(&mut presses);
         self.nearby.presses = presses;
@@ -157,10 +166,27 @@ impl HoldEdges<'_> {
         for (lane, &edge) in close.iter().enumerate() {
             let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
             if gap < 0.0 {
-                self.nearby.places.push((edge, at[lane]));
+                self.nearby.places.push(Place::on_edge(edge, ends[lane], at[lane]));
             } else {
                 let unsure = self.motion.overestimate + UNSURE * self.edges.longest;
                 self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
+            }
+        }
+    }
+
+    /// The same of faces, which are few.
+    fn search_faces(&mut self, faces: &[[u32; 3]]) {
+        let mut corners = [[0; 3]; LANES];
+        for (lane, corners) in corners.iter_mut().enumerate() {
+            *corners = faces[lane.min(faces.len() - 1)].map(|slot| slot as usize);
+        }
+        let (parts, distance) = nearest_on_faces(&corners, self.x, self.d, self.motion);
+        for (lane, &corners) in faces.iter().enumerate() {
+            let parts = parts[lane];
+            let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
+            // What is nearest at a side of it is left to that edge.
+            if gap < 0.0 && parts.iter().all(|&part| part > WITHIN) {
+                self.nearby.places.push(Place { corners, parts, edge: None });
             }
         }
     }

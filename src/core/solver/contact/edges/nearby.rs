@@ -1,4 +1,4 @@
-//! How particles lie to a collider, and which edges between them are to be looked at closely.
+//! How particles lie to a collider, and which edges and faces between them are to be looked at closely.
 
 use super::super::super::bands::CutAt;
 use super::super::super::isa::Kernel;
@@ -6,12 +6,14 @@ use super::super::super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, Valu
 use super::super::super::lattice::Layout;
 use super::super::room::ByBlock;
 use super::Rule;
-use super::list::{Edges, FAN, Joined, Pairs};
-use super::press::Press;
+use super::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
+use super::press::{Place, Press};
 use super::solve::{Limited, Moved};
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
+/// The same of faces.
+const FEW_FACES: usize = 64;
 
 /// How particles lie to a collider: what is known of those that are near to it.
 #[derive(Clone, Debug)]
@@ -24,13 +26,15 @@ pub(in crate::solver) struct Nearby {
     pub(super) normal: Soa,
     /// Edges that are looked at closely, by their places in the list.
     pub(super) close: Vec<u32>,
-    /// Close edges that are to be moved out, and the parts of them where.
-    pub(super) places: Vec<(u32, f32)>,
+    /// Slots of the corners of faces that are looked at closely.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// Places that are to be moved out.
+    pub(super) places: Vec<Place>,
     /// Room for those that are pressed, for threads beside them, and for what they move.
     pub(super) presses: Vec<Press>,
     pub(super) limited: Vec<Limited>,
     pub(super) moved: Vec<Moved>,
-    pub(super) counted: Vec<usize>,
+    pub(super) counted: Vec<u32>,
 }
 
 impl Nearby {
@@ -43,6 +47,7 @@ impl Nearby {
             gap,
             normal: Soa::zeros(slots),
             close: Vec::with_capacity(FEW_CLOSE),
+            faces: Vec::with_capacity(FEW_FACES),
             places: Vec::with_capacity(FEW_CLOSE),
             presses: Vec::with_capacity(FEW_CLOSE),
             limited: Vec::with_capacity(FEW_CLOSE),
@@ -113,21 +118,26 @@ impl Kernel for FindClose<'_> {
     #[inline(always)]
     fn run(mut self) {
         self.nearby.close.clear();
+        self.nearby.faces.clear();
         for block in 0..self.nearby.blocks.len() {
             if !self.nearby.blocks[block] {
                 continue;
             }
             match &self.edges.joined {
                 &Joined::Neighbours { hops, .. } => self.look_at_fans(block, hops),
-                Joined::Pairs(Pairs { ends, first, .. }) => {
+                Joined::Pairs(pairs) => {
+                    let Pairs { ends, first, .. } = pairs;
                     for edge in first[block]..first[block + 1] {
                         let [a, b] = ends[edge as usize].map(|slot| slot as usize);
-                        let Nearby { gap, normal, .. } = &*self.nearby;
-                        let cosine = normal.get(a).dot(normal.get(b));
-                        let is_out = gap[a] > self.rule.inside && gap[b] > self.rule.inside;
-                        let reaches = gap[a] + gap[b] < self.rule.reach;
-                        if is_out && reaches && cosine < self.rule.alike {
+                        if self.is_close(a, b) {
                             self.take(edge);
+                        }
+                    }
+                    let Pairs { faces, first_face, .. } = pairs;
+                    for face in &faces[first_face[block] as usize..first_face[block + 1] as usize] {
+                        let [a, b, c] = face.map(|slot| slot as usize);
+                        if self.is_close(a, b) && self.is_close(b, c) && self.is_close(a, c) {
+                            self.nearby.faces.push(*face);
                         }
                     }
                 }
@@ -137,6 +147,16 @@ impl Kernel for FindClose<'_> {
 }
 
 impl FindClose<'_> {
+    /// Whether the edge between two slots is to be looked at. A face is where all three are: their corners see three sides of
+    /// a solid, whose vertex may be in their midst.
+    #[inline(always)]
+    fn is_close(&self, a: usize, b: usize) -> bool {
+        let (Nearby { gap, normal, .. }, rule) = (&*self.nearby, self.rule);
+        let cosine = normal.get(a).dot(normal.get(b));
+        let is_out = gap[a] > rule.inside && gap[b] > rule.inside;
+        is_out && gap[a] + gap[b] < rule.reach && cosine < rule.alike
+    }
+
     #[inline(always)]
     fn look_at_fans(&mut self, block: usize, hops: [usize; FAN]) {
         let slot = block * LANES;
@@ -164,6 +184,16 @@ impl FindClose<'_> {
                 let from = slot + lane;
                 if found.0[lane] > 0.0 && self.inside.has(from) && self.inside.has(from + hop) {
                     self.take((from * FAN + i) as u32);
+                }
+            }
+            for [i, j] in FAN_FACES {
+                if found[i].0[lane] == 0.0 || found[j].0[lane] == 0.0 {
+                    continue;
+                }
+                let corners = [slot + lane, slot + lane + hops[i], slot + lane + hops[j]];
+                let [_, b, c] = corners;
+                if corners.iter().all(|&slot| self.inside.has(slot)) && self.is_close(b, c) {
+                    self.nearby.faces.push(corners.map(|slot| slot as u32));
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! An edge that a collider presses on.
+//! An edge or a face that a collider presses on.
 
 use bevy_math::Vec3;
 
@@ -13,25 +13,56 @@ const MOST_SHARE: f32 = 2.0;
 /// Places that are looked at on a way of an end that is pushed by what is fast.
 const LOOKS: u32 = 8;
 
-/// An edge that a collider presses on at a place of it. Ways are those of that place.
+/// A place on an edge or a face. Of an edge, the last corner is the first again and has no part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Slots of the corners; the first two ascend.
+    pub corners: [u32; 3],
+    /// Their parts in the place.
+    pub parts: [f32; 3],
+    /// The edge, where it is one.
+    pub edge: Option<u32>,
+}
+
+impl Place {
+    /// The place at a part of the way along an edge.
+    pub fn on_edge(edge: u32, [a, b]: [usize; 2], at: f32) -> Self {
+        let corners = [a, b, a].map(|slot| slot as u32);
+        Self { corners, parts: [1.0 - at, at, 0.0], edge: Some(edge) }
+    }
+
+    /// Where something was expected.
+    fn of(warm: &WarmStart) -> Self {
+        Self { corners: warm.corners, parts: warm.parts, edge: None }
+    }
+
+    /// What is between the values of the corners.
+    fn between(&self, of: &Soa) -> Vec3 {
+        let [a, b, c] = self.corners.map(|slot| of.get(slot as usize));
+        a * self.parts[0] + b * self.parts[1] + c * self.parts[2]
+    }
+
+    fn is_on_edge(&self) -> bool {
+        self.corners[2] == self.corners[0]
+    }
+}
+
+/// An edge or a face that a collider presses on. Ways are those of its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Press {
-    /// Slots of its ends, the lower one first.
-    pub ends: [usize; 2],
-    /// Parts of the ends in the place.
-    pub parts: [f32; 2],
-    /// How far the ends go for a push of one.
-    pub shares: [f32; 2],
+    pub place: Place,
+    /// How far the corners go for a push of one.
+    shares: [f32; 3],
     /// Impulse for a push of one \[kg\].
     pub mass: f32,
     /// Outward, of length one.
     pub normal: Vec3,
     /// How far the collider moves there in the substep \[m\].
-    pub surface: Vec3,
+    surface: Vec3,
     /// Where the place is, before anything is moved \[m\].
-    pub place: Vec3,
+    from: Vec3,
     /// How far it is to come out from there \[m\].
-    pub depth: f32,
+    depth: f32,
     /// Least way that it may go along the normal, beside the collider: what is left of the gap \[m\].
     pub least: f32,
     /// Longest push along the normal \[m\].
@@ -45,59 +76,68 @@ pub(super) struct Press {
 }
 
 impl Press {
-    /// What is between the values of the ends.
-    pub fn between(&self, of: &Soa) -> Vec3 {
-        of.get(self.ends[0]) * self.parts[0] + of.get(self.ends[1]) * self.parts[1]
+    /// The ends of an edge, or the corners of a face.
+    pub fn corners(&self) -> &[u32] {
+        let count = if self.place.is_on_edge() { 2 } else { 3 };
+        &self.place.corners[..count]
+    }
+
+    /// The corners, and how far they go for a push of one.
+    pub fn shares(&self) -> impl Iterator<Item = (usize, f32)> {
+        let corners = self.corners().iter().map(|&slot| slot as usize);
+        corners.zip(self.shares)
     }
 
     /// How far the place goes in the substep, beside the collider \[m\].
     pub fn goes(&self, d: &Soa) -> Vec3 {
-        self.between(d) - self.surface
+        self.place.between(d) - self.surface
+    }
+
+    /// How far it is still inside \[m\].
+    pub fn depth(&self, x: &Soa, d: &Soa) -> f32 {
+        let moved = self.place.between(x) + self.place.between(d) - self.from;
+        self.depth - moved.dot(self.normal)
     }
 
     /// Begins with the push that was expected, which the displacements have been given.
-    fn begin_with(&mut self, warm: &WarmStart) {
+    fn begin_with(mut self, warm: &WarmStart) -> Self {
         let push = warm.impulse / self.mass;
         self.push = push.dot(self.normal);
         self.brake = push - self.normal * self.push;
         self.was_expected = true;
+        self
     }
 }
 
 impl HoldEdges<'_> {
-    /// The edges that the collider presses on, or was expected to, in the order of their ends.
+    /// What the collider presses on, or was expected to, in the order of their corners.
     pub(super) fn presses(&mut self) -> Vec<Press> {
         let mut presses = core::mem::take(&mut self.nearby.presses);
         presses.clear();
-        let from = |warm: &WarmStart| (warm.collider as usize) < self.collider;
-        let first = self.set.edges.warm.partition_point(from);
-        let mut next = first;
-        let places = core::mem::take(&mut self.nearby.places);
-        for &(edge, at) in &places {
-            let ends = self.edges.ends(edge).map(|slot| slot as u32);
+        let before = |warm: &WarmStart| (warm.collider as usize) < self.collider;
+        let mut next = self.set.edges.warm.partition_point(before);
+        let mut places = core::mem::take(&mut self.nearby.places);
+        places.sort_unstable_by_key(|place| place.corners);
+        for place in places.drain(..) {
             // Those that have left it since.
-            while let Some(warm) = self.expected(next).filter(|warm| warm.ends < ends) {
+            while let Some(warm) = self.expected(next).filter(|warm| warm.corners < place.corners) {
                 presses.extend(self.take_back(&warm));
                 next += 1;
             }
-            let warm = self.expected(next).filter(|warm| warm.ends == ends);
+            let warm = self.expected(next).filter(|warm| warm.corners == place.corners);
             next += usize::from(warm.is_some());
-            match (self.press(edge, at, false), warm) {
-                (Some(press), None) => presses.push(press),
-                (Some(mut press), Some(warm)) => {
-                    press.begin_with(&warm);
-                    presses.push(press);
-                }
-                (None, Some(warm)) => presses.extend(self.take_back(&warm)),
-                (None, None) => {}
-            }
+            let press = self.press(place, false);
+            presses.extend(match (press, warm) {
+                (Some(press), Some(warm)) => Some(press.begin_with(&warm)),
+                (None, Some(warm)) => self.take_back(&warm),
+                (press, None) => press,
+            });
         }
         while let Some(warm) = self.expected(next) {
             presses.extend(self.take_back(&warm));
             next += 1;
         }
         self.nearby.places = places;
-        self.nearby.places.clear();
         presses
     }
 
@@ -107,83 +147,86 @@ impl HoldEdges<'_> {
         warm.filter(|warm| warm.collider as usize == self.collider).copied()
     }
 
-    /// An edge that was expected to be pressed and is not any more: the push is taken back as far as it is too much.
+    /// What was expected to be pressed and is not any more: the push is taken back as far as it is too much.
     fn take_back(&mut self, warm: &WarmStart) -> Option<Press> {
-        let edge = self.edges.between(warm.ends)?;
-        let mut press = self.press(edge, warm.at, true)?;
-        press.begin_with(warm);
-        Some(press)
+        Some(self.press(Place::of(warm), true)?.begin_with(warm))
     }
 
-    /// Looks at an edge at a place of it; `None` where it is not to be moved. It is inside, unless it `was_expected` to be.
-    fn press(&mut self, edge: u32, at: f32, was_expected: bool) -> Option<Press> {
+    /// Looks at a place; `None` where it is not to be moved. It is inside, unless it `was_expected` to be.
+    fn press(&mut self, place: Place, was_expected: bool) -> Option<Press> {
         let (motion, skin) = (self.motion, self.skin);
-        let ends @ [a, b] = self.edges.ends(edge);
-        let parts = [1.0 - at, at];
-        let w = [self.inverse_mass[a], self.inverse_mass[b]];
-        let mobility = parts[0] * parts[0] * w[0] + parts[1] * parts[1] * w[1];
+        let Place { corners, parts, edge } = place;
+        let slots = corners.map(|slot| slot as usize);
+        let w = slots.map(|slot| self.inverse_mass[slot]);
+        let mobility = (0..3).map(|i| parts[i] * parts[i] * w[i]).sum::<f32>();
         if mobility <= 0.0 {
             return None;
         }
-        let between = |of: &Soa| of.get(a) * parts[0] + of.get(b) * parts[1];
-        let moved = between(self.d);
-        let place = between(self.x) + moved;
-        let local = motion.after.to_local(place);
+        let moved = place.between(self.d);
+        let from = place.between(self.x) + moved;
+        let local = motion.after.to_local(from);
         let sample = motion.shape.sample(local);
         let depth = HELD * skin.epsilon - sample.distance * motion.after.scale;
         if depth.is_nan() || (depth <= 0.0 && !was_expected) {
             return None;
         }
-        // At the nearest place exactly the normal is across the edge. What the search is off by would drive it along.
         let outward = motion.after.rotate(sample.normal);
-        let along = (self.x.get(b) + self.d.get(b)) - (self.x.get(a) + self.d.get(a));
-        let square = along.dot(along);
-        let across = outward - along * (outward.dot(along) / larger(square, LEAST_SLIDING));
-        let normal = across.normalize_or(outward);
+        let [a, b, c] = slots.map(|slot| self.x.get(slot) + self.d.get(slot));
+        // At the nearest place exactly the normal is across it. What the search is off by would drive it along.
+        let normal = if place.is_on_edge() {
+            let along = b - a;
+            let across = along * (outward.dot(along) / larger(along.dot(along), LEAST_SLIDING));
+            (outward - across).normalize_or(outward)
+        } else {
+            let across = (b - a).cross(c - a);
+            (across * outward.dot(across)).normalize_or(outward)
+        };
         let memory = &self.set.edges;
-        let passes = memory.is_freed(a, self.collider) || memory.is_freed(b, self.collider);
+        let passes = slots.iter().any(|&slot| memory.is_freed(slot, self.collider));
         // An end beyond the solid would be moved into it.
-        let faces = |slot| self.nearby.normal.get(slot).dot(normal);
-        let is_beyond = larger(-faces(a), -faces(b)) > BEYOND;
-        if self.is_hooked(edge, depth, square.sqrt()) || passes || is_beyond {
+        let faces = |slot: usize| self.nearby.normal.get(slot).dot(normal);
+        let is_beyond = slots.iter().any(|&slot| faces(slot) < -BEYOND);
+        let is_hooked = edge.is_some_and(|edge| self.is_hooked(edge, depth, (b - a).length()));
+        if is_hooked || passes || is_beyond {
             return None;
         }
-        let surface = if motion.moves { place - motion.before.to_world(local) } else { Vec3::ZERO };
+        let surface = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
         let goes = (moved - surface).dot(normal);
-        let shares = [parts[0] * w[0] / mobility, parts[1] * w[1] / mobility];
+        let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
         // Next to an end that is held, the other would be thrown about.
-        let share = larger(shares[0], shares[1]);
+        let share = shares.into_iter().fold(0.0, larger);
         let is_held = share > MOST_SHARE;
         let part = if is_held { MOST_SHARE / share } else { 1.0 };
         let shares = shares.map(|share| share * part);
         let least = -larger(-depth - goes, 0.0);
         // A push that moves the place by less is not to be made up for.
         let most = if is_held { larger(least - goes, 0.0) } else { f32::INFINITY };
-        if !self.is_slow() && self.goes_through(ends, shares.map(|share| normal * (depth * share)))
+        if !self.is_slow() && self.goes_through(slots, shares.map(|share| normal * (depth * share)))
         {
             return None;
         }
+        let mass = part / mobility;
+        let (push, brake, was_expected) = (0.0, Vec3::ZERO, false);
         Some(Press {
-            ends,
-            parts,
+            place,
             shares,
-            mass: part / mobility,
+            mass,
             normal,
             surface,
-            place,
+            from,
             depth,
             least,
             most,
-            push: 0.0,
-            brake: Vec3::ZERO,
-            was_expected: false,
+            push,
+            brake,
+            was_expected,
         })
     }
 
     /// Whether what is fast would push an end through itself, on a way that nothing looks at any more.
-    fn goes_through(&self, ends: [usize; 2], pushes: [Vec3; 2]) -> bool {
+    fn goes_through(&self, slots: [usize; 3], pushes: [Vec3; 3]) -> bool {
         let motion = self.motion;
-        ends.into_iter().zip(pushes).any(|(slot, push)| {
+        slots.into_iter().zip(pushes).any(|(slot, push)| {
             let (from, way) = (self.x.get(slot), self.d.get(slot) + push);
             let (from, to) = (motion.before.to_local(from), motion.after.to_local(from + way));
             let looks = (1..=LOOKS).map(|i| from.lerp(to, i as f32 / LOOKS as f32));

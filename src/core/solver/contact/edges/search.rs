@@ -1,4 +1,5 @@
-//! The place of an edge that is nearest to a solid, by golden-section search (Kiefer 1953): 16 edges at a time.
+//! The place of an edge that is nearest to a solid, by golden-section search (Kiefer 1953), and that of a face, by a few of
+//! them: 16 at a time.
 
 use super::super::super::lanes::{LANES, Soa};
 use super::super::collider::{Frame, Motion};
@@ -17,16 +18,75 @@ pub(super) struct Search {
     way: PointBlock,
 }
 
-impl Search {
-    pub fn new(ends: &[[usize; 2]; LANES], x: &Soa, d: &Soa, frame: &Frame) -> Self {
-        let mut search = Self { from: PointBlock::default(), way: PointBlock::default() };
-        for (lane, &[a, b]) in ends.iter().enumerate() {
-            let (from, to) = (x.get(a) + d.get(a), x.get(b) + d.get(b));
-            let (from, to) = (frame.to_local(from), frame.to_local(to));
-            search.from.set(lane, from);
-            search.way.set(lane, to - from);
+/// The slots of so many edges or faces.
+pub(super) type Corners<const N: usize> = [[usize; N]; LANES];
+
+/// Where corners are to be, in a collider's frame.
+fn corner<const N: usize>(
+    corners: &Corners<N>,
+    which: usize,
+    x: &Soa,
+    d: &Soa,
+    frame: &Frame,
+) -> PointBlock {
+    let mut points = PointBlock::default();
+    for (lane, slots) in corners.iter().enumerate() {
+        let slot = slots[which];
+        points.set(lane, frame.to_local(x.get(slot) + d.get(slot)));
+    }
+    points
+}
+
+/// The places of faces that are nearest, as parts of their corners, and their distances. The distance to a convex solid is a
+/// convex function: along a line from a corner, along one beside the opposite side, and along the first again.
+pub(super) fn nearest_on_faces(
+    corners: &Corners<3>,
+    x: &Soa,
+    d: &Soa,
+    motion: &Motion<'_>,
+) -> ([[f32; 3]; LANES], [f32; LANES]) {
+    let [a, b, c] = [0, 1, 2].map(|which| corner(corners, which, x, d, &motion.after));
+    // How far from the first corner to the opposite side, and how far along that.
+    let (mut out, mut beside) = ([1.0; LANES], [0.5; LANES]);
+    let mut distance = [0.0; LANES];
+    for round in 0..3 {
+        let (mut from, mut to) = (PointBlock::default(), PointBlock::default());
+        for i in 0..LANES {
+            let [a, b, c] = [&a, &b, &c].map(|corner| corner.point(i));
+            if round == 1 {
+                from.set(i, a.lerp(b, out[i]));
+                to.set(i, a.lerp(c, out[i]));
+            } else {
+                from.set(i, a);
+                to.set(i, b.lerp(c, beside[i]));
+            }
         }
-        search
+        let (at, found) = Search::between(from, &to).nearest(motion);
+        if round == 1 {
+            beside = at;
+        } else {
+            out = at;
+        }
+        distance = found;
+    }
+    let mut parts = [[0.0; 3]; LANES];
+    for i in 0..LANES {
+        parts[i] = [1.0 - out[i], out[i] * (1.0 - beside[i]), out[i] * beside[i]];
+    }
+    (parts, distance)
+}
+
+impl Search {
+    pub fn new(ends: &Corners<2>, x: &Soa, d: &Soa, frame: &Frame) -> Self {
+        Self::between(corner(ends, 0, x, d, frame), &corner(ends, 1, x, d, frame))
+    }
+
+    fn between(from: PointBlock, to: &PointBlock) -> Self {
+        let mut way = PointBlock::default();
+        for lane in 0..LANES {
+            way.set(lane, to.point(lane) - from.point(lane));
+        }
+        Self { from, way }
     }
 
     /// The nearest places, as parts of the ways, and their distances.

@@ -20,6 +20,9 @@ const STRAINED: f32 = 0.25;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
 
+/// Inverse mass that stands for that of what is held \[1/kg\].
+const LEAST_INVERSE_MASS: f32 = 1e-12;
+
 /// A thread that meets the end of a pressed edge, and is to be held to the strain limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limited {
@@ -79,8 +82,8 @@ impl HoldEdges<'_> {
 
     /// Notes where the ends are, each once, ascending.
     fn note_ends(&self, presses: &[Press], moved: &mut Vec<Moved>) {
-        let slots = presses.iter().flat_map(|press| press.ends);
-        moved.extend(slots.map(|slot| Moved { slot: slot as u32, from: self.at(slot) }));
+        let slots = presses.iter().flat_map(Press::corners);
+        moved.extend(slots.map(|&slot| Moved { slot, from: self.at(slot as usize) }));
         moved.sort_unstable_by_key(|moved| moved.slot);
         moved.dedup_by_key(|moved| moved.slot);
     }
@@ -139,7 +142,7 @@ impl HoldEdges<'_> {
         let brake = brake * if most < length { most / length } else { 1.0 };
         let by = press.normal * (push - press.push) + (brake - press.brake);
         (press.push, press.brake) = (push, brake);
-        for (slot, share) in press.ends.into_iter().zip(press.shares) {
+        for (slot, share) in press.shares() {
             self.displace(slot, by * share);
         }
         by * press.mass
@@ -147,28 +150,41 @@ impl HoldEdges<'_> {
 
     /// Moves an edge out as far as it is still inside. It gets no speed by that.
     fn move_out(&mut self, press: &Press) {
-        let moved = press.between(self.x) + press.between(self.d) - press.place;
-        let depth = press.depth - moved.dot(press.normal);
+        let depth = press.depth(self.x, self.d);
         let leaves = larger(press.goes(self.d).dot(press.normal), 0.0);
         let allowed = larger(self.skin.most_push - leaves, 0.0);
         let depth = larger(if depth < allowed { depth } else { allowed }, 0.0);
-        for (slot, share) in press.ends.into_iter().zip(press.shares) {
+        for (slot, share) in press.shares() {
             self.x.set(slot, self.x.get(slot) + press.normal * (depth * share));
         }
     }
 
-    /// Brakes the turning of an edge about where it is held, which nothing else stops.
+    /// Brakes the turning of an edge or a face about where it is held, which nothing else stops.
     fn brake_turning(&mut self, press: &Press) {
         if !self.is_slow() {
             return;
         }
-        let [a, b] = press.ends;
-        let w = [self.inverse_mass[a], self.inverse_mass[b]];
+        let along = |slot: u32| press.normal.dot(self.d.get(slot as usize));
+        let mass = |slot: u32| 1.0 / larger(self.inverse_mass[slot as usize], LEAST_INVERSE_MASS);
+        let (mut all, mut momentum) = (0.0, 0.0);
+        for &slot in press.corners() {
+            all += mass(slot);
+            momentum += mass(slot) * along(slot);
+        }
+        let mean = momentum / all;
+        // Half of what each goes beside the others, as far as friction does it.
+        let turning = |slot: u32| 0.5 * mass(slot) * (along(slot) - mean);
+        let largest =
+            press.corners().iter().fold(0.0, |most, &slot| larger(turning(slot).abs(), most));
         let most = TURNING * self.motion.friction * press.push * press.mass;
-        let turning = press.normal.dot(self.d.get(b) - self.d.get(a));
-        let by = press.normal * (0.5 * turning / (w[0] + w[1])).clamp(-most, most);
-        self.displace(a, by * w[0]);
-        self.displace(b, by * -w[1]);
+        let part = if largest > most { most / largest } else { 1.0 };
+        let mut by = [0.0; 3];
+        for (by, &slot) in by.iter_mut().zip(press.corners()) {
+            *by = -part * turning(slot) * self.inverse_mass[slot as usize];
+        }
+        for (by, &slot) in by.into_iter().zip(press.corners()) {
+            self.displace(slot as usize, press.normal * by);
+        }
     }
 
     /// Remembers what is to be expected of an edge in the next substep. Of what is struck, nothing is.
@@ -181,8 +197,8 @@ impl HoldEdges<'_> {
         let push = press.normal * press.push + press.brake;
         self.set.edges.next_warm.push(WarmStart {
             collider: self.collider as u32,
-            ends: press.ends.map(|slot| slot as u32),
-            at: press.parts[1],
+            corners: press.place.corners,
+            parts: press.place.parts,
             impulse: push * (press.mass * EXPECTED / (1.0 + struck)),
         });
     }
@@ -191,11 +207,11 @@ impl HoldEdges<'_> {
     fn count_touching(&mut self, presses: &[Press]) -> u32 {
         let counted = &mut self.nearby.counted;
         let pressed = presses.iter().filter(|press| press.push > 0.0);
-        counted.extend(pressed.flat_map(|press| press.ends));
+        counted.extend(pressed.flat_map(Press::corners));
         counted.sort_unstable();
         counted.dedup();
         let next = &self.set.next.normal;
-        let touching = counted.drain(..).filter(|&slot| next.get(slot) == Vec3::ZERO);
+        let touching = counted.drain(..).filter(|&slot| next.get(slot as usize) == Vec3::ZERO);
         touching.count() as u32
     }
 
