@@ -74,6 +74,7 @@ impl ColliderSnapshot {
                 motion,
                 friction: collider.friction,
                 layers: collider.layers,
+                key: collider.entity.to_bits(),
                 measured: collider.measured,
             })
         }));

@@ -237,7 +237,7 @@ impl ClothSolver {
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
-        self.state.contacts.impulses.begin_tick(input.colliders);
+        self.state.contacts.begin_tick(input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)
     }

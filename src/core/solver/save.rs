@@ -223,6 +223,8 @@ impl ClothSolver {
             now,
             before,
             next: _,
+            // Another world has other colliders; they are told by their places.
+            keys: _,
             edges,
             velocity,
             holder,

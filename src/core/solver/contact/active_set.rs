@@ -25,8 +25,10 @@ use bevy_math::Vec3;
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
 use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
+use super::collider::Collider;
 use super::edges::EdgeMemory;
 use super::impulses::{Impulses, Share};
+use super::keys::Keys;
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.
@@ -46,6 +48,8 @@ pub(in crate::solver) struct ActiveSet {
     pub next: Normals,
     /// What contact of edges remembers.
     pub edges: EdgeMemory,
+    /// The colliders of the tick.
+    pub keys: Keys,
     /// Velocity of the surface that a particle lies on, by slot \[m/s\].
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
@@ -137,7 +141,8 @@ impl ActiveSet {
             now: normals.clone(),
             before: normals.clone(),
             next: normals,
-            edges: EdgeMemory::default(),
+            edges: EdgeMemory::new(),
+            keys: Keys::default(),
             velocity: Soa::zeros(slots),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
@@ -154,6 +159,19 @@ impl ActiveSet {
         self.before.clear();
         self.next.clear();
         self.edges.clear();
+    }
+
+    /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places.
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
+        if self.keys.go_on(colliders) {
+            let place = |collider| self.keys.place(collider);
+            self.edges.renumber(place);
+            self.impulses.renumber(colliders.len(), place);
+            for holder in &mut *self.holder {
+                *holder = place(*holder as usize).unwrap_or(usize::MAX) as f32;
+            }
+        }
+        self.impulses.begin_tick(colliders);
     }
 
     /// Forgets what the particle of a slot lies on.

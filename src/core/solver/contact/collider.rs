@@ -102,6 +102,9 @@ pub struct Collider<'a> {
     pub friction: f32,
     /// The layers that it is in, a bit each. A cloth that shares none passes through.
     pub layers: u32,
+    /// Tells it from the others from tick to tick, as an entity's bits do: what a cloth remembers of its contact is found
+    /// again by it, wherever the collider is in the list. Zero: by its place in the list.
+    pub key: u64,
     /// Whether the impulse that the cloth gives it is asked for, see
     /// [`ClothSolver::impulse`](crate::solver::ClothSolver::impulse).
     pub measured: bool,
@@ -111,7 +114,7 @@ impl<'a> Collider<'a> {
     /// A collider that stays at a pose in world space, with a friction of 0.5, in all layers.
     pub fn new(shape: &'a dyn SignedDistance, pose: Pose) -> Self {
         let motion = ColliderMotion::new(shape, pose, pose);
-        Self { shape, motion, friction: 0.5, layers: u32::MAX, measured: false }
+        Self { shape, motion, friction: 0.5, layers: u32::MAX, key: 0, measured: false }
     }
 
     /// The same between other poses.

@@ -33,6 +33,20 @@ pub(in crate::solver) struct Share {
 }
 
 impl Impulses {
+    /// Puts what is known of colliders at their new `place`s, of which there are so many; `None` is none.
+    pub fn renumber(&mut self, count: usize, place: impl Fn(usize) -> Option<usize>) {
+        if self.colliders.is_empty() {
+            return;
+        }
+        let mut colliders = vec![None; count.max(self.colliders.len())];
+        for (collider, impulse) in self.colliders.iter().enumerate() {
+            if let Some(to) = place(collider).and_then(|place| colliders.get_mut(place)) {
+                *to = *impulse;
+            }
+        }
+        self.colliders = colliders;
+    }
+
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
     pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
         let count = if colliders.iter().any(|c| c.measured) { colliders.len() } else { 0 };

@@ -13,6 +13,7 @@ mod active_set;
 mod collider;
 mod edges;
 mod impulses;
+mod keys;
 mod meet;
 mod room;
 mod sweep;

@@ -5,8 +5,11 @@ use bevy_math::{Mat3, Vec3};
 use super::super::super::lanes::Soa;
 use super::super::impulses::{Impulses, Share};
 
+/// Pressed edges that there is room for from the start.
+const FEW: usize = 512;
+
 /// What contact of edges remembers from one substep to the next.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(in crate::solver) struct EdgeMemory {
     /// Impulses that are expected again, by collider and corners, ascending. Those of this substep have been given to its
     /// displacements.
@@ -41,6 +44,35 @@ impl WarmStart {
 }
 
 impl EdgeMemory {
+    pub fn new() -> Self {
+        Self {
+            warm: Vec::with_capacity(FEW),
+            next_warm: Vec::with_capacity(FEW),
+            freed: Vec::new(),
+            next_freed: Vec::new(),
+        }
+    }
+
+    /// Puts what is known of colliders at their new `place`s; `None` is none.
+    pub fn renumber(&mut self, place: impl Fn(usize) -> Option<usize>) {
+        self.warm.retain_mut(|warm| match place(warm.collider as usize) {
+            Some(place) => {
+                warm.collider = place as u32;
+                true
+            }
+            None => false,
+        });
+        self.warm.sort_unstable_by_key(WarmStart::key);
+        self.freed.retain_mut(|freed| match place(freed[1] as usize) {
+            Some(place) => {
+                freed[1] = place as u32;
+                true
+            }
+            None => false,
+        });
+        self.freed.sort_unstable();
+    }
+
     /// Gives displacements the impulses that are expected, in a substep of length `step` that is the square root of `ratio`
     /// times as long as the last one.
     pub fn start_warm(

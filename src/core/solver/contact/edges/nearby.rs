@@ -12,7 +12,9 @@ use super::solve::{Limited, Moved};
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
-/// The same of faces.
+/// Those that are pressed.
+const FEW_PRESSED: usize = 512;
+/// Faces that are looked at closely.
 const FEW_FACES: usize = 64;
 
 /// How particles lie to a collider: what is known of those that are near to it.
@@ -48,11 +50,11 @@ impl Nearby {
             normal: Soa::zeros(slots),
             close: Vec::with_capacity(FEW_CLOSE),
             faces: Vec::with_capacity(FEW_FACES),
-            places: Vec::with_capacity(FEW_CLOSE),
-            presses: Vec::with_capacity(FEW_CLOSE),
-            limited: Vec::with_capacity(FEW_CLOSE),
-            moved: Vec::with_capacity(FEW_CLOSE),
-            counted: Vec::with_capacity(FEW_CLOSE),
+            places: Vec::with_capacity(FEW_PRESSED),
+            presses: Vec::with_capacity(FEW_PRESSED),
+            limited: Vec::with_capacity(FEW_PRESSED),
+            moved: Vec::with_capacity(FEW_PRESSED),
+            counted: Vec::with_capacity(FEW_PRESSED),
         }
     }
 

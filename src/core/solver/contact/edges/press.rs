@@ -62,7 +62,7 @@ pub(super) struct Press {
     /// Where the place is, before anything is moved \[m\].
     from: Vec3,
     /// How far it is to come out from there \[m\].
-    depth: f32,
+    pub depth: f32,
     /// Least way that it may go along the normal, beside the collider: what is left of the gap \[m\].
     pub least: f32,
     /// Longest push along the normal \[m\].
@@ -201,10 +201,6 @@ impl HoldEdges<'_> {
         let least = -larger(-depth - goes, 0.0);
         // A push that moves the place by less is not to be made up for.
         let most = if is_held { larger(least - goes, 0.0) } else { f32::INFINITY };
-        if !self.is_slow() && self.goes_through(slots, shares.map(|share| normal * (depth * share)))
-        {
-            return None;
-        }
         let mass = part / mobility;
         let (push, brake, was_expected) = (0.0, Vec3::ZERO, false);
         Some(Press {
@@ -223,11 +219,14 @@ impl HoldEdges<'_> {
         })
     }
 
-    /// Whether what is fast would push an end through itself, on a way that nothing looks at any more.
-    fn goes_through(&self, slots: [usize; 3], pushes: [Vec3; 3]) -> bool {
+    /// Whether what is fast would push a corner through itself, on a way that nothing looks at any more: by `push`, and out as far as
+    /// it is then inside.
+    pub(super) fn goes_through(&self, press: &Press, push: Vec3) -> bool {
         let motion = self.motion;
-        slots.into_iter().zip(pushes).any(|(slot, push)| {
-            let (from, way) = (self.x.get(slot), self.d.get(slot) + push);
+        let left = press.depth(self.x, self.d) - push.dot(press.normal);
+        let push = push + press.normal * larger(left, 0.0);
+        press.shares().any(|(slot, share)| {
+            let (from, way) = (self.x.get(slot), self.d.get(slot) + push * share);
             let (from, to) = (motion.before.to_local(from), motion.after.to_local(from + way));
             let looks = (1..=LOOKS).map(|i| from.lerp(to, i as f32 / LOOKS as f32));
             looks.fold(f32::INFINITY, |least, at| least.min(motion.shape.distance(at))) < 0.0

@@ -49,7 +49,9 @@ impl HoldEdges<'_> {
         let mut moved = core::mem::take(&mut self.nearby.moved);
         let mut limited = core::mem::take(&mut self.nearby.limited);
         self.note_ends(presses, &mut moved);
-        for round in 0..ROUNDS {
+        // What is fast is met once, as what moves is looked at on its way.
+        let rounds = if self.is_slow() { ROUNDS } else { 1 };
+        for round in 0..rounds {
             // What the first pushes stretch is among them.
             if round == 1 {
                 self.find_limited(&mut limited, &mut moved);
@@ -88,27 +90,29 @@ impl HoldEdges<'_> {
         moved.dedup_by_key(|moved| moved.slot);
     }
 
-    /// Finds the threads at the ends that are strained, and notes where their other ends are.
+    /// Finds the threads at the ends that the first pushes have stretched too far, and notes where their other ends are. No
+    /// thread is made shorter than it was before.
     fn find_limited(&self, limited: &mut Vec<Limited>, moved: &mut Vec<Moved>) {
         let strained = 1.0 + STRAINED * self.max_strain;
         let limit = 1.0 + LIMIT * self.max_strain;
         let ends = moved.len();
         for i in 0..ends {
-            let slot = moved[i].slot;
+            let Moved { slot, from } = moved[i];
             let here = self.at(slot as usize);
             self.edges.visit_threads(slot as usize, |other, rest| {
-                let way = self.at(other) - here;
-                if way.dot(way) <= (strained * rest) * (strained * rest) {
+                let there = self.at(other);
+                if here.distance_squared(there) <= (strained * rest) * (strained * rest) {
                     return;
                 }
-                let is_end =
-                    moved[..ends].binary_search_by_key(&(other as u32), |it| it.slot).is_ok();
-                if !is_end {
-                    moved.push(Moved { slot: other as u32, from: self.at(other) });
+                let end = moved[..ends].binary_search_by_key(&(other as u32), |it| it.slot);
+                let other_from = end.map_or(there, |end| moved[end].from);
+                if end.is_err() {
+                    moved.push(Moved { slot: other as u32, from: there });
                 }
                 // One between two ends is met twice.
-                if !is_end || (slot as usize) < other {
-                    limited.push(Limited { ends: [slot, other as u32], longest: limit * rest });
+                if end.is_err() || (slot as usize) < other {
+                    let longest = larger(limit * rest, from.distance(other_from));
+                    limited.push(Limited { ends: [slot, other as u32], longest });
                 }
             });
         }
@@ -141,6 +145,10 @@ impl HoldEdges<'_> {
         let length = larger(brake.dot(brake).sqrt(), LEAST_SLIDING);
         let brake = brake * if most < length { most / length } else { 1.0 };
         let by = press.normal * (push - press.push) + (brake - press.brake);
+        if !self.is_slow() && self.goes_through(press, by) {
+            press.depth = 0.0;
+            return Vec3::ZERO;
+        }
         (press.push, press.brake) = (push, brake);
         for (slot, share) in press.shares() {
             self.displace(slot, by * share);
@@ -189,7 +197,7 @@ impl HoldEdges<'_> {
 
     /// Remembers what is to be expected of an edge in the next substep. Of what is struck, nothing is.
     fn expect(&mut self, press: &Press) {
-        if press.push <= 0.0 {
+        if press.push <= 0.0 || !self.is_slow() {
             return;
         }
         let blow = press.push * self.skin.per_weight * (1.0 / BLOW);
@@ -218,6 +226,8 @@ impl HoldEdges<'_> {
     /// Moves a particle with its velocity.
     fn displace(&mut self, slot: usize, by: Vec3) {
         self.d.set(slot, self.d.get(slot) + by);
+        // It is no pull of the cloth.
+        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
         if let Some(pull) = &mut self.pull {
             pull.set(slot, pull.get(slot) - by);
         }
