@@ -147,9 +147,11 @@ impl HoldEdges<'_> {
             self.search_faces(faces);
         }
         self.nearby.faces = faces;
-        let mut presses = self.presses();
-        let held = self.solve(&mut presses);
-        self.nearby.presses = presses;
+        let mut system = core::mem::take(&mut self.nearby.system);
+        self.find_pressed(&mut system.presses);
+        let held =
+            if system.presses.is_empty() { EdgesHeld::default() } else { self.solve(&mut system) };
+        self.nearby.system = system;
         self.nearby.clear();
         held
     }

@@ -7,8 +7,8 @@ use super::super::super::lattice::Layout;
 use super::super::room::ByBlock;
 use super::Rule;
 use super::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
-use super::press::{Place, Press};
-use super::solve::{Limited, Moved};
+use super::press::Place;
+use super::solve::System;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
@@ -32,11 +32,8 @@ pub(in crate::solver) struct Nearby {
     pub(super) faces: Vec<[u32; 3]>,
     /// Places that are to be moved out.
     pub(super) places: Vec<Place>,
-    /// Room for those that are pressed, for threads beside them, and for what they move.
-    pub(super) presses: Vec<Press>,
-    pub(super) limited: Vec<Limited>,
-    pub(super) moved: Vec<Moved>,
-    pub(super) counted: Vec<u32>,
+    /// What is pressed, as it is solved for.
+    pub(super) system: System,
 }
 
 impl Nearby {
@@ -51,10 +48,7 @@ impl Nearby {
             close: Vec::with_capacity(FEW_CLOSE),
             faces: Vec::with_capacity(FEW_FACES),
             places: Vec::with_capacity(FEW_PRESSED),
-            presses: Vec::with_capacity(FEW_PRESSED),
-            limited: Vec::with_capacity(FEW_PRESSED),
-            moved: Vec::with_capacity(FEW_PRESSED),
-            counted: Vec::with_capacity(FEW_PRESSED),
+            system: System::new(slots, FEW_PRESSED),
         }
     }
 

@@ -4,6 +4,7 @@ use bevy_math::Vec3;
 
 use super::super::super::lanes::{Soa, larger};
 use super::super::LEAST_SLIDING;
+use super::solve::Body;
 use super::{HELD, HoldEdges, WarmStart};
 
 /// Cosine between the normal of an end and the way in, from which on it lies beyond the solid.
@@ -37,13 +38,22 @@ impl Place {
     }
 
     /// What is between the values of the corners.
-    fn between(&self, of: &Soa) -> Vec3 {
+    pub fn between(&self, of: &Soa) -> Vec3 {
         let [a, b, c] = self.corners.map(|slot| of.get(slot as usize));
         a * self.parts[0] + b * self.parts[1] + c * self.parts[2]
     }
 
+    /// The ends of an edge, or the corners of a face.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners[..self.count()]
+    }
+
     fn is_on_edge(&self) -> bool {
         self.corners[2] == self.corners[0]
+    }
+
+    fn count(&self) -> usize {
+        if self.is_on_edge() { 2 } else { 3 }
     }
 }
 
@@ -51,6 +61,8 @@ impl Place {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Press {
     pub place: Place,
+    /// What the corners are in the solution.
+    pub bodies: [u32; 3],
     /// How far the corners go for a push of one.
     shares: [f32; 3],
     /// Impulse for a push of one \[kg\].
@@ -76,27 +88,22 @@ pub(super) struct Press {
 }
 
 impl Press {
-    /// The ends of an edge, or the corners of a face.
-    pub fn corners(&self) -> &[u32] {
-        let count = if self.place.is_on_edge() { 2 } else { 3 };
-        &self.place.corners[..count]
-    }
-
-    /// The corners, and how far they go for a push of one.
-    pub fn shares(&self) -> impl Iterator<Item = (usize, f32)> {
-        let corners = self.corners().iter().map(|&slot| slot as usize);
-        corners.zip(self.shares)
+    /// What the corners are in the solution, their parts, and how far they go for a push of one.
+    pub fn corners(&self) -> impl Iterator<Item = (usize, f32, f32)> {
+        let corners = self.bodies.iter().zip(self.place.parts).zip(self.shares);
+        corners.take(self.place.count()).map(|((&body, part), share)| (body as usize, part, share))
     }
 
     /// How far the place goes in the substep, beside the collider \[m\].
-    pub fn goes(&self, d: &Soa) -> Vec3 {
-        self.place.between(d) - self.surface
+    pub fn goes(&self, bodies: &[Body]) -> Vec3 {
+        let d = |(body, part, _): (usize, f32, f32)| bodies[body].d * part;
+        self.corners().map(d).sum::<Vec3>() - self.surface
     }
 
     /// How far it is still inside \[m\].
-    pub fn depth(&self, x: &Soa, d: &Soa) -> f32 {
-        let moved = self.place.between(x) + self.place.between(d) - self.from;
-        self.depth - moved.dot(self.normal)
+    pub fn depth(&self, bodies: &[Body]) -> f32 {
+        let at = |(body, part, _): (usize, f32, f32)| bodies[body].at() * part;
+        self.depth - (self.corners().map(at).sum::<Vec3>() - self.from).dot(self.normal)
     }
 
     /// Begins with the push that was expected, which the displacements have been given.
@@ -110,9 +117,8 @@ impl Press {
 }
 
 impl HoldEdges<'_> {
-    /// What the collider presses on, or was expected to, in the order of their corners.
-    pub(super) fn presses(&mut self) -> Vec<Press> {
-        let mut presses = core::mem::take(&mut self.nearby.presses);
+    /// Finds what the collider presses on, or was expected to, in the order of their corners.
+    pub(super) fn find_pressed(&mut self, presses: &mut Vec<Press>) {
         presses.clear();
         let before = |warm: &WarmStart| (warm.collider as usize) < self.collider;
         let mut next = self.set.edges.warm.partition_point(before);
@@ -138,7 +144,6 @@ impl HoldEdges<'_> {
             next += 1;
         }
         self.nearby.places = places;
-        presses
     }
 
     /// What was expected of this collider, from a place in the list on.
@@ -205,6 +210,7 @@ impl HoldEdges<'_> {
         let (push, brake, was_expected) = (0.0, Vec3::ZERO, false);
         Some(Press {
             place,
+            bodies: [0; 3],
             shares,
             mass,
             normal,
@@ -221,12 +227,12 @@ impl HoldEdges<'_> {
 
     /// Whether what is fast would push a corner through itself, on a way that nothing looks at any more: by `push`, and out as far as
     /// it is then inside.
-    pub(super) fn goes_through(&self, press: &Press, push: Vec3) -> bool {
+    pub(super) fn goes_through(&self, press: &Press, push: Vec3, bodies: &[Body]) -> bool {
         let motion = self.motion;
-        let left = press.depth(self.x, self.d) - push.dot(press.normal);
+        let left = press.depth(bodies) - push.dot(press.normal);
         let push = push + press.normal * larger(left, 0.0);
-        press.shares().any(|(slot, share)| {
-            let (from, way) = (self.x.get(slot), self.d.get(slot) + push * share);
+        press.corners().any(|(body, _, share)| {
+            let (from, way) = (bodies[body].x, bodies[body].d + push * share);
             let (from, to) = (motion.before.to_local(from), motion.after.to_local(from + way));
             let looks = (1..=LOOKS).map(|i| from.lerp(to, i as f32 / LOOKS as f32));
             looks.fold(f32::INFINITY, |least, at| least.min(motion.shape.distance(at))) < 0.0

@@ -5,7 +5,7 @@
 use bevy_math::Vec3;
 
 use super::super::super::lanes::larger;
-use super::super::{BLOW, LEAST_SLIDING};
+use super::super::BLOW;
 use super::press::Press;
 use super::{EdgesHeld, HoldEdges, WarmStart};
 
@@ -23,181 +23,243 @@ const TURNING: f32 = 0.6;
 /// Inverse mass that stands for that of what is held \[1/kg\].
 const LEAST_INVERSE_MASS: f32 = 1e-12;
 
+/// Part of what gravity moves a particle by in a substep, by which all pushes of a round change less once the solution is found.
+const FOUND: f32 = 0.005;
+
+/// A particle that pressed edges may move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    slot: u32,
+    /// \[1/kg\].
+    inverse_mass: f32,
+    /// Its position and its displacement, up to now \[m\].
+    pub x: Vec3,
+    pub d: Vec3,
+    /// The same before edges were held \[m\].
+    before: [Vec3; 2],
+}
+
+impl Body {
+    /// Where it is to be \[m\].
+    pub fn at(&self) -> Vec3 {
+        self.x + self.d
+    }
+
+    fn was_at(&self) -> Vec3 {
+        self.before[0] + self.before[1]
+    }
+}
+
 /// A thread that meets the end of a pressed edge, and is to be held to the strain limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Limited {
-    /// Slots of its ends.
+    /// Its ends, among the bodies.
     ends: [u32; 2],
     /// Longest that it may be \[m\].
     longest: f32,
 }
 
-/// Where a particle was before edges were held.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Moved {
-    slot: u32,
-    from: Vec3,
+/// What is solved for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct System {
+    pub presses: Vec<Press>,
+    bodies: Vec<Body>,
+    limited: Vec<Limited>,
+    /// Where a particle is among the bodies, by slot; [`NONE`] where it is not.
+    place: Vec<u32>,
 }
 
-impl HoldEdges<'_> {
-    /// Solves for all of them, and remembers what is to be expected.
-    pub(super) fn solve(&mut self, presses: &mut [Press]) -> EdgesHeld {
-        let mut held = EdgesHeld::default();
-        if presses.is_empty() {
-            return held;
-        }
-        let mut moved = core::mem::take(&mut self.nearby.moved);
-        let mut limited = core::mem::take(&mut self.nearby.limited);
-        self.note_ends(presses, &mut moved);
-        // What is fast is met once, as what moves is looked at on its way.
-        let rounds = if self.is_slow() { ROUNDS } else { 1 };
-        for round in 0..rounds {
-            // What the first pushes stretch is among them.
-            if round == 1 {
-                self.find_limited(&mut limited, &mut moved);
-            }
-            for thread in &limited {
-                self.limit(thread);
-            }
-            for press in &mut *presses {
-                held.given -= self.push(press);
-            }
-        }
-        for press in &*presses {
-            self.move_out(press);
-            self.brake_turning(press);
-            self.expect(press);
-        }
-        held.touching = self.count_touching(presses);
-        for Moved { slot, from } in moved.drain(..) {
-            held.pushed = larger((self.at(slot as usize) - from).length(), held.pushed);
-        }
-        limited.clear();
-        (self.nearby.moved, self.nearby.limited) = (moved, limited);
-        held
-    }
+/// No place.
+const NONE: u32 = u32::MAX;
 
-    /// Where a particle is to be.
-    fn at(&self, slot: usize) -> Vec3 {
-        self.x.get(slot) + self.d.get(slot)
-    }
-
-    /// Notes where the ends are, each once, ascending.
-    fn note_ends(&self, presses: &[Press], moved: &mut Vec<Moved>) {
-        let slots = presses.iter().flat_map(Press::corners);
-        moved.extend(slots.map(|&slot| Moved { slot, from: self.at(slot as usize) }));
-        moved.sort_unstable_by_key(|moved| moved.slot);
-        moved.dedup_by_key(|moved| moved.slot);
-    }
-
-    /// Finds the threads at the ends that the first pushes have stretched too far, and notes where their other ends are. No
-    /// thread is made shorter than it was before.
-    fn find_limited(&self, limited: &mut Vec<Limited>, moved: &mut Vec<Moved>) {
-        let strained = 1.0 + STRAINED * self.max_strain;
-        let limit = 1.0 + LIMIT * self.max_strain;
-        let ends = moved.len();
-        for i in 0..ends {
-            let Moved { slot, from } = moved[i];
-            let here = self.at(slot as usize);
-            self.edges.visit_threads(slot as usize, |other, rest| {
-                let there = self.at(other);
-                if here.distance_squared(there) <= (strained * rest) * (strained * rest) {
-                    return;
-                }
-                let end = moved[..ends].binary_search_by_key(&(other as u32), |it| it.slot);
-                let other_from = end.map_or(there, |end| moved[end].from);
-                if end.is_err() {
-                    moved.push(Moved { slot: other as u32, from: there });
-                }
-                // One between two ends is met twice.
-                if end.is_err() || (slot as usize) < other {
-                    let longest = larger(limit * rest, from.distance(other_from));
-                    limited.push(Limited { ends: [slot, other as u32], longest });
-                }
-            });
+impl System {
+    /// For so many slots, with room for so many pressed edges.
+    pub fn new(slots: usize, few: usize) -> Self {
+        Self {
+            presses: Vec::with_capacity(few),
+            bodies: Vec::with_capacity(few),
+            limited: Vec::with_capacity(few),
+            place: vec![NONE; slots],
         }
     }
 
     /// Holds a thread to its limit.
-    fn limit(&mut self, thread: &Limited) {
-        let [a, b] = thread.ends.map(|slot| slot as usize);
-        let way = self.at(b) - self.at(a);
-        let length = way.dot(way).sqrt();
-        let w = [self.inverse_mass[a], self.inverse_mass[b]];
-        let all = w[0] + w[1];
-        if length <= thread.longest || all == 0.0 {
+    fn limit(&mut self, Limited { ends, longest }: Limited) {
+        let [a, b] = ends.map(|end| self.bodies[end as usize]);
+        let way = b.at() - a.at();
+        let length = way.length();
+        let all = a.inverse_mass + b.inverse_mass;
+        if length <= longest || all == 0.0 {
             return;
         }
-        let by = way * ((length - thread.longest) / (length * all));
-        self.displace(a, by * w[0]);
-        self.displace(b, by * -w[1]);
+        let by = way * ((length - longest) / (length * all));
+        self.bodies[ends[0] as usize].d += by * a.inverse_mass;
+        self.bodies[ends[1] as usize].d -= by * b.inverse_mass;
     }
 
-    /// Gives an edge what it lacks of the push along the normal and of friction, or takes back what it has too much of. Returns
-    /// the impulse, times the substep.
-    fn push(&mut self, press: &mut Press) -> Vec3 {
-        let goes = press.goes(self.d);
+    /// Moves what was pressed out as far as it is still inside, by `most_push` at most. It gets no speed by that.
+    fn move_out(&mut self, most_push: f32) {
+        let Self { presses, bodies, .. } = self;
+        for press in presses {
+            let depth = press.depth(bodies);
+            let leaves = larger(press.goes(bodies).dot(press.normal), 0.0);
+            let allowed = larger(most_push - leaves, 0.0);
+            let by = press.normal * larger(if depth < allowed { depth } else { allowed }, 0.0);
+            for (body, _, share) in press.corners() {
+                bodies[body].x += by * share;
+            }
+        }
+    }
+
+    /// Brakes the turning of what is pressed about where it is held, which nothing else stops: half of what each corner goes
+    /// beside the others, as far as `friction` does it.
+    fn brake_turning(&mut self, friction: f32) {
+        let Self { presses, bodies, .. } = self;
+        for press in presses {
+            let mass = |body: usize| 1.0 / larger(bodies[body].inverse_mass, LEAST_INVERSE_MASS);
+            let along = |body: usize| press.normal.dot(bodies[body].d);
+            let (mut all, mut momentum) = (0.0, 0.0);
+            for (body, ..) in press.corners() {
+                all += mass(body);
+                momentum += mass(body) * along(body);
+            }
+            let mut turning = [0.0; 3];
+            for (turning, (body, ..)) in turning.iter_mut().zip(press.corners()) {
+                *turning = 0.5 * mass(body) * (along(body) - momentum / all);
+            }
+            let largest =
+                turning.into_iter().fold(0.0, |most, turning| larger(turning.abs(), most));
+            let most = TURNING * friction * press.push * press.mass;
+            let part = if largest > most { most / largest } else { 1.0 };
+            for ((body, ..), turning) in press.corners().zip(turning) {
+                let by = part * turning * bodies[body].inverse_mass;
+                bodies[body].d -= press.normal * by;
+            }
+        }
+    }
+}
+
+impl HoldEdges<'_> {
+    /// Solves for all that is pressed, and remembers what is to be expected.
+    pub(super) fn solve(&mut self, system: &mut System) -> EdgesHeld {
+        let mut held = EdgesHeld::default();
+        self.find_bodies(system);
+        // What is fast is met once, as what moves is looked at on its way.
+        let rounds = if self.is_slow() { ROUNDS } else { 1 };
+        let found = FOUND / self.skin.per_weight;
+        for round in 0..rounds {
+            // What the first pushes stretch is among them.
+            if round == 1 {
+                self.find_limited(system);
+            }
+            for i in 0..system.limited.len() {
+                system.limit(system.limited[i]);
+            }
+            let mut changed = 0.0;
+            for press in &mut system.presses {
+                let by = self.push(press, &mut system.bodies);
+                held.given -= by * press.mass;
+                changed = larger(by.abs().max_element(), changed);
+            }
+            if changed < found && system.limited.is_empty() {
+                break;
+            }
+        }
+        system.move_out(self.skin.most_push);
+        if self.is_slow() {
+            system.brake_turning(self.motion.friction);
+            for press in &system.presses {
+                self.expect(press);
+            }
+        }
+        held.touching = self.count_touching(system);
+        held.pushed = self.put_back(system);
+        held
+    }
+
+    /// The particle of a slot, as it is now.
+    fn body(&self, slot: u32) -> Body {
+        let at = slot as usize;
+        let (x, d) = (self.x.get(at), self.d.get(at));
+        Body { slot, inverse_mass: self.inverse_mass[at], x, d, before: [x, d] }
+    }
+
+    /// Finds the corners of what is pressed.
+    fn find_bodies(&self, system: &mut System) {
+        let System { presses, bodies, place, .. } = system;
+        for press in presses {
+            for (body, slot) in press.bodies.iter_mut().zip(press.place.corners) {
+                let place = &mut place[slot as usize];
+                if *place == NONE {
+                    *place = bodies.len() as u32;
+                    bodies.push(self.body(slot));
+                }
+                *body = *place;
+            }
+        }
+    }
+
+    /// Finds the threads at them that the first pushes have stretched too far, and the particles that these lead to. No thread
+    /// is to be shorter than it was before.
+    fn find_limited(&self, system: &mut System) {
+        let strained = 1.0 + STRAINED * self.max_strain;
+        let limit = 1.0 + LIMIT * self.max_strain;
+        let System { bodies, limited, place, .. } = system;
+        let ends = bodies.len();
+        for i in 0..ends {
+            let end = bodies[i];
+            self.edges.visit_threads(end.slot as usize, |other, rest| {
+                let bound = strained * rest;
+                let is_end = (place[other] as usize) < ends;
+                // One between two ends is met twice.
+                if is_end && (place[other] as usize) < i {
+                    return;
+                }
+                let other_at = match place[other] {
+                    NONE => self.x.get(other) + self.d.get(other),
+                    place => bodies[place as usize].at(),
+                };
+                if end.at().distance_squared(other_at) <= bound * bound {
+                    return;
+                }
+                if place[other] == NONE {
+                    place[other] = bodies.len() as u32;
+                    bodies.push(self.body(other as u32));
+                }
+                let before = end.was_at().distance(bodies[place[other] as usize].was_at());
+                let longest = larger(limit * rest, before);
+                limited.push(Limited { ends: [i as u32, place[other]], longest });
+            });
+        }
+    }
+
+    /// Gives an edge or a face what it lacks of the push along the normal and of friction, or takes back what it has too much
+    /// of. Returns the push.
+    fn push(&self, press: &mut Press, bodies: &mut [Body]) -> Vec3 {
+        let goes = press.goes(bodies);
         let along = goes.dot(press.normal);
         let push = larger(press.push + press.least - along, 0.0);
         let push = if push < press.most { push } else { press.most };
         let most = self.motion.friction * push;
         let brake = press.brake - (goes - press.normal * along);
-        let length = larger(brake.dot(brake).sqrt(), LEAST_SLIDING);
-        let brake = brake * if most < length { most / length } else { 1.0 };
+        let square = brake.dot(brake);
+        let slides = square > most * most;
+        let brake = if slides { brake * (most / square.sqrt()) } else { brake };
         let by = press.normal * (push - press.push) + (brake - press.brake);
-        if !self.is_slow() && self.goes_through(press, by) {
+        if !self.is_slow() && self.goes_through(press, by, bodies) {
             press.depth = 0.0;
             return Vec3::ZERO;
         }
         (press.push, press.brake) = (push, brake);
-        for (slot, share) in press.shares() {
-            self.displace(slot, by * share);
+        for (body, _, share) in press.corners() {
+            bodies[body].d += by * share;
         }
-        by * press.mass
+        by
     }
 
-    /// Moves an edge out as far as it is still inside. It gets no speed by that.
-    fn move_out(&mut self, press: &Press) {
-        let depth = press.depth(self.x, self.d);
-        let leaves = larger(press.goes(self.d).dot(press.normal), 0.0);
-        let allowed = larger(self.skin.most_push - leaves, 0.0);
-        let depth = larger(if depth < allowed { depth } else { allowed }, 0.0);
-        for (slot, share) in press.shares() {
-            self.x.set(slot, self.x.get(slot) + press.normal * (depth * share));
-        }
-    }
-
-    /// Brakes the turning of an edge or a face about where it is held, which nothing else stops.
-    fn brake_turning(&mut self, press: &Press) {
-        if !self.is_slow() {
-            return;
-        }
-        let along = |slot: u32| press.normal.dot(self.d.get(slot as usize));
-        let mass = |slot: u32| 1.0 / larger(self.inverse_mass[slot as usize], LEAST_INVERSE_MASS);
-        let (mut all, mut momentum) = (0.0, 0.0);
-        for &slot in press.corners() {
-            all += mass(slot);
-            momentum += mass(slot) * along(slot);
-        }
-        let mean = momentum / all;
-        // Half of what each goes beside the others, as far as friction does it.
-        let turning = |slot: u32| 0.5 * mass(slot) * (along(slot) - mean);
-        let largest =
-            press.corners().iter().fold(0.0, |most, &slot| larger(turning(slot).abs(), most));
-        let most = TURNING * self.motion.friction * press.push * press.mass;
-        let part = if largest > most { most / largest } else { 1.0 };
-        let mut by = [0.0; 3];
-        for (by, &slot) in by.iter_mut().zip(press.corners()) {
-            *by = -part * turning(slot) * self.inverse_mass[slot as usize];
-        }
-        for (by, &slot) in by.into_iter().zip(press.corners()) {
-            self.displace(slot as usize, press.normal * by);
-        }
-    }
-
-    /// Remembers what is to be expected of an edge in the next substep. Of what is struck, nothing is.
+    /// Remembers what is to be expected in the next substep. Of what is struck, nothing is.
     fn expect(&mut self, press: &Press) {
-        if press.push <= 0.0 || !self.is_slow() {
+        if press.push <= 0.0 {
             return;
         }
         let blow = press.push * self.skin.per_weight * (1.0 / BLOW);
@@ -211,25 +273,39 @@ impl HoldEdges<'_> {
         });
     }
 
-    /// How many ends are held that do not lie on a collider by themselves.
-    fn count_touching(&mut self, presses: &[Press]) -> u32 {
-        let counted = &mut self.nearby.counted;
-        let pressed = presses.iter().filter(|press| press.push > 0.0);
-        counted.extend(pressed.flat_map(Press::corners));
-        counted.sort_unstable();
-        counted.dedup();
-        let next = &self.set.next.normal;
-        let touching = counted.drain(..).filter(|&slot| next.get(slot as usize) == Vec3::ZERO);
-        touching.count() as u32
+    /// How many corners are held that do not lie on a collider by themselves.
+    fn count_touching(&self, system: &mut System) -> u32 {
+        let System { presses, place, .. } = system;
+        let mut touching = 0;
+        for press in presses.iter().filter(|press| press.push > 0.0) {
+            for &slot in press.place.corners() {
+                // Each is counted once.
+                let is_new = core::mem::replace(&mut place[slot as usize], NONE) != NONE;
+                let lies = self.set.next.normal.get(slot as usize) != Vec3::ZERO;
+                touching += u32::from(is_new && !lies);
+            }
+        }
+        touching
     }
 
-    /// Moves a particle with its velocity.
-    fn displace(&mut self, slot: usize, by: Vec3) {
-        self.d.set(slot, self.d.get(slot) + by);
-        // It is no pull of the cloth.
-        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
-        if let Some(pull) = &mut self.pull {
-            pull.set(slot, pull.get(slot) - by);
+    /// Puts the particles where they are found to be, and tells how far any was moved at most \[m\].
+    fn put_back(&mut self, system: &mut System) -> f32 {
+        let mut pushed = 0.0;
+        for body in system.bodies.drain(..) {
+            let slot = body.slot as usize;
+            system.place[slot] = NONE;
+            let [x, d] = body.before;
+            let by = body.d - d;
+            self.x.set(slot, body.x);
+            self.d.set(slot, body.d);
+            // It is no pull of the cloth.
+            self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
+            if let Some(pull) = &mut self.pull {
+                pull.set(slot, pull.get(slot) - by);
+            }
+            pushed = larger((body.x - x + by).length(), pushed);
         }
+        system.limited.clear();
+        pushed
     }
 }
