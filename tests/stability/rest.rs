@@ -18,12 +18,7 @@ fn rested() -> Vec<Kind> {
     let threads = kinds_of(0.5, N, &[("automatic", usual)]);
     let springs = kinds_of(0.5, N, &[("soft", soft)]);
     let springs = springs.into_iter().map(|kind| kind.with_form(FormChoice::Springs));
-    // A coarse sheet whose edges are held too creeps on a ball, by some cm in ten minutes: a limit that the README names.
-    let particles = |mut kind: Kind| {
-        kind.settings.edges = false;
-        kind
-    };
-    threads.into_iter().chain(springs).map(particles).collect()
+    threads.into_iter().chain(springs).collect()
 }
 
 /// A minute to come to rest, and nine at rest: how far anything moved in a tick, and from where it was \[m\].

@@ -8,7 +8,7 @@ use bevy_math::Vec3;
 
 use super::ClothSolver;
 use super::air::Air;
-use super::contact::{ActiveSet, EdgeMemory, WarmStart};
+use super::contact::{ActiveSet, EdgeMemory, Freed, WarmStart};
 use super::error::SolverError;
 use super::input::is_near;
 use super::lanes::Soa;
@@ -62,8 +62,8 @@ struct SavedContacts {
     holders: Vec<u32>,
     /// What is expected to press on edges.
     warm: Vec<SavedWarmStart>,
-    /// Particles that pass through a collider, and which one.
-    freed: Vec<[u32; 2]>,
+    /// Particles that pass through a collider, which one, and how long yet \[s\].
+    freed: Vec<([u32; 2], f32)>,
     /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
     owed: Vec<Option<Vec3>>,
 }
@@ -107,7 +107,9 @@ impl SavedContacts {
                     && warm.parts.iter().all(|part| (0.0..=1.0).contains(part))
                     && is_near(warm.impulse)
             })
-            && freed.iter().all(|&[particle, _]| (particle as usize) < particles)
+            && freed
+                .iter()
+                .all(|&([particle, _], left)| (particle as usize) < particles && left.is_finite())
             && owed.iter().flatten().all(|owed| is_near(*owed))
     }
 }
@@ -263,7 +265,7 @@ impl ClothSolver {
                 velocities: by_particle(velocity),
                 holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
                 warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
-                freed: freed.iter().map(|&[slot, it]| [particle(slot), it]).collect(),
+                freed: freed.iter().map(|it| ([particle(it.slot), it.collider], it.left)).collect(),
                 owed: impulses.owed(),
             }),
             tick: plan.tick,
@@ -361,8 +363,12 @@ impl ClothSolver {
             let edges = &mut set.edges;
             edges.warm = warm.iter().map(|warm| warm.with_slots(slot)).collect();
             edges.warm.sort_unstable_by_key(WarmStart::key);
-            edges.freed = freed.iter().map(|&[particle, it]| [slot(particle), it]).collect();
-            edges.freed.sort_unstable();
+            let freed_at = |&([particle, collider], left): &([u32; 2], f32)| {
+                let slot = slot(particle);
+                Freed { slot, collider, left }
+            };
+            edges.freed = freed.iter().map(freed_at).collect();
+            edges.freed.sort_unstable_by_key(Freed::key);
             set.now.find();
             set.before.find();
         }

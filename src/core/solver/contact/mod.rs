@@ -28,7 +28,7 @@ pub(super) use active_set::{
     ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
 };
 pub use collider::{Collider, ColliderMotion, Pose};
-pub(super) use edges::{EdgeMemory, Edges, WarmStart};
+pub(super) use edges::{EdgeMemory, Edges, Freed, WarmStart};
 pub(super) use room::ContactRoom;
 
 use active_set::LetGo;
@@ -145,9 +145,9 @@ impl ResolveContacts<'_> {
         let rule = |edges| Some((edges, Rule::new(edges, &motion, skin, stretch)?));
         let rule = self.edges.and_then(rule);
         // What passes through the collider is not met: it is shown as what nothing moves.
-        let freed = set.edges.freed.iter().filter(|freed| freed[1] as usize == collider);
+        let freed = set.edges.freed.iter().filter(|freed| freed.collider as usize == collider);
         let freed: Vec<_> =
-            freed.map(|&[slot, _]| (slot as usize, self.inverse_mass[slot as usize])).collect();
+            freed.map(|it| (it.slot as usize, self.inverse_mass[it.slot as usize])).collect();
         for &(slot, _) in &freed {
             self.inverse_mass[slot] = 0.0;
         }

@@ -2,10 +2,10 @@
 //!
 //! Where a fast collider has pierced the cloth, no particle is inside it: a thread spans it from side to side, each end is
 //! held outside on its own side, and nothing would ever undo that. So the ends of such an edge pass through the
-//! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again; what
-//! their threads are still long to and what touches the collider passes with them.
+//! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again, or short for
+//! so long that nothing pulls them out. What their threads are still long to, and what touches the collider there, passes with them.
 
-use super::{EdgeMemory, HoldEdges};
+use super::{EdgeMemory, Freed, HoldEdges};
 
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
@@ -13,6 +13,8 @@ const HOOKED_LIMITS: f32 = 4.0;
 /// The same of a thread that is long enough for its ends to pass on.
 const PASSING_STRAIN: f32 = 0.25;
 const PASSING_LIMITS: f32 = 2.0;
+/// How long a particle passes on whose threads are short \[s\].
+const PASSING_TIME: f32 = 0.5;
 /// How deep in a collider an edge is hooked, as a multiple of epsilon.
 const HOOKED_DEPTH: f32 = 2.0;
 
@@ -23,27 +25,32 @@ impl HoldEdges<'_> {
         let longest = 1.0 + (PASSING_LIMITS * self.max_strain).max(PASSING_STRAIN);
         let (collider, epsilon) = (self.collider as u32, self.skin.epsilon);
         let EdgeMemory { freed, next_freed, .. } = &mut self.set.edges;
-        let mine = freed.iter().filter(|freed| freed[1] == collider);
-        for &[slot, _] in mine.clone() {
+        let mine = freed.iter().filter(|freed| freed.collider == collider);
+        for &Freed { slot, left, .. } in mine.clone() {
             // Infinite where nothing is known: it is far away.
             let gap = self.nearby.gap[slot as usize];
+            if gap == f32::INFINITY {
+                continue;
+            }
             let here = self.x.get(slot as usize) + self.d.get(slot as usize);
-            let mut passes = gap < 0.0;
+            let mut is_pulled = false;
             self.edges.visit_threads(slot as usize, |other, rest| {
                 let way = self.x.get(other) + self.d.get(other) - here;
                 let bound = longest * rest;
-                if gap < f32::INFINITY && way.dot(way) > bound * bound {
-                    passes = true;
-                    if self.nearby.gap[other] < epsilon {
-                        next_freed.push([other as u32, collider]);
-                    }
+                if way.dot(way) <= bound * bound {
+                    return;
+                }
+                is_pulled = true;
+                if self.nearby.gap[other] < epsilon {
+                    next_freed.push(Freed { slot: other as u32, collider, left: PASSING_TIME });
                 }
             });
-            if passes {
-                next_freed.push([slot, collider]);
+            let left = if is_pulled { PASSING_TIME } else { left - self.skin.step };
+            if is_pulled || (gap < 0.0 && left > 0.0) {
+                next_freed.push(Freed { slot, collider, left });
             }
         }
-        for &[slot, _] in mine {
+        for &Freed { slot, .. } in mine {
             if self.nearby.gap[slot as usize] < f32::INFINITY {
                 self.nearby.gap[slot as usize] = 0.0;
             }
@@ -58,7 +65,8 @@ impl HoldEdges<'_> {
             && length > longest * self.edges.rest(edge);
         if hooked {
             let collider = self.collider as u32;
-            let ends = self.edges.ends(edge).map(|slot| [slot as u32, collider]);
+            let freed = |slot| Freed { slot: slot as u32, collider, left: PASSING_TIME };
+            let ends = self.edges.ends(edge).map(freed);
             self.set.edges.next_freed.extend(ends);
         }
         hooked

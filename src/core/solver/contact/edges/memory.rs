@@ -16,11 +16,28 @@ pub(in crate::solver) struct EdgeMemory {
     pub warm: Vec<WarmStart>,
     /// Impulses to be expected in the next substep.
     pub next_warm: Vec<WarmStart>,
-    /// Slots of particles that pass through a collider in this substep, as a thread of theirs is hooked in it, and its
-    /// index; ascending.
-    pub freed: Vec<[u32; 2]>,
+    /// Particles that pass through a collider in this substep, as a thread of theirs is hooked in it; by slot and collider,
+    /// ascending.
+    pub freed: Vec<Freed>,
     /// Particles that do so in the next substep.
-    pub next_freed: Vec<[u32; 2]>,
+    pub next_freed: Vec<Freed>,
+}
+
+/// A particle that passes through a collider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::solver) struct Freed {
+    pub slot: u32,
+    /// Index of the collider.
+    pub collider: u32,
+    /// How long it does so yet \[s\].
+    pub left: f32,
+}
+
+impl Freed {
+    /// What makes one of them come before another.
+    pub fn key(&self) -> (u32, u32) {
+        (self.slot, self.collider)
+    }
 }
 
 /// The impulse with which a collider is expected to press on an edge or a face (warm starting: Catto 2005, *Iterative Dynamics with
@@ -63,14 +80,14 @@ impl EdgeMemory {
             None => false,
         });
         self.warm.sort_unstable_by_key(WarmStart::key);
-        self.freed.retain_mut(|freed| match place(freed[1] as usize) {
+        self.freed.retain_mut(|freed| match place(freed.collider as usize) {
             Some(place) => {
-                freed[1] = place as u32;
+                freed.collider = place as u32;
                 true
             }
             None => false,
         });
-        self.freed.sort_unstable();
+        self.freed.sort_unstable_by_key(Freed::key);
     }
 
     /// Gives displacements the impulses that are expected, in a substep of length `step` that is the square root of `ratio`
@@ -102,7 +119,8 @@ impl EdgeMemory {
 
     /// Whether a particle passes through a collider.
     pub fn is_freed(&self, slot: usize, collider: usize) -> bool {
-        self.freed.binary_search(&[slot as u32, collider as u32]).is_ok()
+        let key = (slot as u32, collider as u32);
+        self.freed.binary_search_by_key(&key, Freed::key).is_ok()
     }
 
     /// Expects nothing of the particle of a slot.
@@ -119,8 +137,11 @@ impl EdgeMemory {
 
     /// Goes on to the next substep.
     pub fn end_substep(&mut self) {
-        self.next_freed.sort_unstable();
-        self.next_freed.dedup();
+        // Of one that is freed for several reasons, the longest time counts.
+        let longest_first =
+            |a: &Freed, b: &Freed| a.key().cmp(&b.key()).then(b.left.total_cmp(&a.left));
+        self.next_freed.sort_unstable_by(longest_first);
+        self.next_freed.dedup_by_key(|freed| freed.key());
         core::mem::swap(&mut self.freed, &mut self.next_freed);
         self.next_freed.clear();
         core::mem::swap(&mut self.warm, &mut self.next_warm);

@@ -34,7 +34,7 @@ use super::collider::Motion;
 use super::impulses::Share;
 
 pub(in crate::solver) use list::Edges;
-pub(in crate::solver) use memory::{EdgeMemory, WarmStart};
+pub(in crate::solver) use memory::{EdgeMemory, Freed, WarmStart};
 pub(super) use nearby::{Nearby, NearbyMut};
 
 use nearby::{FindClose, Inside};
