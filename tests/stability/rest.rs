@@ -18,6 +18,11 @@ fn rested() -> Vec<Kind> {
     let threads = kinds_of(0.5, N, &[("automatic", usual)]);
     let springs = kinds_of(0.5, N, &[("soft", soft)]);
     let springs = springs.into_iter().map(|kind| kind.with_form(FormChoice::Springs));
+    // In four substeps, edges of explicit springs slip on a ball by some mm once in minutes: a limit that the README names.
+    let springs = springs.map(|mut kind| {
+        kind.settings.edges = false;
+        kind
+    });
     threads.into_iter().chain(springs).collect()
 }
 

@@ -77,9 +77,14 @@ fn alone(ticks: usize) -> Vec<[u32; 3]> {
 }
 
 fn alone_in((mut app, good): (App, Entity), ticks: usize) -> Vec<[u32; 3]> {
-    updates(&mut app, ticks);
+    let mut meets = false;
+    for _ in 0..ticks {
+        updates(&mut app, 1);
+        let report = simulation(&app, good).last_tick();
+        meets |= report.is_some_and(|report| report.contact_count > 0);
+    }
     assert_eq!(failure(&app, good), None);
-    assert!(simulation(&app, good).last_tick().unwrap().contact_count > 0, "it meets the ball");
+    assert!(meets, "it meets the ball");
     bits(&app, good)
 }
 

@@ -5,6 +5,10 @@
 //! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again, or short for
 //! so long that nothing pulls them out. What their threads are still long to, and what touches the collider there, passes with them.
 
+use bevy_math::Vec3;
+
+use super::super::super::lanes::larger;
+use super::super::LEAST_SLIDING;
 use super::{EdgeMemory, Freed, HoldEdges};
 
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
@@ -50,10 +54,30 @@ impl HoldEdges<'_> {
                 next_freed.push(Freed { slot, collider, left });
             }
         }
-        for &Freed { slot, .. } in mine {
-            if self.nearby.gap[slot as usize] < f32::INFINITY {
+        for i in 0..self.set.edges.freed.len() {
+            let Freed { slot, collider: of, .. } = self.set.edges.freed[i];
+            if of == collider && self.nearby.gap[slot as usize] < f32::INFINITY {
                 self.nearby.gap[slot as usize] = 0.0;
+                self.slow_down(slot as usize);
             }
+        }
+    }
+
+    /// What passes through a collider goes no faster than what is pushed out of one: the threads that were stretched by that would
+    /// make it a shot.
+    fn slow_down(&mut self, slot: usize) {
+        let motion = self.motion;
+        let d = self.d.get(slot);
+        let at = self.x.get(slot) + d;
+        let moved = at - motion.before.to_world(motion.after.to_local(at));
+        let surface = if motion.moves { moved } else { Vec3::ZERO };
+        let relative = d - surface;
+        let way = larger(relative.length(), LEAST_SLIDING);
+        let by = -relative * larger(1.0 - self.skin.most_push / way, 0.0);
+        self.d.set(slot, d + by);
+        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
+        if let Some(pull) = &mut self.pull {
+            pull.set(slot, pull.get(slot) - by);
         }
     }
 
