@@ -1,7 +1,8 @@
-//! The scenes, P1 to P8, HANG and DRAPE, and what they are made of.
+//! The scenes, P1 to P12, HANG and DRAPE, and what they are made of.
 
 mod ball;
 mod cantilever;
+mod contact;
 mod falls;
 mod incline;
 mod parts;
@@ -18,7 +19,7 @@ use bevy_drape::solver::{Graph, Lattice, MassLumping, Topology};
 use super::{Extent, Outcome, Scene};
 
 /// A scene by the name that it is asked for with.
-pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 12] = [
+pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 16] = [
     ("hang", falls::hang),
     ("drape", falls::drape),
     ("p1", statics::strip),
@@ -29,6 +30,10 @@ pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 12] = [
     ("p6", incline::scene),
     ("p7", cantilever::scene),
     ("p8", survival::scene),
+    ("p9", contact::rest::scene),
+    ("p10", contact::fast::scene),
+    ("p11", contact::poke::scene),
+    ("p12", contact::capstan::scene),
     ("parts", parts::scene),
     ("scaling", scaling::scene),
 ];

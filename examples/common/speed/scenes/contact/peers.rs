@@ -1,0 +1,39 @@
+//! What other solvers reached in the same scenes, as recorded (`tests/data/peer_contact.csv`).
+
+use super::super::super::{Job, Measured, Outcome};
+use crate::repository::repository;
+
+/// The records of a scene as jobs: their errors are the columns of these names.
+pub fn jobs(scene: &str, n: usize, errors: &[&str]) -> Outcome<Vec<Job<'static>>> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(repository("tests/data/peer_contact.csv"))?;
+    let heads = reader.headers()?.clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).ok_or(name.to_owned());
+    let [is_of, case, peer, ms] =
+        [column("scene")?, column("case")?, column("peer")?, column("ms")?];
+    // Nothing is known of what has no name.
+    let find = |name: &&str| if name.is_empty() { Ok(None) } else { column(name).map(Some) };
+    let errors: Vec<_> = errors.iter().map(find).collect::<Result<_, _>>()?;
+    let mut jobs = Vec::new();
+    for row in reader.records() {
+        let row = row?;
+        if &row[is_of] != scene {
+            continue;
+        }
+        let number = |at: usize| row[at].parse().unwrap_or(f64::NAN);
+        let measured = Measured {
+            frames: vec![number(ms)],
+            errors: errors.iter().map(|at| at.map_or(f64::NAN, number)).collect(),
+            allocations: f64::NAN,
+            ..Measured::default()
+        };
+        jobs.push(Job {
+            method: format!("{}, {}", &row[case], &row[peer]),
+            n,
+            knob: "as recorded".into(),
+            run: Box::new(move || Ok(measured.clone())),
+        });
+    }
+    Ok(jobs)
+}
