@@ -121,7 +121,6 @@ impl Over {
         let colliders = [collider];
         let exact = (friction * self.turn()).exp();
         let mut run = Run::new(self.strip(friction as f32, budget)?, &colliders);
-        run.gravity = Vec3::ZERO;
         let rows = self.line().len();
         let ends = [0, (rows - 1) * COLUMNS];
         let middle = rows / 2 * COLUMNS + COLUMNS / 2;
@@ -179,7 +178,7 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
         title: "P12 CAPSTAN: a strip is pulled over a cylinder, and over an edge",
         about: format!(
             "A strip of {COLUMNS} threads, particles {} cm apart, 1e5 N/m, over a fixed cylinder of radius {RADIUS} m and over the edge of a box; \
-             no gravity; {FORCE} N at one end, and a force at the other that grows over {} s. The ratio of forces at which its middle has gone \
+             6 g in all; {FORCE} N at one end, and a force at the other that grows over {} s. The ratio of forces at which its middle has gone \
              2 mm, and that of Euler (1769) and Eytelwein (1808), e^(mu phi).",
             CELL * 100.0,
             GROWING as f32 * FRAME
