@@ -4,7 +4,7 @@
 use super::other::{common::*, *};
 use bevy::math::{
     Quat, Vec2, Vec3,
-    primitives::{Cuboid, Cylinder, InfinitePlane3d},
+    primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d},
 };
 use bevy_drape::{
     sdf::SignedDistance,
@@ -15,6 +15,11 @@ const N: usize = 32;
 
 /// Drops a sheet of 1.6 m on a solid above the ground, and tells how high it lies after five seconds.
 fn highest_on(solid: &dyn SignedDistance, pose: Pose, speed: f32) -> f32 {
+    dropped_on::<N>(solid, pose, speed).bounds().1.y
+}
+
+/// The same of `N` x `N` particles, as a whole.
+fn dropped_on<const N: usize>(solid: &dyn SignedDistance, pose: Pose, speed: f32) -> ClothSolver {
     let sheet = sheet(Vec2::splat(1.6), N, N, MassLumping::Lumped);
     // Off the middle, so that no row lies on the solid by chance.
     let start: Vec<_> =
@@ -28,7 +33,40 @@ fn highest_on(solid: &dyn SignedDistance, pose: Pose, speed: f32) -> f32 {
     run(&mut solver, 5 * SECOND, GRAVITY, &colliders);
     let strain = f64::from(solver.strain().max);
     check_at_most("largest strain", strain, 0.2);
-    solver.bounds().1.y
+    solver
+}
+
+/// How deep any place of any cell is inside, split along either diagonal \[m\].
+fn deepest<const N: usize>(solver: &ClothSolver, solid: &dyn SignedDistance, pose: Pose) -> f64 {
+    const LOOKS: usize = 10;
+    let at = positions(solver);
+    let mut least = f32::INFINITY;
+    for first in (0..(N - 1) * N).filter(|i| i % N + 1 < N) {
+        let [a, b, c, d] = [0, 1, N, N + 1].map(|hop| at[first + hop]);
+        for [a, b, c] in [[a, c, d], [a, d, b], [a, c, b], [b, c, d]] {
+            for i in 0..=LOOKS {
+                for j in 0..=LOOKS - i {
+                    let [u, v] = [i, j].map(|part| part as f32 / LOOKS as f32);
+                    let place = a + (b - a) * u + (c - a) * v;
+                    least = least.min(solid.distance(place - pose.translation));
+                }
+            }
+        }
+    }
+    f64::from(-least)
+}
+
+/// A vertex of a solid meets a face of the cloth, between its edges.
+#[test]
+fn no_vertex_shows_through() {
+    let pose = Pose::from_translation(Vec3::Y * 0.4);
+    let (cube, cone) = (Cuboid::new(0.8, 0.8, 0.8), Cone::new(0.5, 0.8));
+    let coarse = dropped_on::<16>(&cube, pose, 0.0);
+    check_at_most("cube, 16 a side: depth [m]", deepest::<16>(&coarse, &cube, pose), 1e-3);
+    let finer = dropped_on::<32>(&cube, pose, 0.0);
+    check_at_most("cube, 32 a side: depth [m]", deepest::<32>(&finer, &cube, pose), 5e-4);
+    let coarse = dropped_on::<16>(&cone, pose, 0.0);
+    check_at_most("cone, 16 a side: depth [m]", deepest::<16>(&coarse, &cone, pose), 5e-3);
 }
 
 fn lying(height: f32) -> Pose {

@@ -31,13 +31,16 @@ fn rows(results: &Results<'_>) -> Vec<Vec<String>> {
     let mut rows = vec![heads];
     for Point { method, n, knob, time, errors, allocations, failed } in &results.points {
         let Times { median, p99, least, most, each } = time;
+        // Some of what is recorded has no time.
+        let is_timed = !median.is_nan();
         let spread = format!("{median:.3} ({least:.3} to {most:.3})");
+        let spread = if is_timed { spread } else { "-".into() };
         let mut row = vec![
             method.clone(),
             n.to_string(),
             knob.clone(),
             spread,
-            format!("{p99:.3}"),
+            if is_timed { format!("{p99:.3}") } else { "-".into() },
             short(*each),
             short(*allocations),
         ];
