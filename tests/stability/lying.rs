@@ -11,12 +11,18 @@ use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Material, Pose, Set
 
 const N: usize = 64;
 
-/// Drops a sheet on a solid that stands on the ground.
-fn drop_on(solid: &dyn SignedDistance, middle: f32, side: f32, from: f32) -> ClothSolver {
+/// Drops a sheet on a solid that stands on the ground, and checks that it has come to rest: to an rms `speed` at most \[m/s\].
+fn drop_on(
+    solid: &dyn SignedDistance,
+    middle: f32,
+    side: f32,
+    from: f32,
+    budget: u32,
+    speed: f64,
+) -> ClothSolver {
     let sheet = sheet(Vec2::splat(side), N, N, MassLumping::Lumped);
     let start: Vec<_> = sheet.rest_positions().iter().map(|&p| p + Vec3::Y * from).collect();
-    // With few substeps a tip is stretched the most, as the strain grows with the square of the substep.
-    let settings = Settings { substeps: Substeps::Automatic { budget: 8 }, ..Settings::default() };
+    let settings = Settings { substeps: Substeps::Automatic { budget }, ..Settings::default() };
     let mut solver = ClothSolver::new(sheet, &start, usual(), settings).unwrap();
     let floor = InfinitePlane3d::new(Vec3::Y);
     let colliders = [
@@ -24,12 +30,12 @@ fn drop_on(solid: &dyn SignedDistance, middle: f32, side: f32, from: f32) -> Clo
         Collider::new(solid, Pose::from_translation(Vec3::Y * middle)),
     ];
     run(&mut solver, 19 * SECOND, GRAVITY, &colliders);
-    check_lies(&mut solver, &colliders);
+    check_lies(&mut solver, &colliders, speed);
     solver
 }
 
 /// Looks at the twentieth second.
-fn check_lies(solver: &mut ClothSolver, colliders: &[Collider<'_>]) {
+fn check_lies(solver: &mut ClothSolver, colliders: &[Collider<'_>], speed: f64) {
     let mut squares = 0.0;
     let mut before = positions(solver);
     for _ in 0..SECOND {
@@ -40,7 +46,7 @@ fn check_lies(solver: &mut ClothSolver, colliders: &[Collider<'_>]) {
         before = now;
     }
     let rms = (squares / (SECOND * N * N) as f64).sqrt() * SECOND as f64;
-    check_at_most("rms speed [m/s]", rms, 1.5e-3);
+    check_at_most("rms speed [m/s]", rms, speed);
     let mut strains: Vec<f64> = solver
         .topology()
         .structural_springs()
@@ -102,7 +108,7 @@ fn energy_only_falls() {
             check_at_most(
                 &format!("{name}, budget {budget}: energy gained in a second [J]"),
                 gained,
-                1e-2,
+                2e-3,
             );
         }
     }
@@ -110,23 +116,25 @@ fn energy_only_falls() {
 
 #[test]
 fn on_a_cube() {
-    drop_on(&Cuboid::new(0.8, 0.8, 0.8), 0.4, 2.0, 1.2);
+    drop_on(&Cuboid::new(0.8, 0.8, 0.8), 0.4, 2.0, 1.2, 8, 1.5e-3);
 }
 
 #[test]
 fn on_a_cylinder() {
-    drop_on(&Cylinder::new(0.5, 0.8), 0.4, 1.6, 1.3);
+    drop_on(&Cylinder::new(0.5, 0.8), 0.4, 1.6, 1.3, 8, 6e-4);
 }
 
-/// Its tip carries all of the cloth on a particle or two.
+/// Its tip carries all of the cloth on a particle or two. With few substeps it is stretched the most.
 #[test]
 fn on_a_cone() {
-    let solver = drop_on(&Cone { radius: 0.5, height: 0.8 }, 0.4, 1.6, 1.3);
+    let solver = drop_on(&Cone { radius: 0.5, height: 0.8 }, 0.4, 1.6, 1.3, 8, 6e-4);
     assert!(solver.bounds().1.y > 0.75, "it slid off: {}", solver.bounds().1);
 }
 
 /// A small ball under a cloth that lies on the ground.
 #[test]
 fn on_a_small_ball() {
-    drop_on(&Sphere::new(0.05), 0.05, 1.6, 1.3);
+    for budget in [20, 8] {
+        drop_on(&Sphere::new(0.05), 0.05, 1.6, 1.3, budget, 2e-4);
+    }
 }
