@@ -79,6 +79,8 @@ fn on_a_smooth_ball_too_rest_does_not_depend_on_the_step() {
     let settled = |substeps: u32| {
         let settings =
             settings_for(&fabric, Method::Verlet, settings(FormChoice::Springs, substeps));
+        // What holds the particles is measured.
+        let settings = Settings { edges: false, ..settings };
         let mut solver: ClothSolver = at_rest(&lattice, Vec3::ZERO, material(&fabric), settings);
         let pins: Vec<_> = frame(&sheet).iter().map(|&i| i as u32).collect();
         solver.set_pins(&pins).unwrap();

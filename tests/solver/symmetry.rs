@@ -13,6 +13,8 @@ const SIDE: usize = 21;
 /// Half a second of a square falling on a sphere with its corners held.
 fn held_at_corners(material: Material, settings: Settings) -> ClothSolver {
     let lattice = sheet(Vec2::splat(1.0), SIDE, SIDE, settings.lumping);
+    // Edges are held one after the other.
+    let settings = Settings { edges: false, ..settings };
     let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
     let n = SIDE as u32;
     solver.set_pins(&[0, n - 1, n * (n - 1), n * n - 1]).unwrap();
