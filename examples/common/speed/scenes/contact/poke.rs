@@ -67,9 +67,9 @@ impl Case {
         let top = f64::from(run.cloth.bounds().1.y);
         let strain = f64::from(run.cloth.strain().max) * 100.0;
         // What lies on the ground as a whole has slid off.
-        let is_held = top > 0.5 || top < 0.05;
+        let fell_through = (0.05..=0.5).contains(&top);
         let mut measured = run.measured(vec![deepest * 1e3, top, strain]);
-        if !is_held {
+        if fell_through {
             measured.failed = Some("fell through".into());
         }
         Ok(measured)
