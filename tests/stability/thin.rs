@@ -106,7 +106,7 @@ fn a_plate_of_half_a_centimetre_on_edge_carries_it() {
 fn a_box_that_moves_into_a_curtain_does_not_stay_hooked_in_it() {
     const ROWS: usize = 64;
     let solid = Cuboid::new(0.3, 0.3, 0.05);
-    for speed in [1.0, 2.0, 5.0] {
+    for (speed, largest) in [(1.0, 0.12), (2.0, 0.12), (5.0, 0.12), (10.0, 0.12), (20.0, 0.12)] {
         let sheet = curtain(Vec2::ONE, ROWS, ROWS, MassLumping::Lumped);
         let mut solver = at_rest(&sheet, Vec3::ZERO, usual(), Settings::default());
         let pins: Vec<_> = (0..ROWS as u32).collect();
@@ -130,6 +130,6 @@ fn a_box_that_moves_into_a_curtain_does_not_stay_hooked_in_it() {
             solver.tick(&input).unwrap();
         }
         let what = format!("{speed} m/s: largest strain at the end");
-        check_at_most(&what, solver.strain().max.into(), 0.12);
+        check_at_most(&what, solver.strain().max.into(), largest);
     }
 }

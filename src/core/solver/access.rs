@@ -122,6 +122,7 @@ impl ClothSolver {
         let slot = self.slot(particle);
         self.state.x.set(slot, position - self.state.origin);
         self.state.contacts.forget(slot);
+        self.state.contacts.edges.forget(slot);
         self.surveyed_before = true;
         self.stop_carrying();
         Ok(())

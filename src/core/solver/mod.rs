@@ -647,6 +647,7 @@ impl ClothSolver {
                 edges: self.settings.edges.then_some(&self.edges),
                 max_strain: self.material.max_strain,
                 strain: self.survey.max_strain,
+                limits: self.settings.provot_passes > 0,
                 set: &mut self.state.contacts,
             };
             self.contact_count = contacts.run(self.isa);

@@ -60,7 +60,7 @@ struct SavedContacts {
     slips: Vec<[f32; 2]>,
     velocities: Vec<Vec3>,
     holders: Vec<u32>,
-    /// What is expected to press on edges.
+    /// Impulses that are expected to press on edges.
     warm: Vec<SavedWarmStart>,
     /// Particles that pass through a collider, which one, and how long yet \[s\].
     freed: Vec<([u32; 2], f32)>,
@@ -68,7 +68,7 @@ struct SavedContacts {
     owed: Vec<Option<Vec3>>,
 }
 
-/// What a collider is expected to press on an edge with.
+/// The impulse that a collider is expected to press on an edge with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct SavedWarmStart {

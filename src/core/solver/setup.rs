@@ -52,7 +52,7 @@ impl ClothSolver {
         let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
-            scratch: Scratch::new(&topology, edges.count()),
+            scratch: Scratch::new(&topology, settings.edges.then_some(edges.count())),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
             shares: true,

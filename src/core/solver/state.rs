@@ -151,8 +151,8 @@ impl Line {
 }
 
 impl Scratch {
-    /// For a cloth of so many edges.
-    pub fn new(topology: &Topology, edges: usize) -> Self {
+    /// For a cloth of so many edges, where these are held.
+    pub fn new(topology: &Topology, edges: Option<usize>) -> Self {
         let layout = topology.layout();
         let len = layout.len();
         // What only a lattice's threads and hinges work in.

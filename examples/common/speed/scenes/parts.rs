@@ -3,12 +3,15 @@
 
 use std::sync::Arc;
 
-use bevy::math::{Vec3, primitives::Sphere};
+use bevy::math::{
+    Vec3,
+    primitives::{Cuboid, Sphere},
+};
 use bevy_drape::{
     sdf::{BakeSettings, DistanceField, SignedDistance},
     solver::{
-        Air, ClothSolver, Collider, DampingForm, MassLumping, Material, PinMotion, Pose, SoftPin,
-        Wind,
+        Air, ClothSolver, Collider, DampingForm, MassLumping, Material, PinMotion, Pose, Settings,
+        SoftPin, Wind,
     },
 };
 
@@ -98,7 +101,7 @@ fn beside(solid: Arc<dyn SignedDistance>, distance: f32) -> Outcome<Setup> {
     Ok(setup)
 }
 
-const PAIRS: [Pair; 19] = [
+const PAIRS: [Pair; 20] = [
     ("a strain limit of 50 %, never reached", plain, || {
         Setup::with(Material { max_strain: 0.5, ..bare() })
     }),
@@ -123,9 +126,7 @@ const PAIRS: [Pair; 19] = [
         || {
             let mut setup = Setup::lying(Some(sphere()))?;
             let settings = *setup.cloth.settings();
-            setup
-                .cloth
-                .set_settings(bevy_drape::solver::Settings { tethers: false, ..settings })?;
+            setup.cloth.set_settings(Settings { tethers: false, ..settings })?;
             Ok(setup)
         },
         || Setup::lying(Some(sphere())),
@@ -149,6 +150,7 @@ const PAIRS: [Pair; 19] = [
         || Setup::lying(Some(sphere())),
         || Setup::lying(Some(field()?)),
     ),
+    ("edges, on a cube", || on_a_cube(false), || on_a_cube(true)),
     (
         "an impulse asked for",
         || Setup::lying(Some(sphere())),
@@ -172,6 +174,22 @@ const PAIRS: [Pair; 19] = [
 
 fn plain() -> Outcome<Setup> {
     Setup::with(bare())
+}
+
+/// A usual cloth that has come to lie on a cube, whose edges are held or not.
+fn on_a_cube(edges: bool) -> Outcome<Setup> {
+    const SETTLING: usize = 128;
+    let (method, material) = (Method::THREADS, Material::USUAL);
+    let settings = Settings { edges, ..method.settings(SUBSTEPS, MassLumping::Lumped) };
+    let cloth = cloth(&Sheet::flat(N, 1.6, 0.41), &method, material, settings)?;
+    let cube: Arc<dyn SignedDistance> = Arc::new(Cuboid::new(0.8, 0.8, 0.8));
+    let mut setup = Setup { cloth, pins: Vec::new(), solids: Vec::new(), wind: Wind::default() };
+    let collider = Collider::new(&*cube, Pose::IDENTITY);
+    let mut run = Run::new(setup.cloth, core::slice::from_ref(&collider));
+    run.frames(SETTLING);
+    setup.cloth = run.cloth;
+    setup.solids = vec![(cube, Pose::IDENTITY, false)];
+    Ok(setup)
 }
 
 /// Runs both in turns, several times anew, as where a cloth lies in memory counts too.

@@ -46,7 +46,7 @@ pub(in crate::solver) struct ActiveSet {
     pub before: Normals,
     /// As those of the next substep are to see it.
     pub next: Normals,
-    /// What contact of edges remembers.
+    /// The memory of contact of edges.
     pub edges: EdgeMemory,
     /// The colliders of the tick.
     pub keys: Keys,
@@ -180,7 +180,6 @@ impl ActiveSet {
             normals.normal.set(slot, Vec3::ZERO);
             normals.slip[slot] = 1.0;
         }
-        self.edges.forget(slot);
     }
 
     /// Goes on to the next substep.

@@ -7,7 +7,7 @@ use super::collider::Collider;
 pub(in crate::solver) struct Keys {
     now: Vec<u64>,
     before: Vec<u64>,
-    /// Those of now with their places, ascending.
+    /// The keys of now with their places, ascending.
     sorted: Vec<(u64, usize)>,
 }
 

@@ -33,7 +33,7 @@ pub(super) use room::ContactRoom;
 
 use active_set::LetGo;
 use collider::Motion;
-use edges::{HoldEdges, Rule};
+use edges::{HoldEdges, Nearby, Rule};
 use impulses::Share;
 use meet::{Found, FurthestWay, Held, MeetCollider, Tally};
 use room::{Awake, ByBlock};
@@ -102,6 +102,8 @@ pub(super) struct ResolveContacts<'a> {
     /// Strain that threads are limited to, and the largest that any has.
     pub max_strain: f32,
     pub strain: f32,
+    /// Whether threads are held to that limit.
+    pub limits: bool,
     pub set: &'a mut ActiveSet,
 }
 
@@ -144,6 +146,9 @@ impl ResolveContacts<'_> {
         let stretch = 1.0 + larger(self.max_strain, self.strain);
         let rule = |edges| Some((edges, Rule::new(edges, &motion, skin, stretch)?));
         let rule = self.edges.and_then(rule);
+        if rule.is_some() && room.nearby.is_none() {
+            room.nearby = Some(Nearby::new(self.bands.rows.layout.len()));
+        }
         // What passes through the collider is not met: it is shown as what nothing moves.
         let freed = set.edges.freed.iter().filter(|freed| freed.collider as usize == collider);
         let freed: Vec<_> =
@@ -166,7 +171,7 @@ impl ResolveContacts<'_> {
                 pull: self.pull.as_deref_mut().map(Soa::part_mut),
                 until: ByBlock::all(&mut room.until[first..]),
                 edge_reach: rule.map_or(0.0, |(_, rule)| rule.reach),
-                nearby: rule.map(|_| room.nearby.part_mut()),
+                nearby: rule.and_then(|_| Some(room.nearby.as_mut()?.part_mut())),
                 held: Held {
                     set: &set.now,
                     unpulled: &set.unpulled,
@@ -194,7 +199,7 @@ impl ResolveContacts<'_> {
         }
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let mut touching = touching.iter().sum();
-        if let Some((edges, rule)) = rule {
+        if let (Some((edges, rule)), Some(nearby)) = (rule, &mut room.nearby) {
             // Only as far as a collider has edges to hold.
             let [from, to] = [k, k + 1].map(|place| place * edges.count());
             if room.edge_until.len() < to {
@@ -203,13 +208,14 @@ impl ResolveContacts<'_> {
             let held = HoldEdges {
                 edges,
                 layout: self.bands.rows.layout,
-                nearby: &mut room.nearby,
+                nearby,
                 rule,
                 until: &mut room.edge_until[from..to],
                 gone,
                 motion: &motion,
                 skin,
                 max_strain: self.max_strain,
+                limits: self.limits,
                 inverse_mass: self.inverse_mass,
                 x: self.x,
                 d: self.d,

@@ -31,8 +31,8 @@ pub(in crate::solver) struct ContactRoom {
     /// The way at which an edge may touch a collider \[m\]: for each place in `awake`, all edges; shorter where the last have
     /// none to hold.
     pub edge_until: Vec<f32>,
-    /// How particles lie to a collider, while its edges are held out.
-    pub nearby: Nearby,
+    /// How particles lie to a collider, while edges are held out of it.
+    pub nearby: Option<Nearby>,
     /// How far any particle has gone since the tick began, at most \[m\].
     pub gone: f32,
     /// How far contact has pushed any particle in this substep, at most \[m\].
@@ -87,16 +87,16 @@ pub(in crate::solver) struct Awake {
 }
 
 impl ContactRoom {
-    /// For a cloth of so many edges.
-    pub fn new(band: &Band, edges: usize) -> Self {
+    /// For a cloth of so many edges, where these are held.
+    pub fn new(band: &Band, edges: Option<usize>) -> Self {
         let layout = band.layout;
         let blocks = layout.len() / LANES;
         Self {
             blocks,
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
-            edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges),
-            nearby: Nearby::new(layout.len()),
+            edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges.unwrap_or(0)),
+            nearby: edges.map(|_| Nearby::new(layout.len())),
             gone: 0.0,
             pushed: 0.0,
             struck: false,

@@ -14,7 +14,7 @@ use super::{EdgeMemory, Freed, HoldEdges};
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
-/// The same of a thread that is long enough for its ends to pass on.
+/// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.25;
 const PASSING_LIMITS: f32 = 2.0;
 /// How long a particle passes on whose threads are short \[s\].
@@ -63,8 +63,8 @@ impl HoldEdges<'_> {
         }
     }
 
-    /// What passes through a collider goes no faster than what is pushed out of one: the threads that were stretched by that would
-    /// make it a shot.
+    /// Slows a particle that passes through a collider to the speed of what is pushed out of one: the threads that were
+    /// stretched by that would make it a shot.
     fn slow_down(&mut self, slot: usize) {
         let motion = self.motion;
         let d = self.d.get(slot);
@@ -74,17 +74,13 @@ impl HoldEdges<'_> {
         let relative = d - surface;
         let way = larger(relative.length(), LEAST_SLIDING);
         let by = -relative * larger(1.0 - self.skin.most_push / way, 0.0);
-        self.d.set(slot, d + by);
-        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
-        if let Some(pull) = &mut self.pull {
-            pull.set(slot, pull.get(slot) - by);
-        }
+        self.displace(slot, by);
     }
 
     /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on.
     pub(super) fn is_hooked(&mut self, edge: u32, depth: f32, length: f32) -> bool {
         let longest = 1.0 + (HOOKED_LIMITS * self.max_strain).max(HOOKED_STRAIN);
-        let hooked = self.is_slow()
+        let hooked = self.rule.is_slow
             && depth > HOOKED_DEPTH * self.skin.epsilon
             && length > longest * self.edges.rest(edge);
         if hooked {

@@ -1,5 +1,7 @@
 //! The edges and faces of a cloth: what they join, how long edges are at rest, and which meet at a particle.
 
+use std::sync::Arc;
+
 use super::super::super::lanes::LANES;
 use super::super::super::lattice::Lattice;
 use super::super::super::topology::Topology;
@@ -13,7 +15,6 @@ pub(super) const FAN_FACES: [[usize; 2]; 4] = [[0, 2], [0, 3], [2, 3], [1, 2]];
 /// The edges of a cloth: all springs between neighbours of a lattice, both diagonals too, and the edges of a mesh.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct Edges {
-    topology: Topology,
     /// Length of the longest at rest \[m\].
     pub longest: f32,
     pub(super) joined: Joined,
@@ -22,8 +23,8 @@ pub(in crate::solver) struct Edges {
 /// The particles that edges join.
 #[derive(Clone, Debug)]
 pub(super) enum Joined {
-    /// Neighbours of a lattice: slots from one to the other. Edge `FAN s + i` goes from slot s on by the i-th of them.
-    Neighbours { hops: [usize; FAN], slots: usize },
+    /// Neighbours of a lattice. Edge `FAN s + i` goes from slot s on by the i-th of `hops`.
+    Neighbours { lattice: Arc<Lattice>, hops: [usize; FAN] },
     /// Any particles.
     Pairs(Pairs),
 }
@@ -50,23 +51,24 @@ impl Edges {
     /// Lists the edges of a cloth.
     pub fn new(topology: &Topology) -> Self {
         let longest = topology.structural_springs().map(|(.., rest)| rest).fold(0.0, f32::max);
-        let Some(lattice) = topology.as_lattice() else {
-            let faces = topology.as_graph().map_or(&[][..], |graph| graph.triangles());
-            let joined = Joined::Pairs(Pairs::new(topology, faces));
-            return Self { topology: topology.clone(), longest, joined };
+        let lattice = match topology {
+            Topology::Lattice(lattice) => lattice,
+            Topology::Graph(graph) => {
+                let joined = Joined::Pairs(Pairs::new(topology, graph.triangles()));
+                return Self { longest, joined };
+            }
         };
         let stride = lattice.layout.stride;
         let across = lattice.diagonal.rest.iter().chain(&*lattice.antidiagonal_rest);
         let longest = across.fold(longest, |longest, &rest| longest.max(rest));
         let hops = [1, stride - 1, stride, stride + 1];
-        let joined = Joined::Neighbours { hops, slots: topology.layout().len() };
-        Self { topology: topology.clone(), longest, joined }
+        Self { longest, joined: Joined::Neighbours { lattice: lattice.clone(), hops } }
     }
 
     /// How many there are, with those that lead beside the sheet.
     pub fn count(&self) -> usize {
         match &self.joined {
-            Joined::Neighbours { slots, .. } => FAN * slots,
+            Joined::Neighbours { lattice, .. } => FAN * lattice.layout.len(),
             Joined::Pairs(pairs) => pairs.ends.len(),
         }
     }
@@ -85,30 +87,29 @@ impl Edges {
     /// Length of one at rest \[m\].
     pub fn rest(&self, edge: u32) -> f32 {
         let (edge, slot) = (edge as usize, edge as usize / FAN);
-        match (&self.joined, &self.topology) {
-            (Joined::Pairs(pairs), _) => pairs.rest[edge],
-            (_, Topology::Lattice(lattice)) => match edge % FAN {
+        match &self.joined {
+            Joined::Neighbours { lattice, .. } => match edge % FAN {
                 0 => lattice.weft.rest[slot],
                 1 => lattice.antidiagonal_rest[slot - 1],
                 2 => lattice.warp.rest[slot],
                 _ => lattice.diagonal.rest[slot],
             },
-            (_, Topology::Graph(_)) => self.longest,
+            Joined::Pairs(pairs) => pairs.rest[edge],
         }
     }
 
     /// Visits the threads that meet at a slot: the slots of their other ends, and their lengths at rest \[m\]. Diagonals of a
     /// lattice are none.
     pub fn visit_threads(&self, slot: usize, mut visit: impl FnMut(usize, f32)) {
-        match (&self.joined, &self.topology) {
-            (Joined::Pairs(pairs), _) => {
+        match &self.joined {
+            Joined::Pairs(pairs) => {
                 let [from, to] = [slot, slot + 1].map(|slot| pairs.first_at[slot] as usize);
                 for &edge in &pairs.at[from..to] {
                     let [a, b] = pairs.ends[edge as usize].map(|slot| slot as usize);
                     visit(if a == slot { b } else { a }, pairs.rest[edge as usize]);
                 }
             }
-            (_, Topology::Lattice(lattice)) => {
+            Joined::Neighbours { lattice, .. } => {
                 let Lattice { layout, weft, warp, .. } = &**lattice;
                 let threads = [
                     (slot - 1, weft.rest[slot - 1]),
@@ -123,7 +124,6 @@ impl Edges {
                     }
                 }
             }
-            _ => {}
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What contact of edges remembers from one substep to the next.
+//! The memory of contact of edges from one substep to the next.
 
 use bevy_math::{Mat3, Vec3};
 
@@ -8,7 +8,7 @@ use super::super::impulses::{Impulses, Share};
 /// Pressed edges that there is room for from the start.
 const FEW: usize = 512;
 
-/// What contact of edges remembers from one substep to the next.
+/// The memory of contact of edges from one substep to the next.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct EdgeMemory {
     /// Impulses that are expected again, by collider and corners, ascending. Those of this substep have been given to its
@@ -34,7 +34,7 @@ pub(in crate::solver) struct Freed {
 }
 
 impl Freed {
-    /// What makes one of them come before another.
+    /// The order of such entries.
     pub fn key(&self) -> (u32, u32) {
         (self.slot, self.collider)
     }
@@ -54,7 +54,7 @@ pub(in crate::solver) struct WarmStart {
 }
 
 impl WarmStart {
-    /// What makes one of them come before another.
+    /// The order of such entries.
     pub fn key(&self) -> (u32, [u32; 3]) {
         (self.collider, self.corners)
     }

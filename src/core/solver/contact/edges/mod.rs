@@ -54,11 +54,13 @@ const FAST: f32 = 0.75;
 /// Part of each corner in a place that is within a face.
 const WITHIN: f32 = 0.05;
 
-/// Which edges are looked at closely.
+/// The rule for which edges are looked at closely.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rule {
     /// Sum of the gaps of both ends from which on an edge is held anyway \[m\].
     pub reach: f32,
+    /// Whether the collider hardly moves in the substep: its pressed edges are solved for in several rounds, and remembered.
+    pub is_slow: bool,
     /// Gap below which an end is inside: it comes out by itself, before its edges are held.
     inside: f32,
     /// Least cosine between normals of a side that is gently curved.
@@ -76,7 +78,7 @@ impl Rule {
         if motion.reach > FAST * length {
             return None;
         }
-        let is_slow = motion.reach <= SLOW * length;
+        let is_slow = motion.reach <= SLOW * edges.longest;
         if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
             return None;
         }
@@ -85,6 +87,7 @@ impl Rule {
         let reach = length + less;
         (reach > 0.0).then_some(Self {
             reach,
+            is_slow,
             inside: -INSIDE * skin.epsilon - motion.reach,
             alike: 1.0 - 0.5 * angle * angle,
         })
@@ -102,15 +105,16 @@ pub(super) struct HoldEdges<'a> {
     pub gone: f32,
     pub motion: &'a Motion<'a>,
     pub skin: &'a Skin,
-    /// Strain that threads are limited to.
+    /// Strain that threads are limited to, and whether threads beside pressed edges are held to it.
     pub max_strain: f32,
+    pub limits: bool,
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
     /// Pulls noted from before the corrections on (`carry`), of which contact is none.
     pub pull: Option<&'a mut Soa>,
     pub set: &'a mut ActiveSet,
-    /// Which one it is.
+    /// Index of the collider.
     pub collider: usize,
 }
 
@@ -176,7 +180,7 @@ impl HoldEdges<'_> {
         }
     }
 
-    /// The same of faces, which are few.
+    /// Searches so many faces, which are few, and notes the places of those that are to be moved out.
     fn search_faces(&mut self, faces: &[[u32; 3]]) {
         let mut corners = [[0; 3]; LANES];
         for (lane, corners) in corners.iter_mut().enumerate() {
@@ -193,9 +197,13 @@ impl HoldEdges<'_> {
         }
     }
 
-    /// Whether the collider hardly moves in the substep.
-    fn is_slow(&self) -> bool {
-        self.motion.reach <= SLOW * self.edges.longest
+    /// Changes the displacement of a slot's particle. What contact does is no pull of the cloth.
+    fn displace(&mut self, slot: usize, by: Vec3) {
+        self.d.set(slot, self.d.get(slot) + by);
+        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
+        if let Some(pull) = &mut self.pull {
+            pull.set(slot, pull.get(slot) - by);
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use super::solve::System;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
-/// Those that are pressed.
+/// Pressed edges that there is room for from the start.
 const FEW_PRESSED: usize = 512;
 /// Faces that are looked at closely.
 const FEW_FACES: usize = 64;
@@ -32,7 +32,7 @@ pub(in crate::solver) struct Nearby {
     pub(super) faces: Vec<[u32; 3]>,
     /// Places that are to be moved out.
     pub(super) places: Vec<Place>,
-    /// What is pressed, as it is solved for.
+    /// The pressed edges, as they are solved for.
     pub(super) system: System,
 }
 
@@ -120,7 +120,7 @@ impl Kernel for FindClose<'_> {
                 continue;
             }
             match &self.edges.joined {
-                &Joined::Neighbours { hops, .. } => self.look_at_fans(block, hops),
+                Joined::Neighbours { hops, .. } => self.look_at_fans(block, *hops),
                 Joined::Pairs(pairs) => {
                     let Pairs { ends, first, .. } = pairs;
                     for edge in first[block]..first[block + 1] {
@@ -204,7 +204,7 @@ impl FindClose<'_> {
     }
 }
 
-/// Which slots are of particles.
+/// Tells which slots are of particles.
 #[derive(Clone, Copy)]
 pub(super) struct Inside(pub Layout);
 

@@ -37,7 +37,7 @@ impl Place {
         Self { corners: warm.corners, parts: warm.parts, edge: None }
     }
 
-    /// What is between the values of the corners.
+    /// The value at the place, from those of the corners.
     pub fn between(&self, of: &Soa) -> Vec3 {
         let [a, b, c] = self.corners.map(|slot| of.get(slot as usize));
         a * self.parts[0] + b * self.parts[1] + c * self.parts[2]
@@ -61,7 +61,7 @@ impl Place {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Press {
     pub place: Place,
-    /// What the corners are in the solution.
+    /// The corners' places among the bodies.
     pub bodies: [u32; 3],
     /// How far the corners go for a push of one.
     shares: [f32; 3],
@@ -88,7 +88,7 @@ pub(super) struct Press {
 }
 
 impl Press {
-    /// What the corners are in the solution, their parts, and how far they go for a push of one.
+    /// The corners' places among the bodies, their parts, and how far they go for a push of one.
     pub fn corners(&self) -> impl Iterator<Item = (usize, f32, f32)> {
         let corners = self.bodies.iter().zip(self.place.parts).zip(self.shares);
         corners.take(self.place.count()).map(|((&body, part), share)| (body as usize, part, share))
@@ -146,13 +146,13 @@ impl HoldEdges<'_> {
         self.nearby.places = places;
     }
 
-    /// What was expected of this collider, from a place in the list on.
+    /// The next impulse that was expected of this collider, from a place in the list on.
     fn expected(&self, at: usize) -> Option<WarmStart> {
         let warm = self.set.edges.warm.get(at);
         warm.filter(|warm| warm.collider as usize == self.collider).copied()
     }
 
-    /// What was expected to be pressed and is not any more: the push is taken back as far as it is too much.
+    /// Takes back the push that was expected at a place that is not pressed any more, as far as it is too much.
     fn take_back(&mut self, warm: &WarmStart) -> Option<Press> {
         Some(self.press(Place::of(warm), true)?.begin_with(warm))
     }

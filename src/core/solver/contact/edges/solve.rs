@@ -35,7 +35,7 @@ pub(super) struct Body {
     /// Its position and its displacement, up to now \[m\].
     pub x: Vec3,
     pub d: Vec3,
-    /// The same before edges were held \[m\].
+    /// Its position and its displacement before edges were held \[m\].
     before: [Vec3; 2],
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Limited {
     longest: f32,
 }
 
-/// What is solved for.
+/// The pressed edges and faces, the particles that they may move, and the threads that hold these back.
 #[derive(Clone, Debug, Default)]
 pub(super) struct System {
     pub presses: Vec<Press>,
@@ -145,11 +145,11 @@ impl HoldEdges<'_> {
         let mut held = EdgesHeld::default();
         self.find_bodies(system);
         // What is fast is met once, as what moves is looked at on its way.
-        let rounds = if self.is_slow() { ROUNDS } else { 1 };
+        let rounds = if self.rule.is_slow { ROUNDS } else { 1 };
         let found = FOUND / self.skin.per_weight;
         for round in 0..rounds {
             // What the first pushes stretch is among them.
-            if round == 1 {
+            if round == 1 && self.limits {
                 self.find_limited(system);
             }
             for i in 0..system.limited.len() {
@@ -166,7 +166,7 @@ impl HoldEdges<'_> {
             }
         }
         system.move_out(self.skin.most_push);
-        if self.is_slow() {
+        if self.rule.is_slow {
             system.brake_turning(self.motion.friction);
             for press in &system.presses {
                 self.expect(press);
@@ -246,8 +246,9 @@ impl HoldEdges<'_> {
         let slides = square > most * most;
         let brake = if slides { brake * (most / square.sqrt()) } else { brake };
         let by = press.normal * (push - press.push) + (brake - press.brake);
-        if !self.is_slow() && self.goes_through(press, by, bodies) {
-            press.depth = 0.0;
+        if !self.rule.is_slow && self.goes_through(press, by, bodies) {
+            // It is left where it is.
+            press.depth = f32::NEG_INFINITY;
             return Vec3::ZERO;
         }
         (press.push, press.brake) = (push, brake);
@@ -297,12 +298,7 @@ impl HoldEdges<'_> {
             let [x, d] = body.before;
             let by = body.d - d;
             self.x.set(slot, body.x);
-            self.d.set(slot, body.d);
-            // It is no pull of the cloth.
-            self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
-            if let Some(pull) = &mut self.pull {
-                pull.set(slot, pull.get(slot) - by);
-            }
+            self.displace(slot, by);
             pushed = larger((body.x - x + by).length(), pushed);
         }
         system.limited.clear();
