@@ -10,6 +10,7 @@ use super::super::lanes::{
 use super::active_set::Normals;
 use super::collider::Motion;
 use super::edges::NearbyMut;
+use super::friction::Sliding;
 use super::room::ByBlock;
 use super::sweep::Sweep;
 use super::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
@@ -552,15 +553,12 @@ impl Meeting<'_> {
             let rest = push - undone;
             let tangential = relative - normal * along;
             pushed.undone.0[i] = undone;
-            let unslipped = (d.at(i) - hold.unpulled.at(i)) * (hold.unslipped.0[i] - 1.0);
-            let unfollowed = pressed + unslipped;
+            let pulled = d.at(i) - hold.unpulled.at(i);
+            let sliding = Sliding { way: tangential, pulled, unslipped: hold.unslipped.0[i] };
+            let unfollowed = pressed + sliding.held();
             pushed.unfollowed.set(i, unfollowed);
-            let sliding = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
-            pushed.went.0[i] = sliding;
-            // What friction can do beyond what held it before.
-            let left = motion.friction * undone - unslipped.dot(unslipped).sqrt();
-            let part = larger(left, 0.0) / sliding;
-            let braked = tangential * if part < 1.0 { part } else { 1.0 };
+            pushed.went.0[i] = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
+            let braked = tangential * sliding.braked(motion.friction * undone, normal);
             let touching = push > 0.0;
             tally.touching[i] += u32::from(touching);
             // Deep inside that takes more than a substep, at the speed allowed.

@@ -12,6 +12,7 @@
 mod active_set;
 mod collider;
 mod edges;
+mod friction;
 mod impulses;
 mod keys;
 mod meet;
