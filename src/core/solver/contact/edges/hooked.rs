@@ -15,8 +15,8 @@ use super::{EdgeMemory, Freed, HoldEdges};
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
-const PASSING_STRAIN: f32 = 0.25;
-const PASSING_LIMITS: f32 = 2.0;
+const PASSING_STRAIN: f32 = 0.1;
+const PASSING_LIMITS: f32 = 1.05;
 /// How long a particle passes on whose threads are short \[s\].
 const PASSING_TIME: f32 = 0.5;
 /// How deep in a collider an edge is hooked, as a multiple of epsilon.
