@@ -1,4 +1,5 @@
-//! P12 CAPSTAN: a strip is pulled over a cylinder, and over an edge, against Euler and Eytelwein's ratio.
+//! P12 CAPSTAN: a strip is pulled over a cylinder, and over an edge, against the ratio of Euler and Eytelwein, with the
+//! strip's own weight.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -18,20 +19,18 @@ use bevy_drape::{
 use super::super::super::run::{FRAME, Run};
 use super::super::super::{Extent, Job, Measured, Metric, Outcome, Scene};
 
-/// Distance of particles \[m\].
-const CELL: f64 = 0.01;
 const COLUMNS: usize = 5;
 const RADIUS: f64 = 0.1;
 const EPSILON: f64 = 0.005;
 /// Straight parts at both ends \[m\].
 const ENDS: f64 = 0.15;
-/// Force at the end that is held back \[N\].
-const FORCE: f64 = 2.0;
 /// It slips once its middle has gone so far \[m\].
 const SLIPPED: f64 = 2e-3;
 /// Frames in which it comes to rest under equal forces, and in which one grows.
 const SETTLING: usize = 120;
-const GROWING: usize = 600;
+const GROWING: usize = 2400;
+/// Steps in which the exact ratio is summed up.
+const STEPS: u32 = 10_000;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Over {
@@ -41,18 +40,34 @@ enum Over {
     Edge,
 }
 
+/// A strip over a solid.
+#[derive(Clone, Copy)]
+struct Strip {
+    over: Over,
+    /// Distance of particles \[m\].
+    cell: f64,
+    /// Force at the end that is held back \[N\].
+    force: f64,
+    friction: f64,
+    budget: u32,
+}
+
 impl Over {
     fn turn(self) -> f64 {
         if self == Self::Cylinder { PI } else { FRAC_PI_2 }
     }
 
-    /// Places along the strip, in the plane that it bends in.
-    fn line(self) -> Vec<Vec3> {
-        let around = RADIUS + EPSILON;
-        let arc = if self == Self::Cylinder { PI * around } else { FRAC_PI_2 * EPSILON };
-        let count = ((2.0 * ENDS + arc) / CELL).round() as usize + 1;
+    /// Radius of the arc that the strip lies in \[m\].
+    fn radius(self) -> f64 {
+        if self == Self::Cylinder { RADIUS + EPSILON } else { EPSILON }
+    }
+
+    /// Places along a strip, so far apart, in the plane that it bends in.
+    fn line(self, cell: f64) -> Vec<Vec3> {
+        let (around, arc) = (self.radius(), self.turn() * self.radius());
+        let count = ((2.0 * ENDS + arc) / cell).round() as usize + 1;
         let place = |i: usize| {
-            let way = i as f64 * CELL - ENDS;
+            let way = i as f64 * cell - ENDS;
             let [x, y] = match self {
                 Self::Cylinder => {
                     let angle = (way / around).clamp(0.0, PI);
@@ -60,9 +75,9 @@ impl Over {
                     [-around * angle.cos(), around * angle.sin() - down]
                 }
                 Self::Edge => {
-                    let angle = (way / EPSILON).clamp(0.0, FRAC_PI_2);
+                    let angle = (way / around).clamp(0.0, FRAC_PI_2);
                     let (back, down) = ((-way).max(0.0), (way - arc).max(0.0));
-                    [EPSILON * angle.sin() - back, EPSILON * angle.cos() - down]
+                    [around * angle.sin() - back, around * angle.cos() - down]
                 }
             };
             Vec3::new(x as f32, y as f32, 0.0)
@@ -89,24 +104,33 @@ impl Over {
             }
         }
     }
+}
 
-    fn strip(self, friction: f32, budget: u32) -> Outcome<ClothSolver> {
+impl Strip {
+    fn line(&self) -> Vec<Vec3> {
+        self.over.line(self.cell)
+    }
+
+    fn solver(&self) -> Outcome<ClothSolver> {
         let line = self.line();
-        let across = |column: usize| (column as f64 - 0.5 * (COLUMNS - 1) as f64) * CELL;
+        let across = |column: usize| (column as f64 - 0.5 * (COLUMNS - 1) as f64) * self.cell;
         let places = |at: &dyn Fn(usize) -> Vec3| -> Vec<Vec3> {
             let row =
                 |row: usize| (0..COLUMNS).map(move |column| (row, Vec3::Z * across(column) as f32));
             (0..line.len()).flat_map(row).map(|(row, z)| at(row) + z).collect()
         };
-        let rest = places(&|row| Vec3::X * (row as f64 * CELL) as f32);
+        let rest = places(&|row| Vec3::X * (row as f64 * self.cell) as f32);
         let lattice = Lattice::new(line.len(), COLUMNS, &rest, MassLumping::Lumped)?;
+        // It bends freely: stiffness and its friction add to what it takes to pull it over a sharp edge.
         let material = Material {
             thread_stiffness: 1e5,
-            friction,
+            flexural_rigidity: 0.0,
+            bending_friction: 0.0,
+            friction: self.friction as f32,
             thickness: EPSILON as f32,
             ..Material::USUAL
         };
-        let substeps = Substeps::Automatic { budget };
+        let substeps = Substeps::Automatic { budget: self.budget };
         let settings = Settings { substeps, ..Settings::default() };
         let start = places(&|row| line[row]);
         let mut solver = ClothSolver::new(Arc::new(lattice), &start, material, settings)?;
@@ -114,14 +138,38 @@ impl Over {
         Ok(solver)
     }
 
+    /// The ratio of forces at which it is to slip, for a weight by its length \[N/m\]: `dT = mu N ds` and what weighs along
+    /// it, with `N = T / r` and what weighs on the solid.
+    fn exact(&self, weight: f64) -> f64 {
+        let Self { over, force, friction, .. } = *self;
+        let hangs = ENDS * weight;
+        // One end hangs, or lies on the solid.
+        let mut tension = force + if over == Over::Cylinder { hangs } else { friction * hangs };
+        let angle = over.turn() / f64::from(STEPS);
+        for step in 0..STEPS {
+            let turned = (f64::from(step) + 0.5) * angle;
+            // Parts of the weight on the solid, and against the way that it slips.
+            let (on, against) = match over {
+                Over::Cylinder => turned.sin_cos(),
+                Over::Edge => (turned.cos(), -turned.sin()),
+            };
+            let arc = over.radius() * angle;
+            let pressed = tension / over.radius() + weight * on;
+            tension += (weight * against + friction * pressed) * arc;
+        }
+        (tension - hangs) / force
+    }
+
     /// The ratio of forces at which it slips.
-    fn run(self, friction: f64, budget: u32) -> Outcome<Measured> {
-        let (solid, pose) = self.solid();
-        let collider = Collider { friction: friction as f32, ..Collider::new(&*solid, pose) };
+    fn run(self) -> Outcome<Measured> {
+        let (solid, pose) = self.over.solid();
+        let collider = Collider { friction: self.friction as f32, ..Collider::new(&*solid, pose) };
         let colliders = [collider];
-        let exact = (friction * self.turn()).exp();
-        let mut run = Run::new(self.strip(friction as f32, budget)?, &colliders);
+        let mut run = Run::new(self.solver()?, &colliders);
         let rows = self.line().len();
+        let mass = (0..rows * COLUMNS).map(|i| f64::from(run.cloth.mass(i))).sum::<f64>();
+        let gravity = f64::from(run.gravity.length());
+        let exact = self.exact(mass * gravity / ((rows - 1) as f64 * self.cell));
         let ends = [0, (rows - 1) * COLUMNS];
         let middle = rows / 2 * COLUMNS + COLUMNS / 2;
         let mut found = f64::NAN;
@@ -130,9 +178,8 @@ impl Over {
             let grown = frame.saturating_sub(SETTLING) as f64 / GROWING as f64;
             // To one and a half times what Coulomb's law allows.
             let ratio = 1.0 + grown * (1.5 * exact - 1.0);
-            for ((end, pull), force) in
-                ends.into_iter().zip(self.pulls()).zip([FORCE, FORCE * ratio])
-            {
+            let forces = [self.force, self.force * ratio];
+            for ((end, pull), force) in ends.into_iter().zip(self.over.pulls()).zip(forces) {
                 for i in end..end + COLUMNS {
                     let share = pull * (force / COLUMNS as f64) as f32;
                     run.cloth.push(PushOn::Particle(i as u32), PushWith::Force(share))?;
@@ -159,16 +206,27 @@ impl Over {
 pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
     let frictions: &[f64] = if extent.quick { &[0.3] } else { &[0.1, 0.3, 0.5] };
     let budgets: &[u32] = if extent.quick { &[20] } else { &[20, 8] };
+    // Solids, distances of particles [m], forces [N].
+    let kinds = [
+        (Over::Cylinder, 0.01, 0.06),
+        (Over::Cylinder, 0.01, 0.2),
+        (Over::Edge, 0.004, 0.03),
+        (Over::Edge, 0.01, 0.06),
+    ];
     let mut jobs = Vec::new();
-    for (over, name) in [(Over::Cylinder, "cylinder, half a turn"), (Over::Edge, "edge, a quarter")]
-    {
+    for (over, cell, force) in kinds {
+        let name = match over {
+            Over::Cylinder => "cylinder",
+            Over::Edge => "edge",
+        };
         for &friction in frictions {
             for &budget in budgets {
+                let strip = Strip { over, cell, force, friction, budget };
                 jobs.push(Job {
-                    method: format!("{name}, mu = {friction}"),
-                    n: over.line().len(),
-                    knob: format!("budget {budget}"),
-                    run: Box::new(move || over.run(friction, budget)),
+                    method: format!("{name}, {force} N, mu = {friction}"),
+                    n: strip.line().len(),
+                    knob: format!("budget {budget}, {} mm", cell * 1e3),
+                    run: Box::new(move || strip.run()),
                 });
             }
         }
@@ -177,11 +235,12 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
         name: "p12",
         title: "P12 CAPSTAN: a strip is pulled over a cylinder, and over an edge",
         about: format!(
-            "A strip of {COLUMNS} threads, particles {} cm apart, 1e5 N/m, over a fixed cylinder of radius {RADIUS} m and over the edge of a box; \
-             6 g in all; {FORCE} N at one end, and a force at the other that grows over {} s. The ratio of forces at which its middle has gone \
-             2 mm, and that of Euler (1769) and Eytelwein (1808), e^(mu phi).",
-            CELL * 100.0,
-            GROWING as f32 * FRAME
+            "A strip of {COLUMNS} threads, 1e5 N/m, that bends freely, over half a turn of a fixed cylinder of radius {RADIUS} m and over the \
+             edge of a box, a quarter; held {} mm outside. One end is held back by a force, of one to four times its weight, and that at \
+             the other grows over {} s. The ratio of forces at which its middle has gone 2 mm, and that of Euler (1769) and Eytelwein (1808) \
+             with the strip's own weight.",
+            EPSILON * 1e3,
+            (GROWING as f32 * FRAME).round()
         ),
         errors: vec![
             Metric::new("slips at", ""),
