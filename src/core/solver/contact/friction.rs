@@ -38,28 +38,27 @@ impl Sliding {
     /// The part of its way that friction takes, of what it can undo at `most` \[m\], on a surface of normal `n`.
     #[inline(always)]
     pub fn braked(&self, most: f32, n: Vec3) -> f32 {
-        let (slip, held) = (1.0 / self.unslipped, self.held());
+        let held = self.held();
         let way = larger(self.way.dot(self.way).sqrt(), LEAST_SLIDING);
         let demand = self.way + held - n * held.dot(n);
         let asked = larger(demand.dot(demand).sqrt(), LEAST_SLIDING);
         let excess = larger(asked - most, 0.0);
-        let pull = self.unslipped * self.pulled.dot(demand) / asked;
-        let pull = larger(pull - most, 0.0);
+        let slip = 1.0 / self.unslipped;
+        let pull = larger(self.unslipped * self.pulled.dot(demand) / asked - most, 0.0);
         let of_pull = if pull < excess { pull } else { excess };
         let goes = excess - (1.0 - slip) * of_pull;
         // Friction never drives.
         let goes = if demand.dot(self.way) > 0.0 { goes } else { 0.0 };
         let brake = larger(way - goes, 0.0);
-        let left = self.left(most, held);
+        let left = self.left(most, slip);
         (if brake < left { brake } else { left }) * (1.0 / way)
     }
 
     /// What friction has left for its way \[m\]: what does not hold it, or its slip of the limit, which ends as pulls grow.
     #[inline(always)]
-    fn left(&self, most: f32, held: Vec3) -> f32 {
+    fn left(&self, most: f32, slip: f32) -> f32 {
         let pull = self.pulled.dot(self.pulled).sqrt() * self.unslipped;
         let spent = larger(pull - most, 0.0) * (1.0 / (SPENT - 1.0));
-        let foreseen = larger(most - spent, 0.0) / self.unslipped;
-        larger(most - held.dot(held).sqrt(), foreseen)
+        larger(most - pull * (1.0 - slip), (most - spent) * slip)
     }
 }
