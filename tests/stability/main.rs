@@ -7,6 +7,7 @@
 //! changes no bit of the rest. `-- --nocapture` prints what each came to.
 
 mod app;
+mod asleep;
 mod common;
 mod extremes;
 mod far;

@@ -1,0 +1,61 @@
+//! Cloths of 64 x 64 in an app that have been dropped on solids fall asleep. Truth: within fifteen seconds, by default and
+//! at the quality of games, and from then on they sleep.
+
+use std::time::Duration;
+
+use crate::app::{app, frame, simulation, spawn, spawn_cloth};
+use crate::other::common::check_at_most;
+use bevy::{
+    math::primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
+    prelude::*,
+};
+use bevy_drape::prelude::*;
+
+const FRAME: Duration = Duration::from_nanos(16_666_667);
+const FRAMES: u32 = 20 * 60;
+
+/// Drops a cloth on a solid whose middle is so high, and tells since when it sleeps \[s\].
+fn asleep_since(solid: impl Into<SdfShape>, middle: f32, settings: ClothSettings) -> f64 {
+    let mut app = app();
+    spawn(&mut app, SdfCollider::from(InfinitePlane3d::new(Vec3::Y)));
+    spawn(&mut app, (SdfCollider::new(solid), Transform::from_xyz(0.0, middle, 0.0)));
+    let sheet = Cloth::sheet(Vec2::splat(1.6), UVec2::splat(64));
+    let cloth = spawn_cloth(&mut app, (sheet, settings, Transform::from_xyz(0.0, 1.3, 0.0)));
+    let mut since = None;
+    for done in 0..FRAMES {
+        frame(&mut app, FRAME);
+        let sleeps = simulation(&app, cloth).is_asleep();
+        since = sleeps.then(|| since.unwrap_or(done));
+    }
+    since.map_or(f64::INFINITY, |frames| f64::from(frames) * FRAME.as_secs_f64())
+}
+
+fn check(solid: impl Into<SdfShape>, middle: f32) {
+    let solid = solid.into();
+    for (name, settings) in
+        [("default", ClothSettings::default()), ("game", ClothQuality::Game.into())]
+    {
+        let since = asleep_since(solid.clone(), middle, settings);
+        check_at_most(&format!("{name}: asleep after [s]"), since, 15.0);
+    }
+}
+
+#[test]
+fn on_a_ball_and_the_ground() {
+    check(Sphere::new(0.05), 0.05);
+}
+
+#[test]
+fn on_a_cube() {
+    check(Cuboid::new(0.8, 0.8, 0.8), 0.4);
+}
+
+#[test]
+fn on_a_cylinder() {
+    check(Cylinder::new(0.5, 0.8), 0.4);
+}
+
+#[test]
+fn on_a_cone() {
+    check(Cone { radius: 0.5, height: 0.8 }, 0.4);
+}
