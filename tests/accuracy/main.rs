@@ -4,6 +4,7 @@
 //! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
 
 mod cantilever;
+mod capstan;
 mod catenary;
 mod cloth_order;
 #[allow(dead_code)]

@@ -13,7 +13,7 @@
 //!
 //! Friction is applied after the corrections, too, and undoes what a correction that knows nothing of it does to a particle that
 //! sticks: the springs beside it are left stretched. So along the surface the mobility is `w s`, where the slip `s` is less
-//! than one for a particle that carries a load and sticks (`Pushed::slip`). Two states, one that sticks and one that slides,
+//! than one for a particle that carries a load and sticks (`Pushed::slip`, `friction`). Two states, one that sticks and one that slides,
 //! would not do: the corrections come to another end in each, particles at Coulomb's limit change from one to the other in
 //! every substep, and the cloth trembles. For the same reason slips follow with a delay.
 //!
