@@ -536,51 +536,68 @@ impl Meeting<'_> {
         let Self { motion, skin } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
-        // What was borne along another normal is not noted.
-        let notes = if skin.notes { 1.0 } else { 0.0 };
-        let (none, unfollowed) = (Block::ZERO, Block3::ZERO);
-        let mut pushed = Pushed { surface, undone: none, went: none, unfollowed };
+        let none = Block::ZERO;
+        let mut pushed = Pushed { surface, undone: none, went: none, unfollowed: Block3::ZERO };
+        // In loops that do little each: what does all at once is not vectorized.
+        let (mut along, mut approach) = (Block::ZERO, Block::ZERO);
+        let (mut tangential, mut pressed) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             let normal = normals.at(i);
-            let relative = d.at(i) - surface.at(i);
-            let along = relative.dot(normal);
-            let pressed = normal * hold.unfollowed.at(i).dot(normal);
-            let approach = along + pressed.dot(normal);
+            let relative = d.at(i) - pushed.surface.at(i);
+            along.0[i] = relative.dot(normal);
+            let load = hold.unfollowed.at(i).dot(normal);
+            pressed.set(i, normal * load);
+            approach.0[i] = along.0[i] + load;
             // What the push undoes of the approach belongs to the substep. The rest is a displacement
             // without velocity: being pushed out gives no speed.
             let push = depth.0[i];
-            let undone = larger(if push < -approach { push } else { -approach }, 0.0);
-            let rest = push - undone;
-            let tangential = relative - normal * along;
-            pushed.undone.0[i] = undone;
-            let pulled = d.at(i) - hold.unpulled.at(i);
-            let sliding = Sliding { way: tangential, pulled, unslipped: hold.unslipped.0[i] };
-            let unfollowed = pressed + sliding.held();
-            pushed.unfollowed.set(i, unfollowed);
-            pushed.went.0[i] = larger(tangential.dot(tangential).sqrt(), LEAST_SLIDING);
-            let braked = tangential * sliding.braked(motion.friction * undone, normal);
+            let undone = if push < -approach.0[i] { push } else { -approach.0[i] };
+            pushed.undone.0[i] = larger(undone, 0.0);
+            tangential.set(i, relative - normal * along.0[i]);
+        }
+        let mut part = Block::ZERO;
+        for i in 0..LANES {
+            let sliding = Sliding {
+                way: tangential.at(i),
+                pulled: d.at(i) - hold.unpulled.at(i),
+                unslipped: hold.unslipped.0[i],
+            };
+            pushed.unfollowed.set(i, pressed.at(i) + sliding.held());
+            pushed.went.0[i] = larger(sliding.way.dot(sliding.way).sqrt(), LEAST_SLIDING);
+            part.0[i] = sliding.braked(motion.friction * pushed.undone.0[i], normals.at(i));
+        }
+        let mut into_d = Block3::ZERO;
+        for i in 0..LANES {
+            let (normal, push, undone) = (normals.at(i), depth.0[i], pushed.undone.0[i]);
             let touching = push > 0.0;
-            tally.touching[i] += u32::from(touching);
             // Deep inside that takes more than a substep, at the speed allowed.
-            let allowed = larger(skin.most_push - larger(approach, 0.0), 0.0);
+            let rest = push - undone;
+            let allowed = larger(skin.most_push - larger(approach.0[i], 0.0), 0.0);
             let moved = if rest < allowed { rest } else { allowed };
             tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
-            let change = approach + undone - along;
-            let into_d = normal * change - braked;
-            let into_d = if touching { into_d } else { Vec3::ZERO };
-            let into_x = if touching { normal * moved } else { Vec3::ZERO };
-            if motion.measured {
+            let change = approach.0[i] + undone - along.0[i];
+            let by = normal * change - tangential.at(i) * part.0[i];
+            into_d.set(i, if touching { by } else { Vec3::ZERO });
+            d.set(i, d.at(i) + into_d.at(i));
+            x.set(i, x.at(i) + if touching { normal * moved } else { Vec3::ZERO });
+        }
+        for i in 0..LANES {
+            tally.touching[i] += u32::from(depth.0[i] > 0.0);
+        }
+        if motion.measured {
+            // What was borne along another normal is not noted.
+            let notes = if skin.notes { 1.0 } else { 0.0 };
+            for i in 0..LANES {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-                let turned = hold.unfollowed.at(i) - pressed;
-                let given = (into_d - unfollowed - turned) * mass;
+                let turned = hold.unfollowed.at(i) - pressed.at(i);
+                let given = (into_d.at(i) - pushed.unfollowed.at(i) - turned) * mass;
+                let touching = depth.0[i] > 0.0;
                 let owed = if touching { turned * (mass * notes) } else { Vec3::ZERO };
                 tally.owed.set(i, tally.owed.at(i) + owed);
                 let given = if touching { given } else { Vec3::ZERO };
                 tally.given.set(i, tally.given.at(i) - given);
             }
-            d.set(i, d.at(i) + into_d);
-            x.set(i, x.at(i) + into_x);
         }
         pushed
     }
