@@ -59,6 +59,6 @@ impl Sliding {
     fn left(&self, most: f32, slip: f32) -> f32 {
         let pull = self.pulled.dot(self.pulled).sqrt() * self.unslipped;
         let spent = larger(pull - most, 0.0) * (1.0 / (SPENT - 1.0));
-        larger(most - pull * (1.0 - slip), (most - spent) * slip)
+        larger(most - pull * (1.0 - slip), larger(most - spent, 0.0) * slip)
     }
 }
