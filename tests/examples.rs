@@ -109,7 +109,7 @@ fn stress() {
     let particles: usize = cloths.iter().map(Vec::len).sum();
     assert!(particles >= 100_000 && cloths.len() >= 50, "{particles} in {}", cloths.len());
     // The largest of a hundred cloths. Corners whip onto the ground, and friction stops them within a substep; their springs are short.
-    hold_within(&report, 0.32);
+    hold_within(&report, 0.36);
 }
 
 #[test]

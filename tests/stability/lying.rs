@@ -108,7 +108,7 @@ fn energy_only_falls() {
             check_at_most(
                 &format!("{name}, budget {budget}: energy gained in a second [J]"),
                 gained,
-                2e-3,
+                3e-3,
             );
         }
     }
