@@ -93,7 +93,7 @@ fn goes(part: f64, force: f64, friction: f64, budget: u32) -> f64 {
     f64::from(solver.position(middle).distance(from))
 }
 
-/// What is about to slip neither creeps nor sticks: forces are as its weight, and three times that.
+/// A strip that is about to slip neither creeps nor sticks: forces are as its weight, and three times that.
 #[test]
 fn a_strip_slips_at_eulers_and_eytelweins_ratio() {
     for (force, friction, budget) in

@@ -18,7 +18,7 @@ fn highest_on(solid: &dyn SignedDistance, pose: Pose, speed: f32) -> f32 {
     dropped_on::<N>(solid, pose, speed).bounds().1.y
 }
 
-/// The same of `N` x `N` particles, as a whole.
+/// Drops a sheet of `N` x `N` particles on a solid above the ground; the cloth after five seconds.
 fn dropped_on<const N: usize>(solid: &dyn SignedDistance, pose: Pose, speed: f32) -> ClothSolver {
     let sheet = sheet(Vec2::splat(1.6), N, N, MassLumping::Lumped);
     // Off the middle, so that no row lies on the solid by chance.

@@ -4,8 +4,8 @@
 //! `s P`, and the surface is taken to hold the rest, `(1 - s) P`. So what friction has to bear is not the way that
 //! is left of a particle, but its demand: that way and what has been held. It sticks where its demand is within Coulomb's limit.
 //!
-//! What goes beyond the limit has to go as corrections foresee it, `s` times as far: they would else find the
-//! threads out of length in the next substep by more than the pull was too large, and pull the more. Friction on a cloth that
+//! A pull beyond the limit has to move a particle as corrections foresee it, `s` times as far as it is too large: they would
+//! else find the threads out of length in the next substep by more than that, and pull the more. Friction on a cloth that
 //! is about to slip would flip between two states, ever wider, and the cloth would creep long before it should slip. But a
 //! particle's own motion is no pull, and is braked as it is.
 
@@ -29,7 +29,7 @@ pub(super) struct Sliding {
 }
 
 impl Sliding {
-    /// What pulls would have moved it by beyond what they did.
+    /// The way that pulls would have moved it beyond the one that they did.
     #[inline(always)]
     pub fn held(&self) -> Vec3 {
         self.pulled * (self.unslipped - 1.0)
@@ -54,7 +54,8 @@ impl Sliding {
         (if brake < left { brake } else { left }) * (1.0 / way)
     }
 
-    /// What friction has left for its way \[m\]: what does not hold it, or its slip of the limit, which ends as pulls grow.
+    /// The way that friction can still take \[m\]: the part of the limit that holds no pull, or the slip's part of the limit, which
+    /// ends as pulls grow.
     #[inline(always)]
     fn left(&self, most: f32, slip: f32) -> f32 {
         let pull = self.pulled.dot(self.pulled).sqrt() * self.unslipped;

@@ -147,8 +147,8 @@ impl ResolveContacts<'_> {
         let stretch = 1.0 + larger(self.max_strain, self.strain);
         let rule = |edges| Some((edges, Rule::new(edges, &motion, skin, stretch)?));
         let rule = self.edges.and_then(rule);
-        if rule.is_some() && room.nearby.is_none() {
-            room.nearby = Some(Nearby::new(self.bands.rows.layout.len()));
+        if rule.is_some() {
+            room.nearby.get_or_insert_with(|| Nearby::new(self.bands.rows.layout.len()));
         }
         // What passes through the collider is not met: it is shown as what nothing moves.
         let freed = set.edges.freed.iter().filter(|freed| freed.collider as usize == collider);
