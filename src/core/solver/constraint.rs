@@ -175,8 +175,14 @@ impl Spring {
 /// surfaces that they lie on, along the normals \[1/kg\].
 #[inline(always)]
 pub(super) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
-    let still = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
-    larger(all - still / (length * length), all * LEAST_MOBILITY)
+    let taken = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
+    moving(all, taken, length)
+}
+
+/// The same, for what is `taken` of it times the square of the spring's length.
+#[inline(always)]
+pub(super) fn moving(all: f32, taken: f32, length: f32) -> f32 {
+    larger(all - taken / (length * length), all * LEAST_MOBILITY)
 }
 
 impl CorrectBatch<'_> {

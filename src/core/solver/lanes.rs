@@ -90,6 +90,16 @@ impl Block {
         any
     }
 
+    /// Whether any lane is another number than zero.
+    #[inline(always)]
+    pub fn is_any(&self) -> bool {
+        let mut any = false;
+        for lane in self.0 {
+            any |= lane != 0.0;
+        }
+        any
+    }
+
     /// The smallest lane.
     #[inline(always)]
     pub fn smallest(&self) -> f32 {

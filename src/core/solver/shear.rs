@@ -8,7 +8,7 @@
 use core::mem;
 
 use super::bands::{Band, CutAt, Rooms, Seams, cut_between_rows};
-use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, mobility};
+use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, moving};
 use super::contact::{Contacts, Normals, divide};
 use super::isa::Kernel;
 use super::lanes::{
@@ -304,39 +304,55 @@ impl<'a> RowSprings<'a> {
         w
     }
 
+    /// Where a block of the row, of displacements `d`, and the springs' other ends are.
+    #[inline(always)]
+    fn ends(&self, block: usize, d: &Block3) -> [Block3; 3] {
+        [
+            self.x[0].at(block).plus(d),
+            self.x[1].at(block).plus(&self.d[0].at(block)),
+            self.x[2].at(block).plus(&self.d[1].at(block)),
+        ]
+    }
+
+    /// What colliders take of the mobility of the springs to the ends on one side, times the square of their lengths.
+    #[inline(always)]
+    fn taken(&self, block: usize, side: usize, ends: [&Block3; 2], w: [&Block; 2]) -> Block {
+        let (n, n_side) = (self.normal(0, block), self.normal(side, block));
+        let mut taken = Block::ZERO;
+        for i in 0..LANES {
+            let span = ends[1].at(i) - ends[0].at(i);
+            let across = [n.at(i).dot(span), n_side.at(i).dot(span)];
+            taken.0[i] = w[0].0[i] * (across[0] * across[0]) + w[1].0[i] * (across[1] * across[1]);
+        }
+        taken
+    }
+
     /// Pulls on a block of the row, of displacements `d`: both springs in one loop, whose roots and quotients then
-    /// follow each other without waiting.
+    /// follow each other without waiting. What contact adds has loops of its own, or too much would be at hand at once.
     #[inline(always)]
     fn pulls<const TOUCH: bool>(&self, block: usize, d: &Block3) -> [Block3; 2] {
-        let here = self.x[0].at(block);
-        let (x_right, d_right) = (self.x[1].at(block), self.d[0].at(block));
-        let (x_left, d_left) = (self.x[2].at(block), self.d[1].at(block));
+        let [here, at_right, at_left] = self.ends(block, d);
         let [w, w_right, w_left] = if TOUCH {
             [self.mobile(0, block), self.mobile(1, block), self.mobile(2, block)]
         } else {
             [self.w[0].at(block), self.w[1].at(block), self.w[2].at(block)]
         };
+        let (mut taken_right, mut taken_left) = (Block::ZERO, Block::ZERO);
+        if TOUCH {
+            taken_right = self.taken(block, 1, [&here, &at_right], [&w, &w_right]);
+            taken_left = self.taken(block, 2, [&here, &at_left], [&w, &w_left]);
+        }
         let [rest_right, rest_left] = [self.rest[0].at(block), self.rest[1].at(block)];
         let [factor_right, factor_left] = [self.factor[0].at(block), self.factor[1].at(block)];
         let (mut right, mut left) = (Block3::ZERO, Block3::ZERO);
-        let normals = if TOUCH {
-            [self.normal(0, block), self.normal(1, block), self.normal(2, block)]
-        } else {
-            [Block3::ZERO; 3]
-        };
         for i in 0..LANES {
-            let here = here.at(i) + d.at(i);
-            let to_right = x_right.at(i) + d_right.at(i) - here;
-            let to_left = x_left.at(i) + d_left.at(i) - here;
+            let (to_right, to_left) = (at_right.at(i) - here.at(i), at_left.at(i) - here.at(i));
             let length_right = larger(to_right.dot(to_right).sqrt(), LEAST_LENGTH);
             let length_left = larger(to_left.dot(to_left).sqrt(), LEAST_LENGTH);
             let (mut both_right, mut both_left) = (w.0[i] + w_right.0[i], w.0[i] + w_left.0[i]);
             if TOUCH {
-                let [n, n_right, n_left] = [normals[0].at(i), normals[1].at(i), normals[2].at(i)];
-                let across = [n.dot(to_right), n_right.dot(to_right)];
-                both_right = mobility(both_right, across, length_right, [w.0[i], w_right.0[i]]);
-                let across = [n.dot(to_left), n_left.dot(to_left)];
-                both_left = mobility(both_left, across, length_left, [w.0[i], w_left.0[i]]);
+                both_right = moving(both_right, taken_right.0[i], length_right);
+                both_left = moving(both_left, taken_left.0[i], length_left);
             }
             let rule = &self.rule;
             let by_right = rule.pull(length_right, rest_right.0[i], factor_right.0[i], both_right);

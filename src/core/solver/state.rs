@@ -133,6 +133,8 @@ pub(crate) struct Line {
     pub length: Array,
     pub inverse_pivot: Array,
     pub residual: Array,
+    /// How far springs go along the normals at their second ends, where these lie on colliders.
+    pub across: Array,
     /// Corrections of their particles, where threads are taut.
     pub correction: Soa,
 }
@@ -145,6 +147,7 @@ impl Line {
             length: Array::zeros(longest),
             inverse_pivot: Array::zeros(longest),
             residual: Array::zeros(longest),
+            across: Array::zeros(longest),
             correction: Soa::zeros(longest),
         }
     }

@@ -210,7 +210,7 @@ impl<'a> Bundle<'a> {
             let (rest, factor) = (self.rest.at(spring), self.compliance.at(spring));
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
             let next = last.next::<E>(reach, &between, &rest, &factor, excess);
-            pivots.set(place - 1, &next);
+            pivots.set::<E>(place - 1, &next);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
     }
@@ -222,7 +222,7 @@ impl<'a> Bundle<'a> {
         let mut tension = Tension::default();
         for place in (1..self.places).rev() {
             let w = mobile(&self.inverse_mass.at(place * self.hop), ends, place);
-            let correction = tension.next(&pivots.at(place - 1), &w, ends, place);
+            let correction = tension.next(&pivots.at::<E>(place - 1), &w, ends, place);
             ends.correct(place, correction);
         }
         let correction = tension.last(&mobile(&self.inverse_mass.at(0), ends, 0), ends);
@@ -310,12 +310,14 @@ pub(super) struct Pivot {
     inverse: Block,
     /// Length times excess length, and what the springs before add to it \[m2\].
     residual: Block,
+    /// How far the springs go along the normals at their second ends \[m\].
+    across: Block,
 }
 
 impl Default for Pivot {
     fn default() -> Self {
         let none = Block::ZERO;
-        Self { span: Block3::ZERO, length: none, inverse: none, residual: none }
+        Self { span: Block3::ZERO, length: none, inverse: none, residual: none, across: none }
     }
 }
 
@@ -352,7 +354,8 @@ impl Pivot {
                 let still = w[0].0[i] * (across0 * across0) + w[1].0[i] * (across1 * across1);
                 let all = square * diagonal;
                 whole = larger(all - still, all * LEAST_MOBILITY) + square * soft;
-                along -= across0 * n0.dot(self.span.at(i));
+                along -= across0 * self.across.0[i];
+                next.across.0[i] = across1;
             }
             let beside = w[0].0[i] * along;
             let carried = beside * self.inverse.0[i];
@@ -372,6 +375,7 @@ pub(super) struct Pivots<'a> {
     length: BlocksMut<'a>,
     inverse: BlocksMut<'a>,
     residual: BlocksMut<'a>,
+    across: BlocksMut<'a>,
 }
 
 impl<'a> Pivots<'a> {
@@ -383,25 +387,30 @@ impl<'a> Pivots<'a> {
             length: BlocksMut::new(&mut line.length, 0, springs),
             inverse: BlocksMut::new(&mut line.inverse_pivot, 0, springs),
             residual: BlocksMut::new(&mut line.residual, 0, springs),
+            across: BlocksMut::new(&mut line.across, 0, springs),
         }
     }
 
     #[inline(always)]
-    pub fn at(&self, spring: usize) -> Pivot {
+    pub fn at<E: Ends>(&self, spring: usize) -> Pivot {
         Pivot {
             span: self.span.at(spring),
             length: self.length.at(spring),
             inverse: self.inverse.at(spring),
             residual: self.residual.at(spring),
+            across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
         }
     }
 
     #[inline(always)]
-    pub fn set(&mut self, spring: usize, pivot: &Pivot) {
+    pub fn set<E: Ends>(&mut self, spring: usize, pivot: &Pivot) {
         self.span.set(spring, pivot.span);
         self.length.set(spring, pivot.length);
         self.inverse.set(spring, pivot.inverse);
         self.residual.set(spring, pivot.residual);
+        if E::TOUCH {
+            self.across.set(spring, pivot.across);
+        }
     }
 }
 
@@ -420,7 +429,8 @@ impl Default for Tension {
 }
 
 impl Tension {
-    /// Goes on to the springs before the particles of a place, of inverse masses `w`; gives these their corrections.
+    /// Goes on to the springs before the particles of a place, of inverse masses `w`, and gives these their corrections.
+    /// What the particles lie on takes the rest.
     #[inline(always)]
     pub fn next<E: Ends>(
         &mut self,
@@ -430,48 +440,45 @@ impl Tension {
         place: usize,
     ) -> Block3 {
         let normals = ends.normals(place);
-        let (mut pull, mut both) = (Block3::ZERO, Block3::ZERO);
+        let (mut pull, mut correction, mut load) = (Block3::ZERO, Block3::ZERO, Block::ZERO);
         for i in 0..LANES {
             let (span, after) = (pivot.span.at(i), self.pull.at(i));
             let mut along = span.dot(after);
+            let (n, across) = (normals.at(i), pivot.across.0[i]);
             if E::TOUCH {
-                along -= span.dot(normals.at(i)) * normals.at(i).dot(after);
+                load.0[i] = n.dot(after);
+                along -= across * load.0[i];
             }
             let tension = (pivot.residual.0[i] + w.0[i] * along) * pivot.inverse.0[i];
             self.most.0[i] = larger(tension * pivot.length.0[i] * w.0[i], self.most.0[i]);
             pull.set(i, span * tension);
-            both.set(i, after - pull.at(i));
+            let mut moves = after - pull.at(i);
+            if E::TOUCH {
+                load.0[i] -= across * tension;
+                moves -= n * load.0[i];
+            }
+            correction.set(i, moves * w.0[i]);
+        }
+        if E::TOUCH {
+            ends.load(place, &load);
         }
         self.pull = pull;
-        answer(both, w, &normals, ends, place)
+        correction
     }
 
     /// Corrections of the first particles.
     #[inline(always)]
     pub fn last<E: Ends>(&self, w: &Block, ends: &mut E) -> Block3 {
-        let normals = ends.normals(0);
-        answer(self.pull, w, &normals, ends, 0)
+        let mut moves = self.pull;
+        if E::TOUCH {
+            let (along, load) = divide(&self.pull, &ends.normals(0));
+            ends.load(0, &load);
+            moves = along;
+        }
+        let mut correction = Block3::ZERO;
+        for i in 0..LANES {
+            correction.set(i, moves.at(i) * w.0[i]);
+        }
+        correction
     }
-}
-
-/// Corrections of the particles of a place that are pulled; what they lie on takes the rest.
-#[inline(always)]
-fn answer<E: Ends>(
-    pull: Block3,
-    w: &Block,
-    normals: &Block3,
-    ends: &mut E,
-    place: usize,
-) -> Block3 {
-    let mut along = pull;
-    if E::TOUCH {
-        let (moves, load) = divide(&pull, normals);
-        ends.load(place, &load);
-        along = moves;
-    }
-    let mut correction = Block3::ZERO;
-    for i in 0..LANES {
-        correction.set(i, along.at(i) * w.0[i]);
-    }
-    correction
 }

@@ -124,8 +124,8 @@ fn fill_strip(
         let x = Blocks::new(x, tiles.first, tiles.count);
         let d = Blocks::new(d, own, tiles.count);
         let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+        let mut tile = [Block::ZERO; LANES];
         for block in 0..tiles.across {
-            let mut tile = [Block::ZERO; LANES];
             for (i, line) in tile.iter_mut().enumerate() {
                 let at = block + i * tiles.hop;
                 let (x, d) = (x.at(at), d.at(at));
@@ -133,8 +133,9 @@ fn fill_strip(
                     line.0[j] = x.0[j] + d.0[j];
                 }
             }
-            for (j, line) in t.tile(&tile).into_iter().enumerate() {
-                to.set(block * LANES + j, line);
+            let turned = t.tile(&tile);
+            for (j, line) in turned.iter().enumerate() {
+                to.set(block * LANES + j, *line);
             }
         }
     }
@@ -153,13 +154,14 @@ fn fill_normals(t: impl Transpose, tiles: &Tiles, from: &Soa, strip: &mut Soa) {
 fn fill_axis(t: impl Transpose, tiles: &Tiles, from: &[f32], to: &mut [f32]) {
     let from = Blocks::new(from, tiles.first, tiles.count);
     let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+    let mut tile = [Block::ZERO; LANES];
     for block in 0..tiles.across {
-        let mut tile = [Block::ZERO; LANES];
         for (i, line) in tile.iter_mut().enumerate() {
             *line = from.at(block + i * tiles.hop);
         }
-        for (j, line) in t.tile(&tile).into_iter().enumerate() {
-            to.set(block * LANES + j, line);
+        let turned = t.tile(&tile);
+        for (j, line) in turned.iter().enumerate() {
+            to.set(block * LANES + j, *line);
         }
     }
 }
@@ -178,13 +180,14 @@ fn add_strip(t: impl Transpose, layout: Layout, row: usize, strip: &Soa, d: &mut
 #[inline(always)]
 fn add_axis(t: impl Transpose, tiles: &Tiles, strip: &[f32], to: &mut BlocksMut<'_>) {
     let strip = Blocks::new(strip, 0, tiles.across * LANES);
+    let mut tile = [Block::ZERO; LANES];
     for block in 0..tiles.across {
-        let mut tile = [Block::ZERO; LANES];
         for (j, line) in tile.iter_mut().enumerate() {
             *line = strip.at(block * LANES + j);
         }
-        for (i, line) in t.tile(&tile).into_iter().enumerate() {
-            to.add(block + i * tiles.hop, &line);
+        let turned = t.tile(&tile);
+        for (i, line) in turned.iter().enumerate() {
+            to.add(block + i * tiles.hop, line);
         }
     }
 }

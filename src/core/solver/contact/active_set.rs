@@ -24,7 +24,9 @@ use bevy_math::Vec3;
 
 use super::super::bands::CutAt;
 use super::super::isa::Kernel;
-use super::super::lanes::{Array, Block, Block3, LANES, Soa, ValuesMut, larger};
+use super::super::lanes::{
+    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, Soa, ValuesMut, larger,
+};
 use super::collider::Collider;
 use super::edges::EdgeMemory;
 use super::impulses::{Impulses, Share};
@@ -255,50 +257,75 @@ impl Kernel for HoldOnto<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { set, inverse_mass, step, d, carried } = self;
-        for (block, &touches) in set.now.blocks.iter().enumerate() {
+        let measures = set.impulses.are_measured();
+        let ActiveSet { now, before, velocity, unpulled, dropped, lost, load, .. } = set;
+        let count = now.blocks.len();
+        let (normals, slips) =
+            (Blocks3::new(&now.normal, 0, count), Blocks::new(&now.slip, 0, count));
+        let (normals_before, slips_before) =
+            (Blocks3::new(&before.normal, 0, count), Blocks::new(&before.slip, 0, count));
+        let velocities = Blocks3::new(velocity, 0, count);
+        let masses = Blocks::new(inverse_mass, 0, count);
+        let mut ds = Blocks3Mut::new(d, 0, count);
+        let mut unpulleds = Blocks3Mut::new(unpulled, 0, count);
+        let mut losts = BlocksMut::new(lost, 0, count);
+        let mut loads = BlocksMut::new(load, 0, count);
+        #[expect(
+            clippy::manual_map,
+            reason = "a closure that is not inlined keeps the baseline's instructions"
+        )]
+        let carried = match carried {
+            Some(carried) => Some(Blocks3::new(carried, 0, count)),
+            None => None,
+        };
+        for (block, &touches) in now.blocks.iter().enumerate() {
             if !touches {
                 continue;
             }
-            let slot = block * LANES;
-            let (n, before) =
-                (Block3::load(&set.now.normal, slot), Block3::load(&set.before.normal, slot));
-            let (w, velocity) =
-                (Block::load(inverse_mass, slot), Block3::load(&set.velocity, slot));
-            let slips = [Block::load(&set.now.slip, slot), Block::load(&set.before.slip, slot)];
-            let mut moved = Block3::load(d, slot);
-            let carried = match carried {
-                Some(carried) => Block3::load_sum(carried, d, slot),
+            let (n, before) = (normals.at(block), normals_before.at(block));
+            let (w, velocity) = (masses.at(block), velocities.at(block));
+            let (slip, slip_before) = (slips.at(block), slips_before.at(block));
+            let mut moved = ds.at(block);
+            let carried = match &carried {
+                Some(carried) => carried.at(block).plus(&moved),
                 None => Block3::ZERO,
             };
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
-            let (mut dropped, mut unpulled) = (Block3::ZERO, Block3::ZERO);
+            let (mut goes, mut unpulled) = (Block3::ZERO, Block3::ZERO);
             for i in 0..LANES {
-                let (n, before, carried) = (n.at(i), before.at(i), carried.at(i));
-                let (slip, slip_before) = (slips[0].0[i], slips[1].0[i]);
                 // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
                 // a load all the same.
+                let (before, carried) = (before.at(i), carried.at(i));
                 let borne = before.dot(carried);
-                let along = carried - before * borne;
-                let held = if slip_before < slip { slip_before / slip } else { 1.0 };
-                let along = along * held;
-                let own = moved.at(i) - carried;
-                dropped.set(i, carried - along - n * borne);
+                let held = slip_before.0[i] / slip.0[i];
+                let held = if held < 1.0 { held } else { 1.0 };
+                load.0[i] = borne / w.0[i];
+                goes.set(i, (carried - before * borne) * held);
+            }
+            if measures {
+                let mut left_out = Block3::ZERO;
+                for i in 0..LANES {
+                    let borne = before.at(i).dot(carried.at(i));
+                    left_out.set(i, carried.at(i) - goes.at(i) - n.at(i) * borne);
+                }
+                left_out.store(dropped, block * LANES);
+            }
+            for i in 0..LANES {
+                let (n, along) = (n.at(i), goes.at(i));
                 let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
-                let relative = own + along - velocity.at(i) * step;
-                lost.0[i] = if is_free { 0.0 } else { n.dot(relative) };
-                load.0[i] = if is_free { 0.0 } else { borne / w.0[i] };
+                let own = moved.at(i) - carried.at(i);
+                let surface = velocity.at(i) * step;
+                lost.0[i] = if is_free { 0.0 } else { n.dot(own + along - surface) };
+                load.0[i] = if is_free { 0.0 } else { load.0[i] };
                 let along = along - n * n.dot(along);
-                let own = own + n * (n.dot(velocity.at(i)) * step - n.dot(own));
+                let own = own + n * n.dot(surface - own);
                 unpulled.set(i, own);
-                moved.set(i, if is_free { moved.at(i) } else { own + along * slip });
+                moved.set(i, if is_free { moved.at(i) } else { own + along * slip.0[i] });
             }
-            moved.store(d, slot);
-            lost.store(&mut set.lost, slot);
-            load.store(&mut set.load, slot);
-            unpulled.store(&mut set.unpulled, slot);
-            if set.impulses.are_measured() {
-                dropped.store(&mut set.dropped, slot);
-            }
+            ds.set(block, moved);
+            losts.set(block, lost);
+            loads.set(block, load);
+            unpulleds.set(block, unpulled);
         }
     }
 }
@@ -365,13 +392,19 @@ impl Kernel for LetGo<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { set, inverse_mass, d, mut pull } = self;
+        let count = set.now.blocks.len();
+        let (losts, loads) = (Blocks::new(&set.lost, 0, count), Blocks::new(&set.load, 0, count));
         for (block, &touched) in set.now.blocks.iter().enumerate() {
             if !touched {
                 continue;
             }
+            let (lost, load) = (losts.at(block), loads.at(block));
+            // What goes on touching has been let go by what met it.
+            if !lost.is_any() && !load.is_any() {
+                continue;
+            }
             let slot = block * LANES;
-            let (n, lost) = (Block3::load(&set.now.normal, slot), Block::load(&set.lost, slot));
-            let (load, w) = (Block::load(&set.load, slot), Block::load(inverse_mass, slot));
+            let (n, w) = (Block3::load(&set.now.normal, slot), Block::load(inverse_mass, slot));
             let mut moved = Block3::load(d, slot);
             for i in 0..LANES {
                 // What is pulled off does not fall back.

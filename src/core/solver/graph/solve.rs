@@ -88,7 +88,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
             let factor = Block::load(&self.chains.compliance, at);
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
             let next = last.next::<Self>(reach, &between, &rest, &factor, excess);
-            pivots.set(place - 1, &next);
+            pivots.set::<Self>(place - 1, &next);
             w1.store(self.inverse_mass, place * LANES);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
@@ -100,7 +100,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
         let mut tension = Tension::default();
         for place in (1..self.bundle.rows).rev() {
             let w = Block::load(self.inverse_mass, place * LANES);
-            let correction = tension.next(&pivots.at(place - 1), &w, self, place);
+            let correction = tension.next(&pivots.at::<Self>(place - 1), &w, self, place);
             self.correct(place, correction);
         }
         let w = Block::load(self.inverse_mass, 0);

@@ -24,8 +24,8 @@ const HOOKED_DEPTH: f32 = 2.0;
 
 impl HoldEdges<'_> {
     /// Particles that pass through the collider go on doing so until they are out of it. Their edges are looked at, though
-    /// they may be inside.
-    pub(super) fn keep_passing(&mut self) {
+    /// they may be inside. Returns what the collider is given as it slows them down, times the substep \[kg m\].
+    pub(super) fn keep_passing(&mut self) -> Vec3 {
         let longest = 1.0 + (PASSING_LIMITS * self.max_strain).max(PASSING_STRAIN);
         let (collider, epsilon) = (self.collider as u32, self.skin.epsilon);
         let EdgeMemory { freed, next_freed, .. } = &mut self.set.edges;
@@ -54,18 +54,25 @@ impl HoldEdges<'_> {
                 next_freed.push(Freed { slot, collider, left });
             }
         }
+        let mut given = Vec3::ZERO;
         for i in 0..self.set.edges.freed.len() {
             let Freed { slot, collider: of, .. } = self.set.edges.freed[i];
-            if of == collider && self.nearby.gap[slot as usize] < f32::INFINITY {
-                self.nearby.gap[slot as usize] = 0.0;
-                self.slow_down(slot as usize);
+            let slot = slot as usize;
+            if of == collider && self.nearby.gap[slot] < f32::INFINITY {
+                self.nearby.gap[slot] = 0.0;
+                let w = self.inverse_mass[slot];
+                // What is pinned goes where its pin does.
+                if w > 0.0 {
+                    given -= self.slow_down(slot) / w;
+                }
             }
         }
+        given
     }
 
     /// Slows a particle that passes through a collider to the speed of what is pushed out of one: the threads that were
-    /// stretched by that would make it a shot.
-    fn slow_down(&mut self, slot: usize) {
+    /// stretched by that would make it a shot. Returns by how much its displacement changes \[m\].
+    fn slow_down(&mut self, slot: usize) -> Vec3 {
         let motion = self.motion;
         let d = self.d.get(slot);
         let at = self.x.get(slot) + d;
@@ -75,6 +82,7 @@ impl HoldEdges<'_> {
         let way = larger(relative.length(), LEAST_SLIDING);
         let by = -relative * larger(1.0 - self.skin.most_push / way, 0.0);
         self.displace(slot, by);
+        by
     }
 
     /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on.

@@ -132,7 +132,7 @@ pub(super) struct EdgesHeld {
 
 impl HoldEdges<'_> {
     pub fn run(mut self, isa: Isa) -> EdgesHeld {
-        self.keep_passing();
+        let slowed = self.keep_passing();
         isa.run(FindClose {
             edges: self.edges,
             nearby: self.nearby,
@@ -154,8 +154,9 @@ impl HoldEdges<'_> {
         self.nearby.faces = faces;
         let mut system = core::mem::take(&mut self.nearby.system);
         self.find_pressed(&mut system.presses);
-        let held =
+        let mut held =
             if system.presses.is_empty() { EdgesHeld::default() } else { self.solve(&mut system) };
+        held.given += slowed;
         self.nearby.system = system;
         self.nearby.clear();
         held
