@@ -1,12 +1,11 @@
 //! Measurements for Bevy's diagnostics, taken only where [`ClothDiagnosticsPlugin`] is.
 //!
-//! The solver has no clock. Where times are asked for, the stages of a tick are called one by one from
-//! here, in the order in which the solver itself calls them.
+//! The solver has no clock. Where times are asked for, it is observed as it takes its tick.
 
 use crate::{
     cloth::ClothSimulation,
     plugin::{ClothPlugin, ClothSubstepSystems, ClothSystems},
-    solver::{ClothSolver, SolverError, StepInput, TickReport},
+    solver::{ClothSolver, SolverError, Stage, StepInput, TickReport},
     step::in_fixed_step,
 };
 use bevy::{
@@ -219,27 +218,36 @@ impl StageTimes {
         }
     }
 
-    /// What [`ClothSolver::tick`] does, stage by stage.
+    /// Takes a tick, and the times of its stages.
     fn tick(
         &mut self,
         solver: &mut ClothSolver,
         input: &StepInput<'_>,
     ) -> Result<TickReport, SolverError> {
         use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
-        let substeps = solver.begin_tick(input)?;
-        for _ in 0..substeps {
-            self.time(Forces, || solver.accumulate_forces(input));
-            self.time(Integrate, || solver.integrate(input));
-            self.time(Correct, || solver.correct());
-            self.time(Collide, || solver.collide(input));
-        }
-        solver.end_tick()
+        let mut begun = Instant::now();
+        solver.tick_observed(input, |stage| {
+            let now = Instant::now();
+            let spent = now - begun;
+            begun = now;
+            match stage {
+                Stage::Begin => {}
+                Stage::Forces => self.add_to(Forces, spent),
+                Stage::Integrate => self.add_to(Integrate, spent),
+                Stage::Correct => self.add_to(Correct, spent),
+                Stage::Collide => self.add_to(Collide, spent),
+            }
+        })
     }
 
     fn time(&mut self, stage: ClothSubstepSystems, act: impl FnOnce()) {
         let start = Instant::now();
         act();
-        self.0[stage as usize] += start.elapsed();
+        self.add_to(stage, start.elapsed());
+    }
+
+    fn add_to(&mut self, stage: ClothSubstepSystems, time: Duration) {
+        self.0[stage as usize] += time;
     }
 }
 

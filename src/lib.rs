@@ -71,9 +71,10 @@
 //! - **What cannot be fulfilled does not shake.** Pins led further apart than the cloth reaches leave a
 //!   cloth of the default material at rest between them, up to a fifth too far; stiffer ones, and further, stay
 //!   bounded (`h20`). Between colliders that leave no room it stays where it is let (`h23`).
-//! - **At rest it rests**: over nine minutes nothing moves by more than 0.01 mm in a tick, or drifts by more
-//!   than 0.5 mm (`h17`). What hangs from one particle alone turns about it, by a centimetre a second at most
-//!   where drag is 2 /s.
+//! - **At rest it rests**: over nine minutes, hung or on a floor, nothing moves by more than 0.01 mm in a tick, or drifts
+//!   by more than 0.5 mm (`h17`). On the flanks of a ball, where friction is at its limit, a particle may slip once in
+//!   minutes: by 0.3 mm in a tick, and by a centimetre in all. What hangs from one particle alone turns about it, by a
+//!   centimetre a second at most where drag is 2 /s.
 //! - **One cloth's trouble is its own**: others go on in the same bits (`h15`, `tests/ecs/bad_input`).
 //! - **The same input gives the same bits**: in every run, with any number of threads, fused or staged, on
 //!   every instruction set of x86-64 (`tests/ecs/execution`, `h24`, `tests/solver/determinism` and
@@ -100,7 +101,7 @@ mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 pub mod guide;
-#[cfg(feature = "demo")]
+#[cfg(feature = "pbr")]
 mod looks;
 mod mesh;
 #[cfg(any(feature = "gizmos", feature = "panel"))]
@@ -133,7 +134,7 @@ pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{ClothGizmos, ClothGizmosPlugin, SdfSlice};
-#[cfg(feature = "demo")]
+#[cfg(feature = "pbr")]
 pub use looks::two_sided;
 pub use mesh::{ClothIntake, MeshProblem, SkippedTriangles};
 #[cfg(feature = "panel")]

@@ -7,26 +7,16 @@ use std::{hint::black_box, sync::Arc, time::Duration, time::Instant};
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
     ClothSolver, Collider, DampingForm, FormChoice, Isa, Lattice, MassLumping, Material, PinMotion,
-    Pose, Settings, StepInput, Substeps,
+    Pose, Settings, Stage, StepInput, Substeps,
 };
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 const SIDES: [usize; 4] = [32, 64, 128, 256];
 
-/// A stage, or all of them.
-#[derive(Clone, Copy, PartialEq)]
-enum Stage {
-    Forces,
-    Integrate,
-    Correct,
-    Collide,
-    All,
-}
-
-/// What is timed: a stage of a cloth of some material.
+/// What is timed: a stage of a cloth of some material, or all of them.
 struct Case {
     name: &'static str,
-    stage: Stage,
+    stage: Option<Stage>,
     form: FormChoice,
     material: Material,
     /// Distance of a ball's middle below the cloth's \[m\], if there is one; its radius is 0.5 m.
@@ -53,7 +43,7 @@ const STIFF: Material = Material { thread_stiffness: 1000.0, shear_stiffness: 30
 fn cases() -> Vec<Case> {
     let springs = Case {
         name: "explicit springs",
-        stage: Stage::Forces,
+        stage: Some(Stage::Forces),
         form: FormChoice::Springs,
         material: SOFT,
         ball: None,
@@ -65,32 +55,32 @@ fn cases() -> Vec<Case> {
     vec![
         Case {
             name: "explicit substep with bending, all stages but Provot's limit",
-            stage: Stage::All,
+            stage: None,
             material: bend,
             ..springs
         },
         Case { name: "forces: springs and bending", material: bend, ..springs },
         Case { name: "forces: springs and axial damping", material: damped, ..springs },
         Case { name: "forces: springs and relative damping", material: relative, ..springs },
-        Case { name: "integrate", stage: Stage::Integrate, form, material, ..springs },
+        Case { name: "integrate", stage: Some(Stage::Integrate), form, material, ..springs },
         Case {
             name: "correct: threads and shear",
-            stage: Stage::Correct,
+            stage: Some(Stage::Correct),
             form,
             material,
             ..springs
         },
-        Case { name: "collide: nothing", stage: Stage::Collide, form, material, ..springs },
+        Case { name: "collide: nothing", stage: Some(Stage::Collide), form, material, ..springs },
         Case {
             name: "collide: a ball out of reach",
-            stage: Stage::Collide,
+            stage: Some(Stage::Collide),
             form,
             material,
             ball: Some(1.0),
         },
         Case {
             name: "collide: lying on a ball",
-            stage: Stage::Collide,
+            stage: Some(Stage::Collide),
             form,
             material,
             ball: Some(0.505),
@@ -104,7 +94,7 @@ fn cloth(case: &Case, n: usize, isa: Isa) -> ClothSolver {
     let settings = Settings {
         form: case.form,
         substeps: Substeps::Fixed(16),
-        provot_passes: u32::from(case.stage != Stage::All),
+        provot_passes: u32::from(case.stage.is_some()),
         ..Settings::default()
     };
     let start = lattice.rest_positions().to_vec();
@@ -135,32 +125,16 @@ fn time(case: &Case, cloth: &ClothSolver, substeps: u64) -> Duration {
     let mut spent = Duration::ZERO;
     let mut left = substeps;
     while left > 0 {
-        let all = u64::from(cloth.begin_tick(&input).unwrap());
-        for _ in 0..all {
-            let measured = left > 0;
-            let begun = Instant::now();
-            let mut run = |stage: Stage, cloth: &mut ClothSolver| {
-                let before = Instant::now();
-                match stage {
-                    Stage::Forces => cloth.accumulate_forces(&input),
-                    Stage::Integrate => cloth.integrate(&input),
-                    Stage::Correct => cloth.correct(),
-                    Stage::Collide => cloth.collide(&input),
-                    Stage::All => {}
-                }
-                if measured && stage == case.stage {
-                    spent += before.elapsed();
-                }
-            };
-            for stage in [Stage::Forces, Stage::Integrate, Stage::Correct, Stage::Collide] {
-                run(stage, &mut cloth);
+        let mut begun = Instant::now();
+        let ticked = cloth.tick_observed(&input, |stage| {
+            let now = Instant::now();
+            if left > 0 && stage != Stage::Begin && case.stage.is_none_or(|timed| timed == stage) {
+                spent += now - begun;
             }
-            if measured && case.stage == Stage::All {
-                spent += begun.elapsed();
-            }
-            left = left.saturating_sub(1);
-        }
-        black_box(cloth.end_tick().unwrap());
+            left -= u64::from(left > 0 && stage == Stage::Collide);
+            begun = now;
+        });
+        black_box(ticked.unwrap());
     }
     spent
 }

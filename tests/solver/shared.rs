@@ -4,7 +4,7 @@
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
     Bending, ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material,
-    PinMotion, Pose, Settings, StepInput,
+    PinMotion, Pose, Settings, Stage, StepInput,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
@@ -129,4 +129,28 @@ fn any_number_of_threads_gives_the_bits_of_one_piece() {
             }
         }
     }
+}
+
+/// Who measures a tick measures the one that is taken without: its stages in their order, and in the pool where threads
+/// share it.
+#[test]
+fn an_observed_tick_is_the_same_tick() {
+    let Variant { settings, material, even, .. } = variants()[0];
+    let lattice = lattice(even, settings.lumping);
+    let mut plain = at_rest(&lattice, Vec3::ZERO, material, settings);
+    plain.set_shared(true);
+    let mut observed = plain.clone();
+    let input = StepInput { dt: TICK, gravity: GRAVITY, ..StepInput::default() };
+    let (mut stages, mut in_pool) = (Vec::new(), Vec::new());
+    let report = observed.tick_observed(&input, |stage| {
+        stages.push(stage);
+        in_pool.push(rayon::current_thread_index().is_some());
+    });
+    assert_eq!(report, plain.tick(&input));
+    assert_eq!(bits(&observed), bits(&plain));
+    let substep = [Stage::Forces, Stage::Integrate, Stage::Correct, Stage::Collide];
+    let all = [Stage::Begin].into_iter().chain(substep.into_iter().cycle().take(4 * 5));
+    assert!(stages.iter().copied().eq(all), "{stages:?}");
+    let is_shared = rayon::current_num_threads() > 1;
+    assert!(in_pool.iter().all(|&inside| inside == is_shared), "{in_pool:?}");
 }

@@ -109,6 +109,11 @@ impl Layout {
     /// The slot of a particle.
     #[inline(always)]
     pub fn slot(&self, row: usize, column: usize) -> usize {
+        // The row after the last one is where blocks end, and padding.
+        debug_assert!(
+            row <= self.rows && column < self.stride,
+            "row {row}, column {column}: {self:?}"
+        );
         self.first + row * self.stride + column
     }
 

@@ -178,6 +178,21 @@ pub struct ClothSolver {
     mark: stillness::Mark,
 }
 
+/// A stage of a tick: its beginning, and the four stages of each substep, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// [`ClothSolver::begin_tick`].
+    Begin,
+    /// [`ClothSolver::accumulate_forces`].
+    Forces,
+    /// [`ClothSolver::integrate`].
+    Integrate,
+    /// [`ClothSolver::correct`].
+    Correct,
+    /// [`ClothSolver::collide`].
+    Collide,
+}
+
 /// Without gravity, what only touches is pressed by its weight in this \[m/s2\].
 const LEAST_GRAVITY: f32 = 9.81;
 
@@ -188,19 +203,41 @@ impl ClothSolver {
     /// [`SolverError`] for input that cannot be used, and nothing is done; or
     /// [`SolverError::Diverged`].
     pub fn tick(&mut self, input: &StepInput<'_>) -> Result<TickReport, SolverError> {
-        if self.is_to_share() {
-            return bands::inside(|| self.take_tick(input));
-        }
-        self.take_tick(input)
+        self.tick_observed(input, |_| ())
     }
 
-    fn take_tick(&mut self, input: &StepInput<'_>) -> Result<TickReport, SolverError> {
+    /// Takes one tick as [`ClothSolver::tick`] does, and calls `ended` at the end of each stage. The solver has no clock: a
+    /// caller that has one takes the times of the stages so, with the same bits and the same threads as without.
+    ///
+    /// # Errors
+    /// As [`ClothSolver::tick`].
+    pub fn tick_observed(
+        &mut self,
+        input: &StepInput<'_>,
+        ended: impl FnMut(Stage) + Send,
+    ) -> Result<TickReport, SolverError> {
+        if self.is_to_share() {
+            return bands::inside(|| self.take_tick(input, ended));
+        }
+        self.take_tick(input, ended)
+    }
+
+    fn take_tick(
+        &mut self,
+        input: &StepInput<'_>,
+        mut ended: impl FnMut(Stage),
+    ) -> Result<TickReport, SolverError> {
         let substeps = self.begin_tick(input)?;
+        ended(Stage::Begin);
         for _ in 0..substeps {
             self.accumulate_forces(input);
+            ended(Stage::Forces);
             self.integrate(input);
+            ended(Stage::Integrate);
             self.correct();
+            ended(Stage::Correct);
             self.collide(input);
+            ended(Stage::Collide);
         }
         self.end_tick()
     }

@@ -254,8 +254,8 @@ fn substeps_for(rate: f32, tick: f32) -> u32 {
     (steps as u32).max(1)
 }
 
-/// The flexion springs of a chain of cells of side a store `k a^2 phi^4 / 32` in a hinge of angle phi,
-/// a moment `k a^5 kappa^3 / 8` (ACCURACY: quartic elastica). They give the moment `B kappa` of the
+/// The flexion springs of a chain of cells of side a store `k a^2 phi^4 / 32` in a hinge of angle phi, as they are
+/// shorter than two cells by `a phi^2 / 4`: for a curvature kappa a moment `k a^5 kappa^3 / 8`. They give the moment `B kappa` of the
 /// rigidity at one curvature: `k a^5 = 8 B / kappa^2` for each unit of width.
 fn flexion_constant(rigidity: f32) -> f32 {
     8.0 * rigidity / (FLEXION_CURVATURE * FLEXION_CURVATURE)
