@@ -131,8 +131,8 @@ fn any_number_of_threads_gives_the_bits_of_one_piece() {
     }
 }
 
-/// Who measures a tick measures the one that is taken without: its stages in their order, and in the pool where threads
-/// share it.
+/// An observed tick has the bits of a plain one, its stages in their order, and is taken in the pool where threads share
+/// it.
 #[test]
 fn an_observed_tick_is_the_same_tick() {
     let Variant { settings, material, even, .. } = variants()[0];

@@ -176,12 +176,13 @@ impl Spring {
 #[inline(always)]
 pub(super) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
     let taken = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
-    moving(all, taken, length)
+    mobility_without(all, taken, length)
 }
 
-/// The same, for what is `taken` of it times the square of the spring's length.
+/// Sum of the inverse masses of a spring's ends as far as they move along it, from the sum `all` without contact: colliders
+/// take `taken`, over the square of the spring's length \[1/kg\].
 #[inline(always)]
-pub(super) fn moving(all: f32, taken: f32, length: f32) -> f32 {
+pub(super) fn mobility_without(all: f32, taken: f32, length: f32) -> f32 {
     larger(all - taken / (length * length), all * LEAST_MOBILITY)
 }
 

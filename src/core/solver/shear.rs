@@ -8,7 +8,7 @@
 use core::mem;
 
 use super::bands::{Band, CutAt, Rooms, Seams, cut_between_rows};
-use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, moving};
+use super::constraint::{LEAST_DIVISOR, LEAST_LENGTH, mobility_without};
 use super::contact::{Contacts, Normals, divide};
 use super::isa::Kernel;
 use super::lanes::{
@@ -314,7 +314,7 @@ impl<'a> RowSprings<'a> {
         ]
     }
 
-    /// What colliders take of the mobility of the springs to the ends on one side, times the square of their lengths.
+    /// Mobility that colliders take from the springs to the ends on one side, times the square of their lengths.
     #[inline(always)]
     fn taken(&self, block: usize, side: usize, ends: [&Block3; 2], w: [&Block; 2]) -> Block {
         let (n, n_side) = (self.normal(0, block), self.normal(side, block));
@@ -351,8 +351,8 @@ impl<'a> RowSprings<'a> {
             let length_left = larger(to_left.dot(to_left).sqrt(), LEAST_LENGTH);
             let (mut both_right, mut both_left) = (w.0[i] + w_right.0[i], w.0[i] + w_left.0[i]);
             if TOUCH {
-                both_right = moving(both_right, taken_right.0[i], length_right);
-                both_left = moving(both_left, taken_left.0[i], length_left);
+                both_right = mobility_without(both_right, taken_right.0[i], length_right);
+                both_left = mobility_without(both_left, taken_left.0[i], length_left);
             }
             let rule = &self.rule;
             let by_right = rule.pull(length_right, rest_right.0[i], factor_right.0[i], both_right);

@@ -48,7 +48,7 @@ const HELD: f32 = 0.5;
 const SAGITTA: f32 = 0.0256;
 /// Multiple of epsilon by which an end is nearer than that where it is inside, and did not only begin to touch.
 const INSIDE: f32 = 2.0;
-/// What stands for epsilon there where that is less, as a part of an edge. Of a cloth without thickness, rounding would put every
+/// Least distance, as a part of an edge, that stands for epsilon there. Of a cloth without thickness, rounding would put every
 /// end inside that lies on a surface: its edges would be held in one substep and not in the next, which throws the cloth.
 const LEAST_INSIDE: f32 = 0.01;
 /// Part of an edge by which a collider may go in a substep and count as slow.
