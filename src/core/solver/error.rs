@@ -1,8 +1,8 @@
 //! What a solver refuses.
 
-use super::graph::GraphError;
-use super::lattice::{LatticeError, MassLumping};
-use super::parameters::ParameterError;
+use crate::solver::settings::ParameterError;
+use crate::solver::topology::graph::GraphError;
+use crate::solver::topology::lattice::{LatticeError, MassLumping};
 
 /// Why a solver cannot be made, changed or stepped. Nothing has changed when one is returned, but for
 /// [`SolverError::Diverged`].

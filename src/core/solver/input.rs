@@ -2,9 +2,9 @@
 
 use bevy_math::Vec3;
 
-use super::contact::Collider;
-use super::error::SolverError;
-use super::wind::Wind;
+use crate::solver::contact::Collider;
+use crate::solver::error::SolverError;
+use crate::solver::forces::wind::Wind;
 
 /// Coordinates and speeds beyond this are refused.
 pub(super) const FARTHEST: f32 = 1e7;
@@ -17,12 +17,12 @@ pub struct StepInput<'a> {
     pub dt: f32,
     /// Gravity \[m/s2\].
     pub gravity: Vec3,
-    /// Motions of the pins, in the order of [`ClothSolver::pins`](super::ClothSolver::pins), then those
-    /// of the targets of [`ClothSolver::soft_pins`](super::ClothSolver::soft_pins).
+    /// Motions of the pins, in the order of [`ClothSolver::pins`](crate::solver::ClothSolver::pins), then those
+    /// of the targets of [`ClothSolver::soft_pins`](crate::solver::ClothSolver::soft_pins).
     pub pins: &'a [PinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],
-    /// The wind. A cloth that has no [`Air`](super::Air) does not feel it.
+    /// The wind. A cloth that has no [`Air`](crate::solver::Air) does not feel it.
     pub wind: Wind<'a>,
 }
 

@@ -53,93 +53,55 @@
 //! - what is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
 //! - what it remembers between ticks is in `save`.
 
-mod access;
-mod air;
-mod bands;
-mod bending;
-mod bending_friction;
-mod beyond;
-mod carry;
-mod constraint;
+mod constraints;
 mod contact;
-mod damping;
 mod error;
 mod forces;
-mod graph;
-mod held;
 mod input;
 mod integrate;
-mod isa;
-mod lanes;
-mod lattice;
-mod measure;
-mod motion;
-mod parameters;
+mod particles;
 mod plan;
-mod push;
-mod rows;
-mod save;
+mod rest_detection;
+mod rigid_motion;
+mod settings;
 mod setup;
-mod shear;
-mod soft;
+mod simd;
+mod snapshot;
+mod stages;
 mod state;
-mod stillness;
-mod study;
-mod taut;
-mod tethers;
-mod threads;
 mod topology;
-mod transpose;
-mod warp;
-mod ways;
-mod weft;
-mod weights;
-mod wind;
 
 use bevy_math::Vec3;
 
-pub use air::Air;
-pub use contact::{Collider, ColliderMotion, Pose};
-pub use error::SolverError;
-pub use graph::{Graph, GraphError, Weights};
-pub use input::{PinMotion, StepInput, TickReport};
-pub use isa::Isa;
-pub use lanes::LANES;
-pub use lattice::{Lattice, LatticeError, MassLumping};
-pub use measure::StrainReport;
-pub use motion::RigidMotion;
-pub use parameters::{
+pub use crate::solver::constraints::soft_pins::SoftPin;
+pub use crate::solver::contact::{Collider, ColliderMotion, Pose};
+pub use crate::solver::error::SolverError;
+pub use crate::solver::forces::aerodynamics::Air;
+pub use crate::solver::forces::external::{PushOn, PushWith};
+pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
+pub use crate::solver::input::{PinMotion, StepInput, TickReport};
+pub use crate::solver::plan::{Clamped, Form, Plan, PlanReason};
+pub use crate::solver::rigid_motion::RigidMotion;
+pub use crate::solver::settings::{
     Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
-pub use plan::{Clamped, Form, Plan, PlanReason};
-pub use push::{PushOn, PushWith};
-pub use save::{SolverState, StateError};
-pub use soft::SoftPin;
-pub use topology::Topology;
-pub use wind::{Gusts, Wind, WindFlow, WindShape, Zone};
+pub use crate::solver::simd::isa::Isa;
+pub use crate::solver::simd::lanes::LANES;
+pub use crate::solver::snapshot::{SolverState, StateError};
+pub use crate::solver::state::measure::StrainReport;
+pub use crate::solver::topology::Topology;
+pub use crate::solver::topology::graph::{Graph, GraphError, Weights};
+pub use crate::solver::topology::lattice::{Lattice, LatticeError, MassLumping};
 
-use air::{Push, Surface};
-use bands::Bands;
-use bending::Bend;
-use beyond::IsAnyBeyond;
-use carry::Carry;
-use constraint::{CorrectSprings, Rule};
-use contact::{ActiveSet, HoldOnto, ResolveContacts, Skin, Span};
-use damping::{AddDamping, DampedSprings, DampingTarget};
-use forces::AccumulateForces;
-use held::Held;
-use input::is_near;
-use integrate::{Acceleration, Advance, Displace, Integrate, Kick};
-use lanes::ValuesMut;
-use measure::{Survey, TakeSurvey};
-use plan::Bound;
-use shear::{Cells, CorrectShear, ShearRule};
-use state::{Scratch, State};
-use tethers::PullTethers;
-use threads::{Lines, Reach};
-use warp::{PutBack, SolveWarp, SolveWarpApart};
-use weft::SolveWeft;
-use wind::Place;
+use crate::solver::constraints::pins::Held;
+use crate::solver::contact::Span;
+use crate::solver::forces::aerodynamics::Surface;
+use crate::solver::input::is_near;
+use crate::solver::plan::Bound;
+use crate::solver::simd::parallel;
+use crate::solver::simd::parallel::Bands;
+use crate::solver::state::measure::{Survey, TakeSurvey};
+use crate::solver::state::{Scratch, State};
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
@@ -152,9 +114,9 @@ pub struct ClothSolver {
     /// Whether threads share a large sheet.
     shares: bool,
     held: Held,
-    soft: Vec<soft::Spring>,
+    soft: Vec<constraints::soft_pins::Spring>,
     /// Forces from outside, once there were any.
-    pushes: Option<Box<push::Pushes>>,
+    pushes: Option<Box<forces::external::Pushes>>,
     bound: Bound,
     plan: Plan,
     /// The air around it, where it feels any.
@@ -175,7 +137,7 @@ pub struct ClothSolver {
     survey: Survey,
     /// Particles were put elsewhere since the survey was taken.
     surveyed_before: bool,
-    mark: stillness::Mark,
+    mark: rest_detection::Mark,
 }
 
 /// A stage of a tick: its beginning, and the four stages of each substep, in their order.
@@ -192,9 +154,6 @@ pub enum Stage {
     /// [`ClothSolver::collide`].
     Collide,
 }
-
-/// Without gravity, what only touches is pressed by its weight in this \[m/s2\].
-const LEAST_GRAVITY: f32 = 9.81;
 
 impl ClothSolver {
     /// Takes one tick, all substeps.
@@ -217,7 +176,7 @@ impl ClothSolver {
         ended: impl FnMut(Stage) + Send,
     ) -> Result<TickReport, SolverError> {
         if self.is_to_share() {
-            return bands::inside(|| self.take_tick(input, ended));
+            return parallel::inside(|| self.take_tick(input, ended));
         }
         self.take_tick(input, ended)
     }
@@ -279,427 +238,6 @@ impl ClothSolver {
         Ok(self.plan.substeps)
     }
 
-    /// First stage: accelerations from springs, bending, damping, gravity and air. Nothing to do where
-    /// gravity acts alone.
-    pub fn accumulate_forces(&mut self, input: &StepInput<'_>) {
-        self.brake_bending();
-        if !self.has_forces() {
-            return;
-        }
-        self.accelerate(input);
-        if self.settings.integrator != Integrator::Verlet {
-            self.study_forces(input);
-        }
-    }
-
-    /// Accelerations where the particles are.
-    fn accelerate(&mut self, input: &StepInput<'_>) {
-        let Topology::Lattice(lattice) = &self.topology else {
-            self.accumulate_graph_forces(input);
-            self.add_air();
-            return;
-        };
-        let plan = self.plan;
-        let x = &self.state.x;
-        let layout = lattice.layout;
-        let Scratch { a, moments, rows, .. } = &mut self.scratch;
-        let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
-        let forces = AccumulateForces {
-            band: self.bands.rows.clone(),
-            lattice,
-            constants: plan.explicit,
-            bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x }),
-            gravity: input.gravity,
-            inverse_mass: &self.held.inverse_mass,
-            x,
-            a: a.part_mut(),
-            rows,
-            moments,
-        };
-        bands::run(self.isa, forces);
-        if let Some(pushes) = &self.pushes {
-            pushes.add(self.isa, layout, &self.held.inverse_mass, &mut self.scratch.a);
-        }
-        if plan.damping > 0.0 {
-            self.add_damping();
-        }
-        self.add_air();
-    }
-
-    /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
-    /// without which the whole scheme would be of first order; and so it would, were drag left out of it.
-    fn add_damping(&mut self) {
-        let half = self.half_kick();
-        let Topology::Lattice(lattice) = &self.topology else { return };
-        let Scratch { a, b, rows, .. } = &mut self.scratch;
-        let rows = &*rows;
-        let state = &self.state;
-        let springs = DampedSprings {
-            lattice,
-            damping: self.plan.damping / state.unit,
-            form: self.material.damping_form,
-            shear: self.plan.shear_stiffness > 0.0,
-            inverse_mass: &self.held.inverse_mass,
-            x: &state.x,
-        };
-        let gain = half.gain * state.unit;
-        let band = &self.bands.rows;
-        let predicted = b.part_mut();
-        let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted };
-        let damping = AddDamping { band: band.clone(), springs, d: &state.d, rows, target };
-        bands::run(self.isa, damping);
-        let target = DampingTarget::Accelerations(a.part_mut());
-        bands::run(self.isa, AddDamping { band: band.clone(), springs, d: b, rows, target });
-    }
-
-    /// From the middle of the last substep to its end.
-    fn half_kick(&self) -> Kick {
-        Kick::new(self.drag(), 0.5 * self.state.last_step)
-    }
-
-    /// Rate at which still air stops the cloth \[1/s\].
-    fn drag(&self) -> f32 {
-        if self.air.is_some() { 0.0 } else { self.material.drag }
-    }
-
-    /// Takes the wind of a tick, if the cloth feels any. Gives what it adds to the load on the tethers,
-    /// in the direction of gravity \[m/s2\].
-    fn take_wind(&mut self, input: &StepInput<'_>, (min, max): (Vec3, Vec3)) -> Vec3 {
-        let Some(surface) = &mut self.air else {
-            return Vec3::ZERO;
-        };
-        let origin = self.state.origin;
-        let place = Place { origin, min: min - origin, max: max - origin };
-        surface.begin_tick(self.isa, &input.wind, place, &self.state.x);
-        let load = surface.load(&input.wind, &place, self.material.area_density);
-        input.gravity.normalize_or(Vec3::NEG_Y) * load
-    }
-
-    /// Drag and lift, on top of all other accelerations.
-    fn add_air(&mut self) {
-        let Some(surface) = &mut self.air else { return };
-        let state = &self.state;
-        let push = Push {
-            kick: 0.5 * (state.last_step + self.plan.step),
-            unit: state.unit,
-            area_density: self.material.area_density,
-            inverse_mass: &self.held.inverse_mass,
-            x: &state.x,
-            d: &state.d,
-            a: &mut self.scratch.a,
-        };
-        surface.push(self.isa, push);
-    }
-
-    /// Second stage: velocities and positions of the free particles; pins go their way.
-    pub fn integrate(&mut self, input: &StepInput<'_>) {
-        match self.settings.integrator {
-            Integrator::Verlet => self.integrate_verlet(input),
-            Integrator::Euler | Integrator::Midpoint => {
-                self.state.contacts.edges.warm.clear();
-                self.integrate_study();
-            }
-        }
-        self.state.unit = self.plan.step;
-        self.move_pins(input);
-        self.pull_soft_pins(input);
-    }
-
-    fn integrate_verlet(&mut self, input: &StepInput<'_>) {
-        let plan = self.plan;
-        let acceleration = if self.has_forces() {
-            Acceleration::Each(&self.scratch.a)
-        } else {
-            Acceleration::Uniform(input.gravity)
-        };
-        // From the middle of the last substep to the middle of this one.
-        let kick = Kick::new(self.drag(), 0.5 * (self.state.last_step + plan.step));
-        self.state.response = kick.gain * plan.step;
-        let part = self.carried();
-        let State { d, pull, unit, response, .. } = &mut self.state;
-        let integrate = Integrate {
-            band: self.bands.rows.clone(),
-            acceleration,
-            advance: Advance {
-                keep: kick.decay * (plan.step / *unit),
-                gain: *response,
-                longest: self.settings.max_speed * plan.step,
-            },
-            inverse_mass: &self.held.inverse_mass,
-            d: d.part_mut(),
-            carry: Carry::new(self.scratch.carries, part, pull),
-        };
-        bands::run(self.isa, integrate);
-        let ratio = plan.step / self.state.last_step;
-        let State { d, pull, contacts, .. } = &mut self.state;
-        let ActiveSet { edges, impulses, .. } = contacts;
-        let pull = self.scratch.carries.then_some(pull);
-        let inverse_mass = &self.held.inverse_mass;
-        edges.start_warm(ratio * ratio, plan.step, inverse_mass, d, pull, impulses);
-        self.state.last_step = plan.step;
-    }
-
-    fn move_pins(&mut self, input: &StepInput<'_>) {
-        let to = self.span().to;
-        let state = &mut self.state;
-        for (&slot, pin) in self.held.slots.iter().zip(input.pins) {
-            let (start, end) = (pin.start - state.origin, pin.end - state.origin);
-            let target = if to < 1.0 { start + (end - start) * to } else { end };
-            state.d.set(slot, target - state.x.get(slot));
-        }
-    }
-
-    /// Third stage: threads or Provot's limit, then tethers.
-    pub fn correct(&mut self) {
-        self.weigh_soft_pins();
-        self.hold_onto_colliders();
-        self.fill_places(true);
-        // Springs that carry the cloth, and what was asked of them, need no tethers.
-        let mut tethered = self.plan.clamped.thread || self.plan.gives;
-        match self.plan.form {
-            Form::Threads => {
-                self.correct_shear();
-                if self.solve_threads() {
-                    self.limit_strain();
-                }
-                tethered = true;
-            }
-            Form::Springs => self.limit_strain(),
-        }
-        self.empty_places();
-        if tethered {
-            self.pull_tethers();
-        }
-        self.note_unfollowed(true);
-        self.unweigh_soft_pins();
-    }
-
-    /// Lets what lay on a collider go only where it can.
-    fn hold_onto_colliders(&mut self) {
-        let part = self.carried();
-        self.state.contacts.impulses.carry_on(part);
-        let State { d, pull, contacts, .. } = &mut self.state;
-        if contacts.now.any {
-            let carried = self.scratch.carries.then_some(&*pull);
-            let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
-            self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            contacts.give_left_out(inverse_mass, step);
-        }
-    }
-
-    fn correct_shear(&mut self) {
-        let stiffness = self.plan.shear_stiffness;
-        if stiffness > 0.0 {
-            let compliance = 1.0 / (stiffness * self.correction_response());
-            let limit = self.limit();
-            match &self.topology {
-                Topology::Lattice(lattice) if self.state.carries => {
-                    let Scratch { seams, row_pulls, .. } = &mut self.scratch;
-                    if self.bands.rows.count() > 1 {
-                        seams.copy(&self.state.d);
-                    }
-                    let State { x, d, contacts, .. } = &mut self.state;
-                    let contacts = contacts.contacts();
-                    let cells = Cells {
-                        normals: contacts.as_ref().map(|contacts| contacts.normals),
-                        lattice,
-                        inverse_mass: &self.held.inverse_mass,
-                        rule: ShearRule { compliance, limit, crowd: lattice.crowd },
-                        x,
-                    };
-                    let shear = CorrectShear {
-                        band: self.bands.rows.clone(),
-                        cells,
-                        d: d.part_mut(),
-                        contacts,
-                        seams,
-                        rooms: row_pulls,
-                    };
-                    bands::run(self.isa, shear);
-                }
-                _ => self.correct_springs(Rule::Shear { compliance, limit }),
-            }
-        }
-    }
-
-    fn limit_strain(&mut self) {
-        // The thread form holds shear springs to the limit where it corrects them.
-        let shear = self.plan.form == Form::Springs && self.material.shear_stiffness > 0.0;
-        let limit = self.limit();
-        for _ in 0..self.settings.provot_passes {
-            if !self.is_any_beyond(limit, shear) {
-                return;
-            }
-            self.pause_pulls();
-            self.correct_springs(Rule::Limit { limit, shear });
-            self.go_on_pulling();
-        }
-    }
-
-    /// Whether there is anything to hold to the limit. A mesh's pass looks for itself, as it goes.
-    fn is_any_beyond(&self, limit: f32, shear: bool) -> bool {
-        let Topology::Lattice(lattice) = &self.topology else { return true };
-        let State { x, d, .. } = &self.state;
-        let band = self.bands.rows.clone();
-        bands::run(self.isa, IsAnyBeyond { band, lattice, limit, shear, x, d })
-    }
-
-    /// Longest that a spring may be, in rest lengths.
-    fn limit(&self) -> f32 {
-        1.0 + self.material.max_strain
-    }
-
-    fn correct_springs(&mut self, rule: Rule) {
-        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
-            room.correct_springs(self.isa, graph, rule, self.state.contacts.now.any);
-        }
-        let Topology::Lattice(lattice) = &self.topology else { return };
-        let State { x, d, contacts, .. } = &mut self.state;
-        let springs = CorrectSprings {
-            band: self.bands.rows.clone(),
-            lattice,
-            inverse_mass: &self.held.inverse_mass,
-            x,
-            d,
-            rule,
-            contacts: contacts.contacts(),
-        };
-        springs.run(self.isa);
-    }
-
-    /// Weft threads, then warp threads. Tells whether any spring came to them beyond its limit: where
-    /// none did, none has to be held to it.
-    fn solve_threads(&mut self) -> bool {
-        let stiffness = self.plan.thread_stiffness;
-        if stiffness <= 0.0 {
-            return true;
-        }
-        let isa = self.isa;
-        let compliance = 1.0 / (stiffness * self.correction_response());
-        let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
-            return room.solve_chains(isa, graph, reach, self.state.contacts.now.any);
-        }
-        let weft_beyond = self.solve_weft(reach);
-        let warp_beyond = self.solve_warp(reach);
-        weft_beyond || warp_beyond
-    }
-
-    fn solve_weft(&mut self, reach: Reach) -> bool {
-        let Topology::Lattice(lattice) = &self.topology else { return false };
-        let State { x, d, contacts, .. } = &mut self.state;
-        let weft = SolveWeft {
-            band: self.bands.rows.clone(),
-            lines: lattice.layout.transposed(),
-            springs: &lattice.weft_transposed,
-            inverse_mass: &self.held.inverse_mass_transposed,
-            reach,
-            x,
-            d: d.part_mut(),
-            contacts: contacts.contacts(),
-            rooms: &self.scratch.threads,
-        };
-        bands::run(self.isa, weft)
-    }
-
-    fn solve_warp(&mut self, reach: Reach) -> bool {
-        let Topology::Lattice(lattice) = &self.topology else { return false };
-        let Bands { rows, columns, .. } = &self.bands;
-        let State { x, d, contacts, .. } = &mut self.state;
-        let Scratch { threads: rooms, apart, load_apart, .. } = &mut self.scratch;
-        let (layout, springs) = (lattice.layout, &lattice.warp);
-        let inverse_mass = &self.held.inverse_mass;
-        if columns.count() == 1 {
-            let line = &mut rooms.take().line;
-            let lines = Lines { layout, springs, reach, inverse_mass, line };
-            let contacts = contacts.contacts();
-            return self.isa.run(SolveWarp { layout, lines, x, d, contacts });
-        }
-        let touches = contacts.now.any;
-        let warp = SolveWarpApart {
-            band: columns.clone(),
-            layout,
-            springs,
-            inverse_mass,
-            reach,
-            x,
-            d,
-            apart: apart.part_mut(),
-            contacts: touches.then(|| (&contacts.now, &contacts.load, ValuesMut::all(load_apart))),
-            rooms,
-        };
-        let beyond = bands::run(self.isa, warp);
-        let loads = contacts.contacts().map(|contacts| (&*load_apart, contacts.load));
-        bands::run(self.isa, PutBack { band: rows.clone(), apart, d: d.part_mut(), loads });
-        beyond
-    }
-
-    fn pull_tethers(&mut self) {
-        if !self.settings.tethers || self.held.tethers.is_empty() {
-            return;
-        }
-        let State { x, d, .. } = &mut self.state;
-        for (place, &slot) in self.held.places.iter_mut().zip(&self.held.slots) {
-            *place = x.get(slot) + d.get(slot);
-        }
-        let pull = PullTethers {
-            band: self.bands.rows.clone(),
-            sets: &self.held.tethers,
-            pins: &self.held.places,
-            ease: self.tether_ease,
-            inverse_mass: &self.held.inverse_mass,
-            x,
-            d: d.part_mut(),
-        };
-        bands::run(self.isa, pull);
-    }
-
-    /// Fourth stage: contact and friction. Ends the substep.
-    pub fn collide(&mut self, input: &StepInput<'_>) {
-        if input.colliders.is_empty() && !self.state.contacts.now.any {
-            self.contact_count = 0;
-            self.state.contacts.edges.clear();
-        } else {
-            let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
-            let contacts = ResolveContacts {
-                bands: &self.bands,
-                colliders: input.colliders,
-                origin: self.state.origin,
-                span: self.span(),
-                skin: Skin {
-                    epsilon: self.material.thickness,
-                    friction: self.material.friction,
-                    layers: self.settings.layers,
-                    most_push: self.settings.max_push_speed * self.plan.step,
-                    per_weight: 1.0 / weight,
-                    following: (self.plan.step / contact::FOLLOWING).min(1.0),
-                    step: self.plan.step,
-                    notes: self.scratch.carries,
-                },
-                inverse_mass: &mut self.held.inverse_mass,
-                x: &mut self.state.x,
-                d: &mut self.state.d,
-                pull: self.scratch.carries.then_some(&mut self.state.pull),
-                room: &mut self.scratch.contact,
-                edges: self.settings.edges.then_some(&self.edges),
-                max_strain: self.material.max_strain,
-                strain: self.survey.max_strain,
-                limits: self.settings.provot_passes > 0,
-                set: &mut self.state.contacts,
-            };
-            self.contact_count = contacts.run(self.isa);
-        }
-        self.end_carrying();
-        let State { x, d, pull, carries, .. } = &mut self.state;
-        let pull = carries.then(|| pull.part_mut());
-        let band = self.bands.rows.clone();
-        bands::run(self.isa, Displace { band, x: x.part_mut(), d, pull });
-        if self.settings.integrator != Integrator::Verlet {
-            self.end_study();
-        }
-        self.done += 1;
-    }
-
     /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
     /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
     /// that was undone.
@@ -738,9 +276,9 @@ impl ClothSolver {
             d: &self.state.d,
             start: &self.state.start,
         };
-        let mut survey = bands::run(self.isa, survey);
+        let mut survey = parallel::run(self.isa, survey);
         if let Topology::Graph(graph) = &self.topology {
-            survey.max_strain = graph::largest_strain(self.isa, graph, &self.state.x);
+            survey.max_strain = stages::mesh::largest_strain(self.isa, graph, &self.state.x);
         }
         survey
     }
@@ -755,52 +293,10 @@ impl ClothSolver {
         if self.surveyed_before { self.take_survey() } else { self.survey }
     }
 
-    fn has_forces(&self) -> bool {
-        let plan = &self.plan;
-        !plan.explicit.is_zero()
-            || plan.hinge_rigidity > 0.0
-            || plan.damping > 0.0
-            || self.air.is_some()
-            || self.is_pushed()
-            || self.settings.integrator != Integrator::Verlet
-    }
-
     /// The part of the tick that the present substep covers.
     fn span(&self) -> Span {
         let n = self.plan.substeps as f32;
         Span { from: self.done as f32 / n, to: (self.done + 1) as f32 / n }
-    }
-
-    fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
-        self.fill_places(false);
-        let half = self.half_kick();
-        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
-        else {
-            return;
-        };
-        let Scratch { a, graph: Some(room), .. } = &mut self.scratch else { return };
-        let (isa, plan) = (self.isa, &self.plan);
-        room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
-        if let Some(pushes) = &self.pushes {
-            pushes.add(isa, graph.layout, &self.held.inverse_mass, a);
-        }
-        if plan.damping > 0.0 {
-            let form = self.material.damping_form;
-            room.add_damping(isa, graph, strengths, form, half, &self.state, a);
-        }
-    }
-
-    /// A graph's particles are gathered from places; on a lattice there is nothing to do.
-    fn fill_places(&mut self, corrects: bool) {
-        if let Some(room) = &mut self.scratch.graph {
-            room.fill(self.isa, &self.held.inverse_mass, &self.state, corrects);
-        }
-    }
-
-    fn empty_places(&mut self) {
-        if let Some(room) = &self.scratch.graph {
-            room.empty(self.isa, &mut self.state);
-        }
     }
 }
 

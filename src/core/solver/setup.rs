@@ -2,25 +2,25 @@
 
 use bevy_math::Vec3;
 
-use super::ClothSolver;
-use super::air::{Air, Surface};
-use super::bands::Bands;
-use super::error::SolverError;
-use super::held::Held;
-use super::input::is_near;
-use super::isa::Isa;
-use super::measure::Survey;
-use super::parameters::{Material, ParameterError, Settings};
-use super::plan::{Bound, Plan};
-use super::state::{Scratch, State};
-use super::stillness::Mark;
-use super::taut::steady;
-use super::topology::Topology;
+use crate::solver::ClothSolver;
+use crate::solver::constraints::pins::Held;
+use crate::solver::constraints::threads::geometric_stiffness::steady;
+use crate::solver::error::SolverError;
+use crate::solver::forces::aerodynamics::{Air, Surface};
+use crate::solver::input::is_near;
+use crate::solver::plan::{Bound, Plan};
+use crate::solver::rest_detection::Mark;
+use crate::solver::settings::{Material, ParameterError, Settings};
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::parallel::Bands;
+use crate::solver::state::measure::Survey;
+use crate::solver::state::{Scratch, State};
+use crate::solver::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
 const USUAL_TICK: f32 = 1.0 / 64.0;
 
-use super::contact::Edges;
+use crate::solver::contact::Edges;
 
 impl ClothSolver {
     /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing held.

@@ -22,15 +22,15 @@
 
 use bevy_math::Vec3;
 
-use super::super::bands::CutAt;
-use super::super::isa::Kernel;
-use super::super::lanes::{
+use crate::solver::contact::collider::Collider;
+use crate::solver::contact::edges::EdgeMemory;
+use crate::solver::contact::impulses::{Impulses, Share};
+use crate::solver::contact::keys::Keys;
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::{
     Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, Soa, ValuesMut, larger,
 };
-use super::collider::Collider;
-use super::edges::EdgeMemory;
-use super::impulses::{Impulses, Share};
-use super::keys::Keys;
+use crate::solver::simd::parallel::CutAt;
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.

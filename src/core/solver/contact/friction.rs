@@ -11,8 +11,8 @@
 
 use bevy_math::Vec3;
 
-use super::super::lanes::larger;
-use super::LEAST_SLIDING;
+use crate::solver::contact::LEAST_SLIDING;
+use crate::solver::simd::lanes::larger;
 
 /// Pulls, in limits of friction, from which on what holds a particle has none left for its way.
 const SPENT: f32 = 3.0;

@@ -7,7 +7,7 @@
 
 use bevy_math::{Mat3, Vec3};
 
-use super::collider::Collider;
+use crate::solver::contact::collider::Collider;
 
 /// The impulses of a tick.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,6 @@
 //! Colliders are known from tick to tick by their keys.
 
-use super::collider::Collider;
+use crate::solver::contact::collider::Collider;
 
 /// The keys of a tick's colliders, and of those of the tick before.
 #[derive(Clone, Debug, Default)]

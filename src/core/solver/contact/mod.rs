@@ -10,34 +10,34 @@
 //! lies on a collider (`active_set`). After the particles come the edges between them (`edges`).
 
 mod active_set;
+mod broad_phase;
 mod collider;
 mod edges;
 mod friction;
 mod impulses;
 mod keys;
-mod meet;
-mod room;
-mod sweep;
+mod response;
+mod swept;
 
 use bevy_math::Vec3;
 
-use super::bands::{self, Bands};
-use super::isa::Isa;
-use super::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
+use crate::solver::simd::parallel::{self, Bands};
 
-pub(super) use active_set::{
+pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
 };
-pub use collider::{Collider, ColliderMotion, Pose};
-pub(super) use edges::{EdgeMemory, Edges, Freed, WarmStart};
-pub(super) use room::ContactRoom;
+pub(super) use crate::solver::contact::broad_phase::ContactRoom;
+pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
+pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
 
-use active_set::LetGo;
-use collider::Motion;
-use edges::{HoldEdges, Nearby, Rule};
-use impulses::Share;
-use meet::{Found, FurthestWay, Held, MeetCollider, Tally};
-use room::{Awake, ByBlock};
+use crate::solver::contact::active_set::LetGo;
+use crate::solver::contact::broad_phase::{Awake, ByBlock};
+use crate::solver::contact::collider::Motion;
+use crate::solver::contact::edges::{HoldEdges, Nearby, Rule};
+use crate::solver::contact::impulses::Share;
+use crate::solver::contact::response::{Found, FurthestWay, Held, MeetCollider, Tally};
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;
@@ -112,7 +112,7 @@ impl ResolveContacts<'_> {
     /// Meets one collider after the other.
     pub fn run(mut self, isa: Isa) -> u32 {
         let way =
-            bands::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
+            parallel::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
         let Skin { epsilon, layers, .. } = self.skin;
         let layout = self.bands.rows.layout;
         self.room.begin_substep();
@@ -157,7 +157,7 @@ impl ResolveContacts<'_> {
         for &(slot, _) in &freed {
             self.inverse_mass[slot] = 0.0;
         }
-        let met = bands::run(
+        let met = parallel::run(
             isa,
             MeetCollider {
                 band: self.bands.sums.clone(),

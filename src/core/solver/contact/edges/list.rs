@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::super::super::lanes::LANES;
-use super::super::super::lattice::Lattice;
-use super::super::super::topology::Topology;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::topology::Topology;
+use crate::solver::topology::lattice::Lattice;
 
 /// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
 pub(super) const FAN: usize = 4;

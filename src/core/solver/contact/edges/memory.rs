@@ -2,8 +2,8 @@
 
 use bevy_math::{Mat3, Vec3};
 
-use super::super::super::lanes::Soa;
-use super::super::impulses::{Impulses, Share};
+use crate::solver::contact::impulses::{Impulses, Share};
+use crate::solver::simd::lanes::Soa;
 
 /// Pressed edges that there is room for from the start.
 const FEW: usize = 512;

@@ -25,21 +25,21 @@ mod solve;
 
 use bevy_math::Vec3;
 
-use super::super::isa::Isa;
-use super::super::lanes::{LANES, Soa, larger};
-use super::super::lattice::Layout;
-use super::Skin;
-use super::active_set::ActiveSet;
-use super::collider::Motion;
-use super::impulses::Share;
+use crate::solver::contact::Skin;
+use crate::solver::contact::active_set::ActiveSet;
+use crate::solver::contact::collider::Motion;
+use crate::solver::contact::impulses::Share;
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::{LANES, Soa, larger};
+use crate::solver::topology::lattice::Layout;
 
-pub(in crate::solver) use list::Edges;
-pub(in crate::solver) use memory::{EdgeMemory, Freed, WarmStart};
-pub(super) use nearby::{Nearby, NearbyMut};
+pub(in crate::solver) use crate::solver::contact::edges::list::Edges;
+pub(in crate::solver) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
+pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
 
-use nearby::{FindClose, Inside};
-use press::Place;
-use search::{Search, UNSURE, nearest_on_faces};
+use crate::solver::contact::edges::nearby::{FindClose, Inside};
+use crate::solver::contact::edges::press::Place;
+use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
 
 /// Part of the particles' distance at which edges are held.
 const HELD: f32 = 0.5;

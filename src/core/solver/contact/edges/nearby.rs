@@ -1,14 +1,14 @@
 //! How particles lie to a collider, and which edges and faces between them are to be looked at closely.
 
-use super::super::super::bands::CutAt;
-use super::super::super::isa::Kernel;
-use super::super::super::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
-use super::super::super::lattice::Layout;
-use super::super::room::ByBlock;
-use super::Rule;
-use super::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
-use super::press::Place;
-use super::solve::System;
+use crate::solver::contact::broad_phase::ByBlock;
+use crate::solver::contact::edges::Rule;
+use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
+use crate::solver::contact::edges::press::Place;
+use crate::solver::contact::edges::solve::System;
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
+use crate::solver::simd::parallel::CutAt;
+use crate::solver::topology::lattice::Layout;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;

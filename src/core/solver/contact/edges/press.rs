@@ -2,10 +2,10 @@
 
 use bevy_math::Vec3;
 
-use super::super::super::lanes::{Soa, larger};
-use super::super::LEAST_SLIDING;
-use super::solve::Body;
-use super::{HELD, HoldEdges, WarmStart};
+use crate::solver::contact::LEAST_SLIDING;
+use crate::solver::contact::edges::solve::Body;
+use crate::solver::contact::edges::{HELD, HoldEdges, WarmStart};
+use crate::solver::simd::lanes::{Soa, larger};
 
 /// Cosine between the normal of an end and the way in, from which on it lies beyond the solid.
 const BEYOND: f32 = 0.25;

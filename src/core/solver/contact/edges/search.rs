@@ -1,9 +1,9 @@
 //! The place of an edge that is nearest to a solid, by golden-section search (Kiefer 1953), and that of a face, by a few of
 //! them: 16 at a time.
 
-use super::super::super::lanes::{LANES, Soa};
-use super::super::collider::{Frame, Motion};
 use crate::sdf::PointBlock;
+use crate::solver::contact::collider::{Frame, Motion};
+use crate::solver::simd::lanes::{LANES, Soa};
 
 /// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.
 const STEPS: usize = 6;

@@ -4,10 +4,10 @@
 
 use bevy_math::Vec3;
 
-use super::super::super::lanes::larger;
-use super::super::BLOW;
-use super::press::Press;
-use super::{EdgesHeld, HoldEdges, WarmStart};
+use crate::solver::contact::BLOW;
+use crate::solver::contact::edges::press::Press;
+use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
+use crate::solver::simd::lanes::larger;
 
 /// Rounds of the solution.
 const ROUNDS: usize = 6;

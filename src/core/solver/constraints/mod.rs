@@ -1,0 +1,9 @@
+//! What corrects displacements: threads, shear, the strain limit, tethers, pins.
+
+pub(crate) mod pins;
+pub(crate) mod shear;
+pub(crate) mod soft_pins;
+pub(crate) mod strain_check;
+pub(crate) mod strain_limit;
+pub(crate) mod tethers;
+pub(crate) mod threads;

@@ -1,0 +1,93 @@
+//! What depends on which particles are held: inverse masses, tethers, clamped hinges.
+
+use bevy_math::Vec3;
+
+use crate::solver::constraints::tethers::TetherSet;
+use crate::solver::forces::bending::Hinges;
+use crate::solver::simd::lanes::Array;
+use crate::solver::topology::Topology;
+use crate::solver::topology::graph::Strengths;
+use crate::solver::topology::lattice::Layout;
+
+/// The pins of a cloth and what follows from them. Made anew when the set of pins changes.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    /// Held particles, ascending.
+    pub particles: Vec<u32>,
+    /// Their slots.
+    pub slots: Vec<usize>,
+    /// Where they are at the substep's end, relative to the origin \[m\].
+    pub places: Vec<Vec3>,
+    /// 1 / mass \[1/kg\]; 0 where held and beside the sheet.
+    pub inverse_mass: Array,
+    /// The same in the transposed layout of a lattice.
+    pub inverse_mass_transposed: Array,
+    /// Mass of the cloth, for each metre of its width \[kg/m\].
+    pub hung: f32,
+    /// Tethers to the pins.
+    pub tethers: Vec<TetherSet>,
+    /// Hinges of a lattice's weft and warp.
+    pub hinges: [Hinges; 2],
+    /// Explicit constants of a graph.
+    pub strengths: Option<Strengths>,
+}
+
+impl Held {
+    /// For particles that are in range, ascending and different from each other.
+    pub fn new(topology: &Topology, particles: Vec<u32>) -> Self {
+        let layout = topology.layout();
+        let slots: Vec<usize> = particles.iter().map(|&p| topology.slot(p as usize)).collect();
+        let held = mask(layout, &slots);
+        let lattice = topology.as_lattice();
+        let transposed = lattice.map_or(0, |_| layout.transposed().len());
+        Self {
+            tethers: TetherSet::build(topology, &slots),
+            hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
+            strengths: topology.as_graph().map(|graph| Strengths::new(graph, &held)),
+            hung: 0.0,
+            particles,
+            places: vec![Vec3::ZERO; slots.len()],
+            slots,
+            inverse_mass: Array::zeros(layout.len()),
+            inverse_mass_transposed: Array::zeros(transposed),
+        }
+    }
+
+    /// Sets 1 / mass of a slot's particle, as the stages see it \[1/kg\]; returns what it was.
+    pub fn set_inverse_mass(&mut self, topology: &Topology, slot: usize, to: f32) -> f32 {
+        if let Some(lattice) = topology.as_lattice() {
+            self.inverse_mass_transposed[lattice.transposed_slot(slot)] = to;
+        }
+        core::mem::replace(&mut self.inverse_mass[slot], to)
+    }
+
+    /// Sets the masses for an area density \[kg/m2\].
+    pub fn set_density(&mut self, topology: &Topology, density: f32) {
+        let layout = topology.layout();
+        let mass = layout.slots().map(|slot| topology.area(slot) * density).sum::<f32>();
+        self.hung = mass / topology.total_area().sqrt();
+        let held = mask(layout, &self.slots);
+        for slot in layout.slots() {
+            let w = 1.0 / (topology.area(slot) * density);
+            self.inverse_mass[slot] = if held[slot] { 0.0 } else { w };
+        }
+        if topology.as_lattice().is_some() {
+            let transposed = layout.transposed();
+            for row in 0..layout.rows {
+                for column in 0..layout.columns {
+                    self.inverse_mass_transposed[transposed.slot(column, row)] =
+                        self.inverse_mass[layout.slot(row, column)];
+                }
+            }
+        }
+    }
+}
+
+/// Which slots are held.
+fn mask(layout: Layout, slots: &[usize]) -> Vec<bool> {
+    let mut held = vec![false; layout.len()];
+    for &slot in slots {
+        held[slot] = true;
+    }
+    held
+}

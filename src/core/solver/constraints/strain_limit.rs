@@ -1,0 +1,370 @@
+//! Springs corrected one batch at a time: shear in the thread form, and Provot's strain limit.
+//!
+//! Springs of a batch share no particle, so that the order within it does not matter. Corrections in
+//! this coloured order are stable where the order of the particles explodes.
+
+use bevy_math::Vec3;
+
+use crate::solver::contact::{Contacts, LEAST_MOBILITY, divide};
+use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
+use crate::solver::simd::parallel::{self, Band, Cut, CutAt};
+use crate::solver::topology::lattice::Lattice;
+
+/// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.
+pub(crate) const LEAST_LENGTH: f32 = 1e-12;
+/// Least divisor \[1/kg\]: between two held particles nothing can move.
+pub(crate) const LEAST_DIVISOR: f32 = 1e-12;
+
+/// Moves the ends of springs towards their target lengths.
+pub(crate) struct CorrectSprings<'a> {
+    pub band: Band,
+    pub lattice: &'a Lattice,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a Soa,
+    pub d: &'a mut Soa,
+    pub rule: Rule,
+    /// What particles lie on, where any do.
+    pub contacts: Option<Contacts<'a>>,
+}
+
+impl CorrectSprings<'_> {
+    /// Corrects all of the rule's springs, batch by batch.
+    pub fn run(self, isa: Isa) {
+        let Self { band, lattice, inverse_mass, x, d, rule, mut contacts } = self;
+        let mut correct = |batch| {
+            let (band, d) = (band.clone(), d.part_mut());
+            let contacts = contacts.as_mut().map(Contacts::reborrow);
+            let batch = CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch, contacts };
+            parallel::run(isa, batch);
+        };
+        let shear = match rule {
+            Rule::Shear { .. } => true,
+            Rule::Limit { shear, .. } => {
+                correct(Batch::WithinPairs);
+                correct(Batch::BetweenPairs);
+                shear
+            }
+        };
+        if shear {
+            correct(Batch::AcrossPairs);
+            correct(Batch::AcrossBetween);
+        }
+    }
+}
+
+/// Springs that no spring of another band shares a particle with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Batch {
+    /// Weft springs, then the warp springs of pairs of rows.
+    WithinPairs,
+    /// The warp springs from each pair of rows to the next.
+    BetweenPairs,
+    /// The shear springs of pairs of rows.
+    AcrossPairs,
+    /// Those from each pair to the next.
+    AcrossBetween,
+}
+
+impl Batch {
+    /// Where its first pair of rows begins, after an even row.
+    fn offset(self) -> usize {
+        usize::from(matches!(self, Self::BetweenPairs | Self::AcrossBetween))
+    }
+}
+
+/// Corrects the springs of a batch.
+struct CorrectBatch<'a> {
+    band: Band,
+    lattice: &'a Lattice,
+    inverse_mass: &'a [f32],
+    x: &'a Soa,
+    d: PartMut<'a>,
+    rule: Rule,
+    batch: Batch,
+    contacts: Option<Contacts<'a>>,
+}
+
+/// How far springs are corrected.
+#[derive(Clone, Copy)]
+pub(crate) enum Rule {
+    /// Shear springs of the thread form: to their rest length with the compliance `1 / (k h^2)`
+    /// \[1/kg\], or to `limit` rest lengths where that is shorter.
+    Shear {
+        /// Of a spring of shape factor one.
+        compliance: f32,
+        /// 1 + max strain.
+        limit: f32,
+    },
+    /// Structural springs, then shear springs if they have a stiffness: those longer than `limit`
+    /// rest lengths are brought back to it, others are left alone (Provot 1995, section 4).
+    Limit {
+        /// 1 + max strain.
+        limit: f32,
+        /// Whether shear springs are limited.
+        shear: bool,
+    },
+}
+
+impl Kernel for CorrectBatch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        match (self.rule, self.batch) {
+            (Rule::Limit { limit, .. }, Batch::WithinPairs) => {
+                self.weft(limit);
+                self.warp(limit);
+            }
+            (Rule::Limit { limit, .. }, Batch::BetweenPairs) => self.warp(limit),
+            (Rule::Limit { limit, .. }, _) => {
+                self.diagonals(|spring| larger(spring.pull_to(limit), 0.0));
+            }
+            (Rule::Shear { compliance, limit }, _) => self.diagonals(|spring| {
+                let elastic = (spring.length - spring.rest)
+                    / (spring.inverse_masses + spring.factor * compliance);
+                larger(elastic, spring.pull_to(limit))
+            }),
+        }
+    }
+}
+
+impl Cut for CorrectBatch<'_> {
+    type Output = ();
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row + self.batch.offset());
+        let (d, d_below) = self.d.cut(slot);
+        let (contacts, contacts_below) = self.contacts.cut(slot);
+        let (above, below) = self.band.cut(row);
+        let below = Self { band: below, d: d_below, contacts: contacts_below, ..self };
+        (Self { band: above, d, contacts, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) {
+        isa.run(self);
+    }
+}
+
+/// One spring as it is now.
+pub(crate) struct Spring {
+    pub length: f32,
+    /// Rest length \[m\]; 0 where there is no spring.
+    pub rest: f32,
+    /// Compliance factor; infinite where there is no spring.
+    pub factor: f32,
+    /// Sum of the inverse masses of both ends \[1/kg\], not zero.
+    pub inverse_masses: f32,
+}
+
+impl Spring {
+    /// What brings it to so many rest lengths, as the correction of an end of inverse mass one
+    /// \[m kg\]; negative where it is shorter.
+    #[inline(always)]
+    pub fn pull_to(&self, limit: f32) -> f32 {
+        let excess = (self.length - self.rest * limit) / self.inverse_masses;
+        if self.rest > 0.0 { excess } else { -1.0 }
+    }
+}
+
+/// What of the sum `all` of the inverse masses `w` of both ends moves along a spring, for what it goes `across` the
+/// surfaces that they lie on, along the normals \[1/kg\].
+#[inline(always)]
+pub(crate) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
+    let taken = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
+    mobility_without(all, taken, length)
+}
+
+/// Sum of the inverse masses of a spring's ends as far as they move along it, from the sum `all` without contact: colliders
+/// take `taken`, over the square of the spring's length \[1/kg\].
+#[inline(always)]
+pub(crate) fn mobility_without(all: f32, taken: f32, length: f32) -> f32 {
+    larger(all - taken / (length * length), all * LEAST_MOBILITY)
+}
+
+impl CorrectBatch<'_> {
+    /// Normals of what a block of particles lies on, where any particle lies on anything.
+    #[expect(
+        clippy::manual_map,
+        reason = "a closure that is not inlined keeps the baseline's instructions"
+    )]
+    #[inline(always)]
+    fn normals(&self, slot: usize) -> Option<Block3> {
+        match &self.contacts {
+            Some(contacts) => Some(Block3::load(&contacts.normals.normal, slot)),
+            None => None,
+        }
+    }
+
+    /// Inverse masses of a block of particles, as far as friction lets them go.
+    #[inline(always)]
+    fn mobile(&self, slot: usize) -> Block {
+        let mut w = Block::load(self.inverse_mass, slot);
+        if let Some(contacts) = &self.contacts {
+            let slip = Block::load(&contacts.normals.slip, slot);
+            for i in 0..LANES {
+                w.0[i] *= slip.0[i];
+            }
+        }
+        w
+    }
+
+    /// The first rows of the batch's pairs.
+    #[inline(always)]
+    fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
+        let Band { layout, rows, .. } = &self.band;
+        (rows.start + self.batch.offset()..rows.end.min(layout.rows - 1)).step_by(2)
+    }
+
+    /// Shear springs: of each pair of rows, both diagonals.
+    #[inline(always)]
+    fn diagonals(&mut self, law: impl Fn(Spring) -> f32 + Copy) {
+        let lattice = self.lattice;
+        let layout = lattice.layout;
+        for row in self.pairs() {
+            for column in (0..layout.columns - 1).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let factor = Block::load(&lattice.diagonal.compliance, a);
+                let rest = Block::load(&lattice.diagonal.rest, a);
+                self.pair(a, b + 1, rest, factor, law);
+            }
+            for column in (0..layout.columns - 1).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let factor = Block::load(&lattice.diagonal.compliance, a);
+                let rest = Block::load(&lattice.antidiagonal_rest, a);
+                self.pair(a + 1, b, rest, factor, law);
+            }
+        }
+    }
+
+    /// Warp springs of each pair of rows.
+    #[inline(always)]
+    fn warp(&mut self, limit: f32) {
+        let layout = self.lattice.layout;
+        for row in self.pairs() {
+            for column in (0..layout.columns).step_by(LANES) {
+                let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                let rest = Block::load(&self.lattice.warp.rest, a);
+                self.pair(a, b, rest, Block::ZERO, |spring| larger(spring.pull_to(limit), 0.0));
+            }
+        }
+    }
+
+    /// One block of springs between particles from `p` and from `q`; `law` gives how strongly one
+    /// pulls, as the correction of an end of inverse mass one.
+    #[inline(always)]
+    fn pair(
+        &mut self,
+        p: usize,
+        q: usize,
+        rest: Block,
+        factor: Block,
+        law: impl Fn(Spring) -> f32,
+    ) {
+        let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
+        let (mut dp, mut dq) = (Block3::load(&self.d, p), Block3::load(&self.d, q));
+        let (wp, wq) = (self.mobile(p), self.mobile(q));
+        let (np, nq) = (self.normals(p), self.normals(q));
+        let mut pulls = Block3::ZERO;
+        for i in 0..LANES {
+            let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
+            let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
+            let all = wp.0[i] + wq.0[i];
+            let both = match (&np, &nq) {
+                (Some(np), Some(nq)) => {
+                    let across = [np.at(i).dot(span), nq.at(i).dot(span)];
+                    mobility(all, across, length, [wp.0[i], wq.0[i]])
+                }
+                _ => all,
+            };
+            let inverse_masses = larger(both, LEAST_DIVISOR);
+            let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
+            pulls.set(i, span * (law(spring) / length));
+        }
+        let (mut pull_p, mut pull_q) = (pulls, pulls);
+        if let (Some(np), Some(nq), Some(contacts)) = (&np, &nq, &mut self.contacts) {
+            let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, np), divide(&pulls, nq));
+            contacts.add(p, &load_p);
+            contacts.add(q, &load_q.negated());
+            (pull_p, pull_q) = (along_p, along_q);
+        }
+        for i in 0..LANES {
+            dp.set(i, dp.at(i) + pull_p.at(i) * wp.0[i]);
+            dq.set(i, dq.at(i) - pull_q.at(i) * wq.0[i]);
+        }
+        dp.store(&mut self.d, p);
+        dq.store(&mut self.d, q);
+    }
+
+    /// Weft springs: of even columns, then of odd ones. Neighbours lie in one block, so that each
+    /// particle works out its own half of the correction from its partner's place.
+    #[inline(always)]
+    fn weft(&mut self, limit: f32) {
+        for parity in 0..2 {
+            for row in self.band.rows.clone() {
+                self.weft_row(row, parity, limit);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn weft_row(&mut self, row: usize, parity: usize, limit: f32) {
+        let rests = &self.lattice.weft.rest;
+        // The block before has been corrected by now: its last particle is needed as it was.
+        let mut before = Vec3::ZERO;
+        for column in (0..self.lattice.layout.columns).step_by(LANES) {
+            let slot = self.lattice.layout.slot(row, column);
+            let x = Block3::load_sum(self.x, &self.d, slot);
+            let mut d = Block3::load(&self.d, slot);
+            let mut left = Block3::ZERO;
+            left.set(0, before);
+            for i in 1..LANES {
+                left.set(i, x.at(i - 1));
+            }
+            before = x.at(LANES - 1);
+            let right = Block3::load_sum(self.x, &self.d, slot + 1);
+            let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
+            let w = self.mobile(slot);
+            let other = (self.mobile(slot - 1), self.mobile(slot + 1));
+            let normals = [self.normals(slot), self.normals(slot - 1), self.normals(slot + 1)];
+            let mut pulls = Block3::ZERO;
+            for i in 0..LANES {
+                let is_first = i % 2 == parity;
+                let partner = if is_first { right.at(i) } else { left.at(i) };
+                let rest = if is_first { rest.1.0[i] } else { rest.0.0[i] };
+                let other = if is_first { other.1.0[i] } else { other.0.0[i] };
+                let span = partner - x.at(i);
+                let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
+                // No spring has the rest length zero: beside the sheet there is nothing to correct.
+                let excess = if rest > 0.0 { larger(length - rest * limit, 0.0) } else { 0.0 };
+                let mut both = w.0[i] + other;
+                if let [Some(n), Some(left), Some(right)] = &normals {
+                    let partner = if is_first { right.at(i) } else { left.at(i) };
+                    let across = [n.at(i).dot(span), partner.dot(span)];
+                    both = mobility(both, across, length, [w.0[i], other]);
+                }
+                let divisor = larger(both, LEAST_DIVISOR) * length;
+                if self.contacts.is_some() {
+                    pulls.set(i, span * (excess / divisor));
+                } else {
+                    d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
+                }
+            }
+            if let ([Some(n), ..], Some(contacts)) = (&normals, &mut self.contacts) {
+                let (along, load) = divide(&pulls, n);
+                contacts.add(slot, &load);
+                pulls = along;
+            }
+            if self.contacts.is_some() {
+                for i in 0..LANES {
+                    d.set(i, d.at(i) + pulls.at(i) * w.0[i]);
+                }
+            }
+            d.store(&mut self.d, slot);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Solving the chains of a mesh, each whole: see `threads` for the elimination.
+
+use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
+use crate::solver::constraints::threads::{Between, Ends, Pivot, Pivots, Reach, Tension};
+use crate::solver::simd::gather::Places;
+use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES};
+use crate::solver::simd::transpose::Transpose;
+use crate::solver::state::Line;
+use crate::solver::topology::graph::chains::{Bundle, Chains};
+
+/// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.
+pub(crate) struct SolveChains<'a> {
+    pub chains: &'a Chains,
+    pub reach: Reach,
+    /// Whether any particle lies on a collider.
+    pub touches: bool,
+    pub places: &'a mut Places,
+    pub line: &'a mut Line,
+    /// Inverse masses along the chains of a bundle.
+    pub inverse_mass: &'a mut Array,
+}
+
+impl TransposingKernel for SolveChains<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self, t: impl Transpose) -> bool {
+        let mut excess = Block::ZERO;
+        let Self { chains, reach, touches, places, line, inverse_mass } = self;
+        for bundle in &chains.bundles {
+            if touches {
+                let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, places };
+                solve(&reach, laid, line, &mut excess);
+            } else {
+                let laid = Laid::<_, false> { t, chains, bundle, inverse_mass, places };
+                solve(&reach, laid, line, &mut excess);
+            }
+        }
+        excess.largest() > 0.0
+    }
+}
+
+/// Solves and corrects the chains of a bundle.
+#[inline(always)]
+fn solve<T: Transpose, const TOUCH: bool>(
+    reach: &Reach,
+    mut laid: Laid<'_, T, TOUCH>,
+    line: &mut Line,
+    excess: &mut Block,
+) {
+    let mut pivots = Pivots::new(line, laid.bundle.rows - 1);
+    laid.eliminate(reach, &mut pivots, excess);
+    // Keeps taut chains from trembling.
+    if laid.substitute(&pivots) > reach.steady {
+        ease(line, &mut laid);
+    }
+}
+
+/// The chains of a bundle.
+struct Laid<'a, T, const TOUCH: bool> {
+    t: T,
+    chains: &'a Chains,
+    bundle: &'a Bundle,
+    inverse_mass: &'a mut Array,
+    places: &'a mut Places,
+}
+
+impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
+    /// Where the entries of a row begin.
+    #[inline(always)]
+    fn entry(&self, place: usize) -> usize {
+        self.bundle.first + place * LANES
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>, excess: &mut Block) {
+        let slots = &self.chains.slots;
+        let (mut x0, mut w0) = self.places.gather_moved(self.t, slots, self.entry(0));
+        let mut n0 = Ends::normals(self, 0);
+        w0.store(self.inverse_mass, 0);
+        let mut last = Pivot::default();
+        for place in 1..self.bundle.rows {
+            let at = self.entry(place);
+            let (x1, w1) = self.places.gather_moved(self.t, slots, at);
+            let n1 = Ends::normals(self, place);
+            let rest = Block::load(&self.chains.rest, at);
+            let factor = Block::load(&self.chains.compliance, at);
+            let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
+            let next = last.next::<Self>(reach, &between, &rest, &factor, excess);
+            pivots.set::<Self>(place - 1, &next);
+            w1.store(self.inverse_mass, place * LANES);
+            (x0, w0, n0, last) = (x1, w1, n1, next);
+        }
+    }
+
+    /// Corrects the particles, and tells what a spring moved one by at most \[m\].
+    #[inline(always)]
+    fn substitute(&mut self, pivots: &Pivots<'_>) -> f32 {
+        let mut tension = Tension::default();
+        for place in (1..self.bundle.rows).rev() {
+            let w = Block::load(self.inverse_mass, place * LANES);
+            let correction = tension.next(&pivots.at::<Self>(place - 1), &w, self, place);
+            self.correct(place, correction);
+        }
+        let w = Block::load(self.inverse_mass, 0);
+        let correction = tension.last(&w, self);
+        self.correct(0, correction);
+        tension.most.largest()
+    }
+}
+
+impl<T: Transpose, const TOUCH: bool> Ends for Laid<'_, T, TOUCH> {
+    const TOUCH: bool = TOUCH;
+
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        self.places.gather_moved(self.t, &self.chains.slots, self.entry(place)).0
+    }
+
+    #[inline(always)]
+    fn normals(&self, place: usize) -> Block3 {
+        if !TOUCH {
+            return Block3::ZERO;
+        }
+        self.places.gather_normals(self.t, &self.chains.slots, self.entry(place))
+    }
+
+    #[inline(always)]
+    fn slip(&self, _: usize) -> Block {
+        // Inverse masses of places are as far as friction lets them go.
+        Block::splat(1.0)
+    }
+
+    #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        self.places.load(self.t, &self.chains.slots, self.entry(place), load);
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        self.places.scatter(self.t, &self.chains.slots, self.entry(place), correction);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        Ends::correct(self, place, more);
+    }
+}
+
+impl<T: Transpose, const TOUCH: bool> Threads for Laid<'_, T, TOUCH> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.bundle.rows
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        Block::load(self.inverse_mass, place * LANES)
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        Block::load(&self.chains.rest, self.entry(place + 1))
+    }
+
+    #[inline(always)]
+    fn normals(&self, place: usize) -> Option<Block3> {
+        if TOUCH { Some(Ends::normals(self, place)) } else { None }
+    }
+
+    #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        Ends::load(self, place, load);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        Ends::correct(self, place, more);
+    }
+}

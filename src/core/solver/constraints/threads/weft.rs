@@ -1,0 +1,212 @@
+//! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
+
+use crate::solver::constraints::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
+use crate::solver::contact::Contacts;
+use crate::solver::simd::isa::{Isa, TransposingKernel};
+use crate::solver::simd::lanes::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, PartMut, Slots, SlotsMut, Soa,
+};
+use crate::solver::simd::parallel::{Band, Cut, CutAt, Rooms};
+use crate::solver::simd::transpose::Transpose;
+use crate::solver::topology::lattice::{Family, Layout};
+
+/// Solves all weft threads, a row a lane.
+pub(crate) struct SolveWeft<'a> {
+    pub band: Band,
+    /// The transposed layout, and the springs and inverse masses in it.
+    pub lines: Layout,
+    pub springs: &'a Family,
+    pub inverse_mass: &'a [f32],
+    pub reach: Reach,
+    pub x: &'a Soa,
+    pub d: PartMut<'a>,
+    pub contacts: Option<Contacts<'a>>,
+    pub rooms: &'a Rooms<Room>,
+}
+
+/// Tells whether any spring was longer than its limit before it was corrected.
+impl TransposingKernel for SolveWeft<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self, transpose: impl Transpose) -> bool {
+        let Self { band, lines, springs, inverse_mass, reach, x, mut d, mut contacts, rooms } =
+            self;
+        let mut room = rooms.take();
+        let Room { strip, line, normals, slip, load } = &mut *room;
+        let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line };
+        let mut excess = Block::ZERO;
+        for row in band.rows.step_by(LANES) {
+            fill_strip(transpose, band.layout, row, x, &d, strip);
+            let mut ends = Strip(Blocks3Mut::new(strip, 0, band.layout.columns));
+            let tiles = Tiles::new(band.layout, row);
+            match &mut contacts {
+                Some(contacts) if contacts.normals.touch(tiles.first / LANES, tiles.count, 1) => {
+                    fill_normals(transpose, &tiles, &contacts.normals.normal, normals);
+                    fill_axis(transpose, &tiles, &contacts.normals.slip, slip);
+                    load.fill(0.0);
+                    let mut ends = OnColliders {
+                        ends,
+                        hops: [1, 1],
+                        normals: Blocks3::new(normals, 0, band.layout.columns),
+                        slips: Blocks::new(slip, 0, band.layout.columns),
+                        loads: BlocksMut::new(load, 0, band.layout.columns),
+                    };
+                    lines.solve(row, &mut ends, &mut excess);
+                    let mut to = contacts.load.blocks(tiles.first, tiles.count);
+                    add_axis(transpose, &tiles, load, &mut to);
+                }
+                _ => lines.solve(row, &mut ends, &mut excess),
+            }
+            add_strip(transpose, band.layout, row, strip, &mut d);
+        }
+        excess.largest() > 0.0
+    }
+}
+
+impl Cut for SolveWeft<'_> {
+    type Output = bool;
+
+    fn band(&self) -> &Band {
+        &self.band
+    }
+
+    fn cut(self, row: usize) -> (Self, Self) {
+        let slot = self.band.slot(row);
+        let (d, d_below) = self.d.cut(slot);
+        let (contacts, contacts_below) = self.contacts.cut(slot);
+        let (above, below) = self.band.cut(row);
+        let below = Self { band: below, d: d_below, contacts: contacts_below, ..self };
+        (Self { band: above, d, contacts, ..self }, below)
+    }
+
+    fn run(self, isa: Isa) -> bool {
+        isa.run_transposing(self)
+    }
+}
+
+/// A strip of columns, whose positions give way to their corrections.
+struct Strip<'a>(Blocks3Mut<'a>);
+
+impl Ends for Strip<'_> {
+    touch_nothing!();
+
+    #[inline(always)]
+    fn positions(&self, place: usize) -> Block3 {
+        self.0.at(place)
+    }
+
+    #[inline(always)]
+    fn correct(&mut self, place: usize, correction: Block3) {
+        self.0.set(place, correction);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, correction: Block3) {
+        self.0.add(place, &correction);
+    }
+}
+
+/// Writes the sums of positions and displacements of [`LANES`] rows to a strip.
+#[inline(always)]
+fn fill_strip(
+    t: impl Transpose,
+    layout: Layout,
+    row: usize,
+    x: &Soa,
+    d: &PartMut<'_>,
+    strip: &mut Soa,
+) {
+    let tiles = Tiles::new(layout, row);
+    let own = tiles.first - d.first();
+    let ([dx, dy, dz], to) = (d.axes(), strip.axes_mut());
+    for ((x, d), to) in [(&*x.x, dx), (&*x.y, dy), (&*x.z, dz)].into_iter().zip(to) {
+        let x = Blocks::new(x, tiles.first, tiles.count);
+        let d = Blocks::new(d, own, tiles.count);
+        let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+        let mut tile = [Block::ZERO; LANES];
+        for block in 0..tiles.across {
+            for (i, line) in tile.iter_mut().enumerate() {
+                let at = block + i * tiles.hop;
+                let (x, d) = (x.at(at), d.at(at));
+                for j in 0..LANES {
+                    line.0[j] = x.0[j] + d.0[j];
+                }
+            }
+            let turned = t.tile(&tile);
+            for (j, line) in turned.iter().enumerate() {
+                to.set(block * LANES + j, *line);
+            }
+        }
+    }
+}
+
+/// Writes the normals of [`LANES`] rows to a strip.
+#[inline(always)]
+fn fill_normals(t: impl Transpose, tiles: &Tiles, from: &Soa, strip: &mut Soa) {
+    for (from, to) in [&from.x, &from.y, &from.z].into_iter().zip(strip.axes_mut()) {
+        fill_axis(t, tiles, from, to);
+    }
+}
+
+/// Writes the numbers of [`LANES`] rows to a strip.
+#[inline(always)]
+fn fill_axis(t: impl Transpose, tiles: &Tiles, from: &[f32], to: &mut [f32]) {
+    let from = Blocks::new(from, tiles.first, tiles.count);
+    let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
+    let mut tile = [Block::ZERO; LANES];
+    for block in 0..tiles.across {
+        for (i, line) in tile.iter_mut().enumerate() {
+            *line = from.at(block + i * tiles.hop);
+        }
+        let turned = t.tile(&tile);
+        for (j, line) in turned.iter().enumerate() {
+            to.set(block * LANES + j, *line);
+        }
+    }
+}
+
+/// Adds a strip to displacements.
+#[inline(always)]
+fn add_strip(t: impl Transpose, layout: Layout, row: usize, strip: &Soa, d: &mut PartMut<'_>) {
+    let tiles = Tiles::new(layout, row);
+    let own = tiles.first - d.first();
+    for (strip, d) in strip.axes().into_iter().zip(d.axes_mut()) {
+        add_axis(t, &tiles, strip, &mut BlocksMut::new(d, own, tiles.count));
+    }
+}
+
+/// Adds one coordinate of a strip to that of [`LANES`] rows.
+#[inline(always)]
+fn add_axis(t: impl Transpose, tiles: &Tiles, strip: &[f32], to: &mut BlocksMut<'_>) {
+    let strip = Blocks::new(strip, 0, tiles.across * LANES);
+    let mut tile = [Block::ZERO; LANES];
+    for block in 0..tiles.across {
+        for (j, line) in tile.iter_mut().enumerate() {
+            *line = strip.at(block * LANES + j);
+        }
+        let turned = t.tile(&tile);
+        for (i, line) in turned.iter().enumerate() {
+            to.add(block + i * tiles.hop, line);
+        }
+    }
+}
+
+/// [`LANES`] rows in tiles of as many columns.
+struct Tiles {
+    /// The slot where they begin.
+    first: usize,
+    across: usize,
+    /// Blocks from one row to the next.
+    hop: usize,
+    /// Blocks from the first to the last.
+    count: usize,
+}
+
+impl Tiles {
+    #[inline(always)]
+    fn new(layout: Layout, row: usize) -> Self {
+        let (across, hop) = (layout.blocks_across(), layout.stride / LANES);
+        Self { first: layout.slot(row, 0), across, hop, count: (LANES - 1) * hop + across }
+    }
+}

@@ -1,0 +1,410 @@
+//! Air on any triangles: forces by triangle, then gathered by particle.
+//!
+//! A triangle's velocity is the mean of its corners', and a third of its force goes to each. Every
+//! particle adds up those of its triangles in their order, so that nothing is scattered and the sum
+//! is the same on every machine.
+//!
+//! What a triangle needs of a corner (position, displacement, acceleration) is packed into one cache
+//! line a particle first, so that a corner is one load: three arrays of three axes would be nine.
+
+use bevy_math::Vec3;
+
+use crate::solver::forces::aerodynamics::Flow;
+use crate::solver::forces::aerodynamics::shares::{Face, shares};
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa};
+use crate::solver::topology::lattice::Layout;
+
+/// What is packed of a particle: position, displacement, acceleration, position again.
+const PACKED: usize = LANES;
+/// Numbers of a triangle's force in memory: three, and one to make a vector register.
+const FORCE: usize = 4;
+
+/// How the packed numbers of the first, second and third corner are added up to what a triangle needs: an
+/// edge, three times its displacement and acceleration, and the other edge.
+const SIGNS: [[f32; LANES]; 3] = {
+    let mut signs = [[0.0; LANES]; 3];
+    let mut i = 0;
+    while i < 12 {
+        let corners = match i {
+            0..3 => [-1.0, 1.0, 0.0],
+            3..9 => [1.0, 1.0, 1.0],
+            _ => [-1.0, 0.0, 1.0],
+        };
+        let mut k = 0;
+        while k < 3 {
+            signs[k][i] = corners[k];
+            k += 1;
+        }
+        i += 1;
+    }
+    signs
+};
+
+/// Triangles by their corners, and which of them are around each particle.
+#[derive(Clone, Debug)]
+pub(super) struct Triangles {
+    layout: Layout,
+    /// Particles, counted in whole blocks row by row, of the first, second and third corners; padded to
+    /// whole blocks.
+    corners: [Vec<u32>; 3],
+    /// For each block of particles, row by row, where its entries in `around` begin; one more at the
+    /// end.
+    begins: Vec<u32>,
+    /// [`LANES`] triangles at a time, one of each particle of a block; `none` where it has no more.
+    around: Vec<u32>,
+    /// What the corners are loaded from.
+    packed: Array,
+    /// A third of each triangle's force, and a zero behind the last.
+    forces: Array,
+}
+
+impl Triangles {
+    /// Triangles of particles that lie in a layout, row by row; their rest positions, and the area
+    /// of cloth that the particle of each slot stands for. Also gives the inverse of the area whose
+    /// mass takes each triangle's force \[1/m2\], 0 for padding.
+    pub fn new(
+        layout: Layout,
+        triangles: &[[u32; 3]],
+        rest: &[Vec3],
+        particle_area: &[f32],
+    ) -> (Self, Vec<f32>) {
+        let slot = |p: u32| layout.slot(p as usize / layout.columns, p as usize % layout.columns);
+        let faces: Vec<_> = triangles
+            .iter()
+            .map(|&corners| {
+                let [a, b, c] = corners.map(|p| rest[p as usize]);
+                Face { corners: corners.map(slot), area: 0.5 * (b - a).cross(c - a).length() }
+            })
+            .collect();
+        let padded = faces.len().next_multiple_of(LANES);
+        let width = layout.columns.next_multiple_of(LANES) as u32;
+        let columns = layout.columns as u32;
+        let mut corners = [(); 3].map(|()| vec![0; padded]);
+        let mut at_particle = vec![Vec::new(); layout.rows * layout.columns];
+        for (i, particles) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (row, column) = (particles[k] / columns, particles[k] % columns);
+                corners[k][i] = row * width + column;
+                at_particle[particles[k] as usize].push(i as u32);
+            }
+        }
+        let (begins, around) = blocks(layout, &at_particle, padded as u32);
+        let packed = Array::zeros(layout.rows * width as usize * PACKED);
+        let forces = Array::zeros((padded + 1) * FORCE);
+        let mut inverse = shares(&faces, particle_area);
+        inverse.resize(padded, 0.0);
+        (Self { layout, corners, begins, around, packed, forces }, inverse)
+    }
+
+    /// Packs four vectors of each particle.
+    #[inline(always)]
+    fn pack(&mut self, of: [&Soa; 4]) {
+        let mut at = 0;
+        for row in 0..self.layout.rows {
+            for column in (0..self.layout.columns).step_by(LANES) {
+                let slot = self.layout.slot(row, column);
+                let vectors = [0, 1, 2, 3].map(|k: usize| Block3::load(of[k], slot));
+                for i in 0..LANES {
+                    let to = &mut self.packed[at..at + PACKED];
+                    for (k, vector) in vectors.iter().enumerate() {
+                        to[3 * k] = vector.x.0[i];
+                        to[3 * k + 1] = vector.y.0[i];
+                        to[3 * k + 2] = vector.z.0[i];
+                    }
+                    at += PACKED;
+                }
+            }
+        }
+    }
+
+    /// The packed numbers of one corner of a triangle.
+    #[inline(always)]
+    fn corner(&self, corner: usize, face: usize) -> Block {
+        Block::load(&self.packed, self.corners[corner][face] as usize * PACKED)
+    }
+}
+
+/// Lists by particle as lists by block, each as long as its longest.
+fn blocks(layout: Layout, at_particle: &[Vec<u32>], none: u32) -> (Vec<u32>, Vec<u32>) {
+    let (mut begins, mut around) = (vec![0], Vec::new());
+    for row in at_particle.chunks(layout.columns) {
+        for block in row.chunks(LANES) {
+            let longest = block.iter().map(Vec::len).max().unwrap_or(0);
+            for i in 0..longest {
+                let lane = |l: usize| block.get(l).and_then(|list| list.get(i)).copied();
+                around.extend((0..LANES).map(|l| lane(l).unwrap_or(none)));
+            }
+            begins.push(around.len() as u32);
+        }
+    }
+    (begins, around)
+}
+
+/// Works out where the triangles' centres are.
+pub(super) struct FindCentres<'a> {
+    pub triangles: &'a mut Triangles,
+    pub x: &'a Soa,
+    pub centres: &'a mut Soa,
+}
+
+impl Kernel for FindCentres<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.triangles.pack([self.x; 4]);
+        for face in (0..self.triangles.corners[0].len()).step_by(LANES) {
+            let mut tile = [Block::ZERO; LANES];
+            for (i, sum) in tile.iter_mut().enumerate() {
+                let [a, b, c] = [0, 1, 2].map(|k| self.triangles.corner(k, face + i));
+                for l in 0..LANES {
+                    sum.0[l] = (a.0[l] + b.0[l] + c.0[l]) * (1.0 / 3.0);
+                }
+            }
+            vectors(&tile, 0).store(self.centres, face);
+        }
+    }
+}
+
+/// Adds what the air does to the triangles to the particles' accelerations.
+pub(super) struct PushTriangles<'a> {
+    pub triangles: &'a mut Triangles,
+    pub flow: Flow<'a>,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a Soa,
+    pub d: &'a Soa,
+    /// Accelerations by all other forces, then by all forces.
+    pub a: &'a mut Soa,
+}
+
+impl Kernel for PushTriangles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        self.triangles.pack([self.x, self.d, self.a, self.x]);
+        for face in (0..self.triangles.corners[0].len()).step_by(LANES) {
+            self.push(face);
+        }
+        let layout = self.triangles.layout;
+        let mut block = 0;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                self.gather(block, layout.slot(row, column));
+                block += 1;
+            }
+        }
+    }
+}
+
+impl PushTriangles<'_> {
+    #[inline(always)]
+    fn push(&mut self, face: usize) {
+        let mut tile = [Block::ZERO; LANES];
+        for (i, out) in tile.iter_mut().enumerate() {
+            let a = self.triangles.corner(0, face + i);
+            let b = self.triangles.corner(1, face + i);
+            let c = self.triangles.corner(2, face + i);
+            for (l, sum) in out.0.iter_mut().enumerate() {
+                *sum = a.0[l] * SIGNS[0][l] + b.0[l] * SIGNS[1][l] + c.0[l] * SIGNS[2][l];
+            }
+        }
+        let (edge, other) = (vectors(&tile, 0), vectors(&tile, 9));
+        let (mut d, mut a) = (vectors(&tile, 3), vectors(&tile, 6));
+        let mut area = Block3::ZERO;
+        for i in 0..LANES {
+            area.set(i, edge.at(i).cross(other.at(i)) * 0.5);
+            d.set(i, d.at(i) * (1.0 / 3.0));
+            a.set(i, a.at(i) * (1.0 / 3.0));
+        }
+        let force = self.flow.forces(face, area, d, a);
+        for i in 0..LANES {
+            let at = (face + i) * FORCE;
+            let to = &mut self.triangles.forces[at..at + FORCE];
+            to[0] = force.x.0[i] * (1.0 / 3.0);
+            to[1] = force.y.0[i] * (1.0 / 3.0);
+            to[2] = force.z.0[i] * (1.0 / 3.0);
+        }
+    }
+
+    #[inline(always)]
+    fn gather(&mut self, block: usize, slot: usize) {
+        let Triangles { begins, around, forces, .. } = &*self.triangles;
+        let mut sums = [[0.0; FORCE]; LANES];
+        let (from, to) = (begins[block] as usize, begins[block + 1] as usize);
+        for lanes in around[from..to].chunks_exact(LANES) {
+            for (sum, &face) in sums.iter_mut().zip(lanes) {
+                let at = face as usize * FORCE;
+                let force = &forces[at..at + FORCE];
+                for l in 0..FORCE {
+                    sum[l] += force[l];
+                }
+            }
+        }
+        let w = Block::load(self.inverse_mass, slot);
+        let mut a = Block3::load(self.a, slot);
+        for (i, [x, y, z, _]) in sums.into_iter().enumerate() {
+            a.set(i, a.at(i) + Vec3::new(x, y, z) * w.0[i]);
+        }
+        a.store(self.a, slot);
+    }
+}
+
+/// Three neighbouring numbers of each triangle, as vectors.
+#[inline(always)]
+fn vectors(tile: &[Block; LANES], from: usize) -> Block3 {
+    let mut out = Block3::ZERO;
+    for (i, triangle) in tile.iter().enumerate() {
+        out.set(i, Vec3::new(triangle.0[from], triangle.0[from + 1], triangle.0[from + 2]));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    //! On the triangles of a sheet, held to the sheet's own cells where both must agree, and to sums over
+    //! single triangles.
+
+    use crate::solver::forces::aerodynamics::FaceWind;
+    use crate::solver::forces::aerodynamics::cells::{Cells, PushCells};
+    use crate::solver::forces::aerodynamics::law::Law;
+    use crate::solver::forces::aerodynamics::triangles::*;
+    use crate::solver::{Isa, Lattice, MassLumping};
+    use bevy_math::Vec2;
+
+    const ROWS: usize = 7;
+    const COLUMNS: usize = 21;
+    const COUNT: usize = ROWS * COLUMNS;
+    const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+    const LAW: Law = Law { drag: 0.7, lift: 0.5, kick: 0.01 };
+
+    fn lattice() -> Lattice {
+        Lattice::sheet(Vec2::new(2.0, 0.9), ROWS, COLUMNS, MassLumping::Lumped).unwrap()
+    }
+
+    fn triangles() -> Vec<[u32; 3]> {
+        let columns = COLUMNS as u32;
+        (0..ROWS as u32 - 1)
+            .flat_map(|r| (0..columns - 1).map(move |c| r * columns + c))
+            .flat_map(|a| [[a, a + columns, a + 1], [a + 1, a + columns, a + columns + 1]])
+            .collect()
+    }
+
+    /// A value of each particle, in a lattice's slots.
+    fn spread(lattice: &Lattice, of: impl Fn(Vec3) -> Vec3) -> Soa {
+        let mut out = Soa::zeros(lattice.layout.len());
+        for (slot, &p) in lattice.layout.slots().zip(&lattice.rest_positions) {
+            out.set(slot, of(p));
+        }
+        out
+    }
+
+    /// Accelerations by air, by cells or by triangles.
+    fn push(isa: Isa, by_cells: bool, wave: f32, velocity: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
+        let lattice = lattice();
+        let x = spread(&lattice, |p| p + Vec3::Y * (wave * p.x * (p.z + p.x)));
+        let d = spread(&lattice, velocity);
+        let mut a = spread(&lattice, |_| GRAVITY);
+        let mut inverse_mass = vec![0.0; lattice.layout.len()];
+        for slot in lattice.layout.slots() {
+            inverse_mass[slot] = 1.0 / (0.2 * lattice.area[slot]);
+        }
+        let (mut cells, of_cells) = Cells::new(&lattice);
+        let (mut triangles, of_triangles) =
+            Triangles::new(lattice.layout, &triangles(), &lattice.rest_positions, &lattice.area);
+        let flow = Flow {
+            law: LAW,
+            wind: FaceWind::Uniform(Vec3::new(2.0, 3.0, -1.0)),
+            inverse_unit: 1.0,
+            inverse_density: 1.0 / 0.2,
+            inverse_area: if by_cells { &of_cells } else { &of_triangles },
+        };
+        let (inverse_mass, x, d) = (&inverse_mass[..], &x, &d);
+        if by_cells {
+            isa.run(PushCells { cells: &mut cells, flow, inverse_mass, x, d, a: &mut a });
+        } else {
+            let triangles = &mut triangles;
+            isa.run(PushTriangles { triangles, flow, inverse_mass, x, d, a: &mut a });
+        }
+        lattice.layout.slots().map(|slot| a.get(slot) - GRAVITY).collect()
+    }
+
+    fn masses() -> Vec<f32> {
+        let lattice = lattice();
+        lattice.layout.slots().map(|slot| 0.2 * lattice.area[slot]).collect()
+    }
+
+    fn total(accelerations: &[Vec3]) -> Vec3 {
+        accelerations.iter().zip(masses()).map(|(&a, m)| a * m).sum()
+    }
+
+    #[test]
+    fn a_flat_sheet_feels_the_same_by_triangles_as_by_cells() {
+        let velocity = |_| Vec3::new(0.3, 0.1, 0.2);
+        let (cells, triangles) =
+            (push(Isa::detect(), true, 0.0, velocity), push(Isa::detect(), false, 0.0, velocity));
+        assert!(total(&cells).length() > 1.0);
+        // Six triangles around a particle inside, a third each of half a cell.
+        for r in 1..ROWS - 1 {
+            for c in 1..COLUMNS - 1 {
+                let (a, b) = (cells[r * COLUMNS + c], triangles[r * COLUMNS + c]);
+                // What takes a triangle's force is lighter next to corners.
+                let near = if r % (ROWS - 3) == 1 { 0.1 } else { 1e-4 };
+                assert!(a.distance(b) <= near * a.length(), "{r} {c}: {a} and {b}");
+            }
+        }
+        let apart = total(&cells).distance(total(&triangles));
+        assert!(apart < 0.02 * total(&cells).length(), "{apart}");
+    }
+
+    #[test]
+    fn a_wave_feels_what_its_triangles_feel() {
+        let velocity = |p: Vec3| Vec3::new(p.z, p.x * p.x, 1.0 - p.x);
+        let lattice = lattice();
+        let place = |p: Vec3| p + Vec3::Y * (0.8 * p.x * (p.z + p.x));
+        let rest = &lattice.rest_positions;
+        let (_, shares) = Triangles::new(lattice.layout, &triangles(), rest, &lattice.area);
+        let mut expected = vec![Vec3::ZERO; COUNT];
+        for (corners, share) in triangles().into_iter().zip(shares) {
+            let [a, b, c] = corners.map(|p| place(rest[p as usize]));
+            let mean = corners.map(|p| velocity(rest[p as usize])).into_iter().sum::<Vec3>() / 3.0;
+            let now = Vec3::new(2.0, 3.0, -1.0) - mean;
+            let area = (b - a).cross(c - a) * 0.5;
+            let force = LAW.force(area, now, now - GRAVITY * LAW.kick, share / 0.2);
+            for p in corners {
+                expected[p as usize] += force / (3.0 * masses()[p as usize]);
+            }
+        }
+        for (i, (a, b)) in
+            push(Isa::detect(), false, 0.8, velocity).iter().zip(expected).enumerate()
+        {
+            assert!(a.distance(b) <= 1e-4 * (1.0 + b.length()), "{i}: {a} and {b}");
+        }
+    }
+
+    #[test]
+    fn the_shares_of_the_triangles_around_a_particle_are_no_more_than_it_weighs() {
+        let lattice = lattice();
+        let rest = &lattice.rest_positions;
+        let (_, inverse) = Triangles::new(lattice.layout, &triangles(), rest, &lattice.area);
+        let mut taken = vec![0.0; COUNT];
+        for (corners, inverse) in triangles().into_iter().zip(inverse) {
+            for p in corners {
+                taken[p as usize] += 1.0 / (3.0 * inverse);
+            }
+        }
+        for (slot, taken) in lattice.layout.slots().zip(taken) {
+            assert!(taken <= lattice.area[slot] * 1.0001 && taken > 0.2 * lattice.area[slot]);
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let velocity = |p: Vec3| Vec3::new(p.z, p.x * p.x, 1.0 - p.x);
+        let first = push(Isa::Baseline, false, 0.8, velocity);
+        for isa in Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
+            assert!(push(isa, false, 0.8, velocity) == first, "{isa:?}");
+        }
+    }
+}

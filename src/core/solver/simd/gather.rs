@@ -1,0 +1,158 @@
+//! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
+//! in one piece.
+
+use crate::solver::contact::ActiveSet;
+use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa};
+use crate::solver::simd::transpose::{Four, Transpose};
+
+/// What is gathered of the particles.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    /// Positions at the substep's start, and inverse masses.
+    pub x: Vec<Four>,
+    /// Displacements, and zero.
+    pub d: Vec<Four>,
+    /// Normals of what the particles lie on, and what that bears.
+    pub normals: Vec<Four>,
+}
+
+impl Places {
+    pub fn new(slots: usize) -> Self {
+        let none = vec![Four::default(); slots];
+        Self { x: none.clone(), d: none.clone(), normals: none }
+    }
+
+    /// Where particles are, and their inverse masses.
+    #[inline(always)]
+    pub fn gather_moved(&self, t: impl Transpose, slots: &[u32], at: usize) -> (Block3, Block) {
+        let slots = row(slots, at);
+        // Of one length, so that one check of a slot does for both.
+        let (all_x, all_d) = (&self.x[..], &self.d[..self.x.len()]);
+        let [x, y, z, w] = t.apart(|i| {
+            let slot = slots[i] as usize;
+            sum(all_x[slot], all_d[slot])
+        });
+        (Block3 { x, y, z }, w)
+    }
+
+    /// Normals of what particles lie on.
+    #[inline(always)]
+    pub fn gather_normals(&self, t: impl Transpose, slots: &[u32], at: usize) -> Block3 {
+        gather(t, &self.normals, slots, at)
+    }
+
+    /// Adds what the particles lie on bears.
+    #[inline(always)]
+    pub fn load(&mut self, t: impl Transpose, slots: &[u32], at: usize, load: &Block) {
+        let fours = t.together(&[Block::ZERO, Block::ZERO, Block::ZERO, *load]);
+        for (load, slot) in fours.into_iter().zip(row(slots, at)) {
+            let to = &mut self.normals[slot as usize];
+            *to = sum(*to, load);
+        }
+    }
+
+    /// Displaces particles, which are all different but for the one beside the cloth.
+    #[inline(always)]
+    pub fn scatter(&mut self, t: impl Transpose, slots: &[u32], at: usize, by: Block3) {
+        let fours = t.together(&[by.x, by.y, by.z, Block::ZERO]);
+        for (by, slot) in fours.into_iter().zip(row(slots, at)) {
+            let d = &mut self.d[slot as usize];
+            *d = sum(*d, by);
+        }
+    }
+}
+
+/// Slots of a row of a table.
+#[inline(always)]
+fn row(slots: &[u32], at: usize) -> [u32; LANES] {
+    let mut out = [0; LANES];
+    out.copy_from_slice(&slots[at..at + LANES]);
+    out
+}
+
+#[inline(always)]
+fn sum(mut a: Four, b: Four) -> Four {
+    for (a, b) in a.0.iter_mut().zip(b.0) {
+        *a += b;
+    }
+    a
+}
+
+/// Vectors of a list.
+#[inline(always)]
+pub(crate) fn gather(t: impl Transpose, vectors: &[Four], indices: &[u32], at: usize) -> Block3 {
+    let indices = row(indices, at);
+    let [x, y, z, _] = t.apart(|i| vectors[indices[i] as usize]);
+    Block3 { x, y, z }
+}
+
+/// Neighbouring vectors and what is with them.
+#[inline(always)]
+pub(crate) fn load(t: impl Transpose, fours: &[Four], at: usize) -> (Block3, Block) {
+    let fours = &fours[at..at + LANES];
+    let [x, y, z, w] = t.apart(|i| fours[i]);
+    (Block3 { x, y, z }, w)
+}
+
+/// Puts neighbouring vectors.
+#[inline(always)]
+pub(crate) fn store(t: impl Transpose, fours: &mut [Four], at: usize, vector: Block3, w: Block) {
+    fours[at..at + LANES].copy_from_slice(&t.together(&[vector.x, vector.y, vector.z, w]));
+}
+
+/// Fills the places.
+pub(crate) struct FillPlaces<'a> {
+    pub inverse_mass: &'a Array,
+    pub x: &'a Soa,
+    pub d: &'a Soa,
+    /// What they lie on, where any do.
+    pub contacts: Option<&'a ActiveSet>,
+    pub places: &'a mut Places,
+}
+
+impl TransposingKernel for FillPlaces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, t: impl Transpose) {
+        let Places { x, d, normals } = self.places;
+        for slot in (0..x.len()).step_by(LANES) {
+            let mut w = Block::load(self.inverse_mass, slot);
+            if let Some(set) = self.contacts {
+                let slip = Block::load(&set.now.slip, slot);
+                for i in 0..LANES {
+                    w.0[i] *= slip.0[i];
+                }
+            }
+            store(t, x, slot, Block3::load(self.x, slot), w);
+            store(t, d, slot, Block3::load(self.d, slot), Block::ZERO);
+            if let Some(set) = self.contacts {
+                let normal = Block3::load(&set.now.normal, slot);
+                store(t, normals, slot, normal, Block::load(&set.load, slot));
+            }
+        }
+    }
+}
+
+/// Takes the displacements back.
+pub(crate) struct TakeDisplacements<'a> {
+    pub places: &'a Places,
+    pub d: &'a mut Soa,
+    /// What takes the loads, where any particle lies on anything.
+    pub contacts: Option<&'a mut ActiveSet>,
+}
+
+impl TransposingKernel for TakeDisplacements<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self, t: impl Transpose) {
+        for slot in (0..self.places.d.len()).step_by(LANES) {
+            load(t, &self.places.d, slot).0.store(self.d, slot);
+            if let Some(set) = &mut self.contacts {
+                load(t, &self.places.normals, slot).1.store(&mut set.load, slot);
+            }
+        }
+    }
+}

@@ -1,0 +1,508 @@
+//! Fixed-width blocks of particles: what the kernels compute with.
+//!
+//! A kernel loads blocks from the rows, runs one loop over their lanes with the arithmetic of a single
+//! particle in its body, and stores blocks. The compiler turns that loop into vector instructions; it
+//! does not do so for loops over slices that are fields of a struct, nor where the body calls anything
+//! that is not inlined (`Vec3::length` is such a call, `f32::sqrt` is not, a closure or a `map` over an array may be).
+//!
+//! The kernels that take the time have their blocks from [`Blocks`], a row at a time; others load them one by one.
+
+use core::ops::{Deref, DerefMut};
+
+use bevy_math::Vec3;
+
+use crate::solver::simd::parallel::CutAt;
+
+/// Particles in a block. Rows are padded to a whole number of blocks.
+pub const LANES: usize = 16;
+
+/// One coordinate of [`LANES`] neighbouring particles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block(pub [f32; LANES]);
+
+/// A vector for each of [`LANES`] neighbouring particles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block3 {
+    pub x: Block,
+    pub y: Block,
+    pub z: Block,
+}
+
+impl Block {
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    #[inline(always)]
+    pub fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    pub fn load(slice: &[f32], at: usize) -> Self {
+        let mut out = [0.0; LANES];
+        out.copy_from_slice(&slice[at..at + LANES]);
+        Self(out)
+    }
+
+    #[inline(always)]
+    pub fn store(self, slice: &mut [f32], at: usize) {
+        slice[at..at + LANES].copy_from_slice(&self.0);
+    }
+
+    /// The sums of each lane.
+    #[inline(always)]
+    pub fn plus(mut self, other: &Self) -> Self {
+        for i in 0..LANES {
+            self.0[i] += other.0[i];
+        }
+        self
+    }
+
+    /// Each lane with its sign changed.
+    #[inline(always)]
+    pub fn negated(mut self) -> Self {
+        for lane in &mut self.0 {
+            *lane = -*lane;
+        }
+        self
+    }
+
+    /// The largest lane. The order of comparing does not change its value.
+    #[inline(always)]
+    pub fn largest(&self) -> f32 {
+        let mut lanes = self.0;
+        let mut width = LANES;
+        while width > 1 {
+            width /= 2;
+            for i in 0..width {
+                lanes[i] = larger(lanes[i], lanes[i + width]);
+            }
+        }
+        lanes[0]
+    }
+
+    /// Whether any lane is above a number.
+    #[inline(always)]
+    pub fn is_any_above(&self, bound: f32) -> bool {
+        let mut any = false;
+        for lane in self.0 {
+            any |= lane > bound;
+        }
+        any
+    }
+
+    /// Whether any lane is another number than zero.
+    #[inline(always)]
+    pub fn is_any(&self) -> bool {
+        let mut any = false;
+        for lane in self.0 {
+            any |= lane != 0.0;
+        }
+        any
+    }
+
+    /// The smallest lane.
+    #[inline(always)]
+    pub fn smallest(&self) -> f32 {
+        -self.negated().largest()
+    }
+}
+
+impl Block3 {
+    pub const ZERO: Self = Self { x: Block::ZERO, y: Block::ZERO, z: Block::ZERO };
+
+    #[inline(always)]
+    pub fn splat(value: Vec3) -> Self {
+        Self { x: Block::splat(value.x), y: Block::splat(value.y), z: Block::splat(value.z) }
+    }
+
+    #[inline(always)]
+    pub fn load(from: &impl Slots, at: usize) -> Self {
+        let [x, y, z] = from.axes();
+        let at = at - from.first();
+        Self { x: Block::load(x, at), y: Block::load(y, at), z: Block::load(z, at) }
+    }
+
+    #[inline(always)]
+    pub fn store(self, to: &mut impl SlotsMut, at: usize) {
+        let at = at - to.first();
+        let [x, y, z] = to.axes_mut();
+        self.x.store(x, at);
+        self.y.store(y, at);
+        self.z.store(z, at);
+    }
+
+    /// The sums of two arrays: positions and what they are displaced by.
+    #[inline(always)]
+    pub fn load_sum(a: &impl Slots, b: &impl Slots, at: usize) -> Self {
+        Self::load(a, at).plus(&Self::load(b, at))
+    }
+
+    /// The sums of each lane's vectors.
+    #[inline(always)]
+    pub fn plus(mut self, other: &Self) -> Self {
+        for i in 0..LANES {
+            self.set(i, self.at(i) + other.at(i));
+        }
+        self
+    }
+
+    /// The vector of one lane.
+    #[inline(always)]
+    pub fn at(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
+    }
+
+    /// Sets the vector of one lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: Vec3) {
+        self.x.0[lane] = value.x;
+        self.y.0[lane] = value.y;
+        self.z.0[lane] = value.z;
+    }
+}
+
+/// Blocks side by side, from any slot on. Whether they are in memory is checked once for all of them, not
+/// for each: checks were half of a kernel's instructions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks<'a>(&'a [[f32; LANES]]);
+
+impl<'a> Blocks<'a> {
+    /// So many blocks of a slice.
+    #[inline(always)]
+    pub fn new(slice: &'a [f32], at: usize, count: usize) -> Self {
+        let (blocks, _) = slice[at..].as_chunks();
+        Self(&blocks[..count])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block {
+        Block(self.0[block])
+    }
+}
+
+/// [`Blocks`] that can be written.
+#[derive(Debug)]
+pub(crate) struct BlocksMut<'a>(&'a mut [[f32; LANES]]);
+
+impl<'a> BlocksMut<'a> {
+    /// So many blocks of a slice.
+    #[inline(always)]
+    pub fn new(slice: &'a mut [f32], at: usize, count: usize) -> Self {
+        let (blocks, _) = slice[at..].as_chunks_mut();
+        Self(&mut blocks[..count])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block {
+        Block(self.0[block])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, block: usize, value: Block) {
+        self.0[block] = value.0;
+    }
+
+    /// Adds to a block.
+    #[inline(always)]
+    pub fn add(&mut self, block: usize, value: &Block) {
+        self.set(block, self.at(block).plus(value));
+    }
+}
+
+/// [`Blocks`] of vectors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks3<'a>([Blocks<'a>; 3]);
+
+impl<'a> Blocks3<'a> {
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn new(from: &'a impl Slots, slot: usize, count: usize) -> Self {
+        let at = slot - from.first();
+        let [x, y, z] = from.axes();
+        Self([Blocks::new(x, at, count), Blocks::new(y, at, count), Blocks::new(z, at, count)])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block3 {
+        let [x, y, z] = &self.0;
+        Block3 { x: x.at(block), y: y.at(block), z: z.at(block) }
+    }
+}
+
+/// [`Blocks3`] that can be written.
+#[derive(Debug)]
+pub(crate) struct Blocks3Mut<'a>([BlocksMut<'a>; 3]);
+
+impl<'a> Blocks3Mut<'a> {
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn new(of: &'a mut impl SlotsMut, slot: usize, count: usize) -> Self {
+        let at = slot - of.first();
+        let [x, y, z] = of.axes_mut();
+        let blocks = |axis| BlocksMut::new(axis, at, count);
+        Self([blocks(x), blocks(y), blocks(z)])
+    }
+
+    #[inline(always)]
+    pub fn at(&self, block: usize) -> Block3 {
+        let [x, y, z] = &self.0;
+        Block3 { x: x.at(block), y: y.at(block), z: z.at(block) }
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, block: usize, value: Block3) {
+        let [x, y, z] = &mut self.0;
+        x.set(block, value.x);
+        y.set(block, value.y);
+        z.set(block, value.z);
+    }
+
+    /// Adds to a block.
+    #[inline(always)]
+    pub fn add(&mut self, block: usize, value: &Block3) {
+        self.set(block, self.at(block).plus(value));
+    }
+}
+
+/// Floats that begin at a whole cache line, so that an aligned block lies in one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Array(Vec<Line>);
+
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([f32; LANES]);
+
+impl Array {
+    /// `len` zeros, a whole number of blocks.
+    pub fn zeros(len: usize) -> Self {
+        Self(vec![Line([0.0; LANES]); len.div_ceil(LANES)])
+    }
+}
+
+impl Deref for Array {
+    type Target = [f32];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f32] {
+        bytemuck::must_cast_slice(&self.0)
+    }
+}
+
+impl DerefMut for Array {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f32] {
+        bytemuck::must_cast_slice_mut(&mut self.0)
+    }
+}
+
+/// A vector a particle, as structure of arrays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Soa {
+    pub x: Array,
+    pub y: Array,
+    pub z: Array,
+}
+
+impl Soa {
+    pub fn zeros(len: usize) -> Self {
+        let array = Array::zeros(len);
+        Self { x: array.clone(), y: array.clone(), z: array }
+    }
+
+    /// Sets all to zero.
+    pub fn clear(&mut self) {
+        for axis in [&mut self.x, &mut self.y, &mut self.z] {
+            axis.fill(0.0);
+        }
+    }
+
+    /// All of it, to be cut into parts.
+    pub fn part_mut(&mut self) -> PartMut<'_> {
+        PartMut { first: 0, x: &mut self.x, y: &mut self.y, z: &mut self.z }
+    }
+
+    #[inline(always)]
+    pub fn get(&self, at: usize) -> Vec3 {
+        Slots::get(self, at)
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, at: usize, value: Vec3) {
+        SlotsMut::set(self, at, value);
+    }
+
+    /// Takes over the values of `other`, which has the same length.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
+}
+
+/// A vector for each of some neighbouring slots.
+pub(crate) trait Slots {
+    /// The first of them.
+    fn first(&self) -> usize;
+    /// Coordinates, from that of the first slot on.
+    fn axes(&self) -> [&[f32]; 3];
+
+    /// The vector of a slot.
+    #[inline(always)]
+    fn get(&self, slot: usize) -> Vec3 {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes();
+        Vec3::new(x[at], y[at], z[at])
+    }
+}
+
+/// [`Slots`] that can be written.
+pub(crate) trait SlotsMut: Slots {
+    /// See [`Slots::axes`].
+    fn axes_mut(&mut self) -> [&mut [f32]; 3];
+
+    /// Sets the vector of a slot.
+    #[inline(always)]
+    fn set(&mut self, slot: usize, value: Vec3) {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes_mut();
+        (x[at], y[at], z[at]) = value.into();
+    }
+}
+
+impl Slots for Soa {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+}
+
+impl SlotsMut for Soa {
+    #[inline(always)]
+    fn axes_mut(&mut self) -> [&mut [f32]; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
+    }
+}
+
+/// A part of a [`Soa`] that is written while others write the rest.
+#[derive(Debug)]
+pub(crate) struct PartMut<'a> {
+    first: usize,
+    x: &'a mut [f32],
+    y: &'a mut [f32],
+    z: &'a mut [f32],
+}
+
+/// A part of a [`Soa`], or a copy of one, under the slots that it has there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part<'a> {
+    pub first: usize,
+    pub axes: [&'a [f32]; 3],
+}
+
+impl Slots for Part<'_> {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        self.first
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        self.axes
+    }
+}
+
+impl PartMut<'_> {
+    /// The same part, for a while: what holds it need not be passed on.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> PartMut<'_> {
+        PartMut { first: self.first, x: self.x, y: self.y, z: self.z }
+    }
+}
+
+impl CutAt for PartMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let at = slot - self.first;
+        let (x, below_x) = self.x.split_at_mut(at);
+        let (y, below_y) = self.y.split_at_mut(at);
+        let (z, below_z) = self.z.split_at_mut(at);
+        let below = Self { first: slot, x: below_x, y: below_y, z: below_z };
+        (Self { first: self.first, x, y, z }, below)
+    }
+}
+
+impl Slots for PartMut<'_> {
+    #[inline(always)]
+    fn first(&self) -> usize {
+        self.first
+    }
+
+    #[inline(always)]
+    fn axes(&self) -> [&[f32]; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl SlotsMut for PartMut<'_> {
+    #[inline(always)]
+    fn axes_mut(&mut self) -> [&mut [f32]; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+/// A number for each of some neighbouring slots, written while others write those of the rest.
+#[derive(Debug)]
+pub(crate) struct ValuesMut<'a> {
+    first: usize,
+    values: &'a mut [f32],
+}
+
+impl<'a> ValuesMut<'a> {
+    /// Those of all slots.
+    pub fn all(values: &'a mut [f32]) -> Self {
+        Self { first: 0, values }
+    }
+
+    /// The same, for a while.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> ValuesMut<'_> {
+        ValuesMut { first: self.first, values: self.values }
+    }
+
+    /// So many blocks from a slot on.
+    #[inline(always)]
+    pub fn blocks(&mut self, slot: usize, count: usize) -> BlocksMut<'_> {
+        BlocksMut::new(self.values, slot - self.first, count)
+    }
+
+    /// Adds to the block of a slot.
+    #[inline(always)]
+    pub fn add(&mut self, slot: usize, more: &Block) {
+        let at = slot - self.first;
+        Block::load(self.values, at).plus(more).store(self.values, at);
+    }
+}
+
+impl CutAt for ValuesMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (values, below) = self.values.split_at_mut(slot - self.first);
+        (Self { first: self.first, values }, Self { first: slot, values: below })
+    }
+}
+
+/// The larger of two numbers; the second where either is NaN. One instruction, where `f32::max` is
+/// several.
+#[inline(always)]
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers; the second where either is NaN.
+#[inline(always)]
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

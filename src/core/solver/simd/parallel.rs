@@ -1,0 +1,280 @@
+//! Bands of rows: a large sheet is cut, so that the cores share the work.
+//!
+//! A stage is a kernel over rows. Of a large sheet it is cut in two between rows, with what each half writes, and
+//! so are the halves, down to bands; those run side by side in rayon's pool, which the application may
+//! set up. Where the cuts are depends on the sheet alone, and what bands find out is put together in their order:
+//! bits are the same on any number of cores. A kernel that looks at rows next to its own looks at what no other writes
+//! meanwhile, or at a copy.
+
+use core::ops::Range;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use crate::solver::plan::Form;
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::{LANES, Part, Soa};
+use crate::solver::topology::lattice::Layout;
+
+/// Particles of a sheet at least that is cut: fewer are done sooner than handed over.
+const LEAST_CUT: usize = 12_000;
+/// The same of a sheet of whole threads. Warp is solved by columns, all else by rows, so that half of its particles
+/// change cores twice in a substep.
+const LEAST_WOVEN: usize = 40_000;
+/// Particles of a band at least.
+const LEAST_BAND: usize = 4_096;
+/// Bands at most. Each has room of its own.
+const MOST: usize = 16;
+
+/// Some rows of a sheet that are worked on one after the other, or are to be cut further.
+#[derive(Clone, Debug)]
+pub(crate) struct Band {
+    pub layout: Layout,
+    pub rows: Range<usize>,
+    /// Rows from cut to cut: whole strips.
+    each: usize,
+    /// Whether bands are shared out; else one follows the other.
+    shared: bool,
+}
+
+impl Band {
+    /// All rows, to be cut into bands where they are many.
+    pub fn all(layout: Layout) -> Self {
+        let Layout { rows, columns, .. } = layout;
+        if rows * columns < LEAST_CUT {
+            return Self::uncut(layout);
+        }
+        let enough = LEAST_BAND.div_ceil(columns);
+        let each = rows.div_ceil(MOST).max(enough).next_multiple_of(LANES);
+        Self { layout, rows: 0..rows, each, shared: true }
+    }
+
+    /// All rows in one piece.
+    pub fn uncut(layout: Layout) -> Self {
+        let each = layout.rows.next_multiple_of(LANES).max(LANES);
+        Self { layout, rows: 0..layout.rows, each, shared: false }
+    }
+
+    /// How many bands it is cut into.
+    pub fn count(&self) -> usize {
+        self.rows.len().div_ceil(self.each)
+    }
+
+    /// Where it is cut next, if it is.
+    pub fn middle(&self) -> Option<usize> {
+        let count = self.count();
+        (count > 1).then(|| self.rows.start + count / 2 * self.each)
+    }
+
+    /// The rows before one, and from it on.
+    pub fn cut(self, row: usize) -> (Self, Self) {
+        let (above, below) = (self.rows.start..row, row..self.rows.end);
+        (Self { rows: above, ..self }, Self { rows: below, ..self })
+    }
+
+    /// The slot of the first particle of a row.
+    pub fn slot(&self, row: usize) -> usize {
+        self.layout.slot(row, 0)
+    }
+}
+
+/// How a sheet is cut.
+#[derive(Clone, Debug)]
+pub(crate) struct Bands {
+    /// Between its rows.
+    pub rows: Band,
+    /// Between its columns, in the transposed layout, whose rows they are.
+    pub columns: Band,
+    /// Between its rows, even where there is but one core: for sums that depend on where the cuts are.
+    pub sums: Band,
+}
+
+impl Bands {
+    /// Whether cores can share a sheet to any profit.
+    pub fn pays(layout: Layout, form: Form) -> bool {
+        let least = match form {
+            Form::Threads => LEAST_WOVEN,
+            Form::Springs => LEAST_CUT,
+        };
+        layout.rows * layout.columns >= least
+    }
+
+    /// For all cores, or for one. What lies in one row is never cut.
+    pub fn new(layout: Layout, shared: bool) -> Self {
+        let cut = if shared { Band::all } else { Band::uncut };
+        let (rows, columns) = (cut(layout), cut(layout.transposed()));
+        Self { rows, columns, sums: Band { shared, ..Band::all(layout) } }
+    }
+
+    /// Bands at most, of rows or of columns.
+    pub fn most(&self) -> usize {
+        self.rows.count().max(self.columns.count())
+    }
+}
+
+/// Copies of the rows on both sides of each cut.
+#[derive(Clone, Debug)]
+pub(crate) struct Seams {
+    band: Band,
+    /// From one copy to the next: a row, with a block before and after it.
+    width: usize,
+    rows: Soa,
+}
+
+impl Seams {
+    /// Room for the cuts of a sheet.
+    pub fn new(band: Band) -> Self {
+        let width = band.layout.stride + 2 * LANES;
+        let cuts = band.count().saturating_sub(1);
+        Self { rows: Soa::zeros(2 * cuts * width), width, band }
+    }
+
+    /// Copies the rows as they are.
+    pub fn copy(&mut self, from: &Soa) {
+        let Band { each, ref rows, .. } = self.band;
+        for cut in (rows.start..rows.end).step_by(each).skip(1) {
+            for row in [cut - 1, cut] {
+                let (to, first) = (self.place(row), self.first(row));
+                let axes = [&mut self.rows.x, &mut self.rows.y, &mut self.rows.z];
+                for (axis, from) in axes.into_iter().zip([&from.x, &from.y, &from.z]) {
+                    axis[to..to + self.width].copy_from_slice(&from[first..first + self.width]);
+                }
+            }
+        }
+    }
+
+    /// A row next to a cut, as it was.
+    #[inline(always)]
+    pub fn row(&self, row: usize) -> Part<'_> {
+        let at = self.place(row);
+        let copy = at..at + self.width;
+        let Soa { x, y, z } = &self.rows;
+        Part { first: self.first(row), axes: [&x[copy.clone()], &y[copy.clone()], &z[copy]] }
+    }
+
+    fn first(&self, row: usize) -> usize {
+        self.band.slot(row) - LANES
+    }
+
+    /// Where the copy of a row begins.
+    fn place(&self, row: usize) -> usize {
+        // The last row before a cut comes before the first one after it.
+        let each = self.band.each;
+        let is_before = usize::from((row + 1).is_multiple_of(each));
+        (2 * ((row + 1) / each) - 1 - is_before) * self.width
+    }
+}
+
+/// Room to work in, as much as there are bands. A band takes the first that is free, which a core has used last.
+#[derive(Debug)]
+pub(crate) struct Rooms<T>(Vec<Mutex<T>>);
+
+impl<T> Rooms<T> {
+    /// Room for so many bands.
+    pub fn new(bands: usize, make: impl Fn() -> T) -> Self {
+        Self((0..bands.max(1)).map(|_| Mutex::new(make())).collect())
+    }
+
+    /// Takes a room that is free.
+    pub fn take(&self) -> MutexGuard<'_, T> {
+        loop {
+            for room in &self.0 {
+                match room.try_lock() {
+                    Ok(room) => return room,
+                    // What is in there has no meaning between two bands.
+                    Err(TryLockError::Poisoned(room)) => return room.into_inner(),
+                    Err(TryLockError::WouldBlock) => {}
+                }
+            }
+        }
+    }
+}
+
+impl<T: Clone> Clone for Rooms<T> {
+    fn clone(&self) -> Self {
+        Self::new(self.0.len(), || self.take().clone())
+    }
+}
+
+/// A kernel that can be cut in two between rows.
+pub(crate) trait Cut: Sized + Send {
+    /// What it returns.
+    type Output: Merge;
+    /// The rows that it works on.
+    fn band(&self) -> &Band;
+    /// The same for the rows before one, and from it on.
+    fn cut(self, row: usize) -> (Self, Self);
+    /// Works on its rows.
+    fn run(self, isa: Isa) -> Self::Output;
+}
+
+/// What a kernel writes by slots.
+pub(crate) trait CutAt: Sized {
+    /// What is before a slot, and the rest.
+    fn cut(self, slot: usize) -> (Self, Self);
+}
+
+impl<T: CutAt> CutAt for Option<T> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        self.map(|part| part.cut(slot)).unzip()
+    }
+}
+
+/// Makes a kernel with a `band` one that can be cut, with these of its fields. What else it has, both halves share.
+macro_rules! cut_between_rows {
+    ($kernel:ident $(, $part:ident)*) => {
+        impl $crate::solver::simd::parallel::Cut for $kernel<'_> {
+            type Output = <Self as $crate::solver::simd::isa::Kernel>::Output;
+
+            fn band(&self) -> &$crate::solver::simd::parallel::Band {
+                &self.band
+            }
+
+            fn cut(self, row: usize) -> (Self, Self) {
+                $(let $part = $crate::solver::simd::parallel::CutAt::cut(self.$part, self.band.slot(row));)*
+                let (above, below) = self.band.cut(row);
+                (
+                    Self { band: above, $($part: $part.0,)* ..self },
+                    Self { band: below, $($part: $part.1,)* ..self },
+                )
+            }
+
+            fn run(self, isa: $crate::solver::simd::isa::Isa) -> Self::Output {
+                isa.run(self)
+            }
+        }
+    };
+}
+pub(crate) use cut_between_rows;
+
+/// What bands find out.
+pub(crate) trait Merge: Send {
+    /// What a band and those below it have found.
+    fn merge(self, below: Self) -> Self;
+}
+
+impl Merge for () {
+    fn merge(self, (): ()) {}
+}
+
+impl Merge for bool {
+    fn merge(self, below: Self) -> Self {
+        self | below
+    }
+}
+
+/// Calls `act` where [`run`] shares out its bands, as each of its runs would else be handed over there.
+pub(crate) fn inside<R: Send>(act: impl FnOnce() -> R + Send) -> R {
+    rayon::join(act, || ()).0
+}
+
+/// Runs a kernel on all of its rows.
+pub(crate) fn run<K: Cut>(isa: Isa, kernel: K) -> K::Output {
+    let Some(middle) = kernel.band().middle() else { return kernel.run(isa) };
+    let shared = kernel.band().shared;
+    let (above, below) = kernel.cut(middle);
+    let (above, below) = if shared {
+        rayon::join(|| run(isa, above), || run(isa, below))
+    } else {
+        (run(isa, above), run(isa, below))
+    };
+    above.merge(below)
+}

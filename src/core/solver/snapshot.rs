@@ -1,0 +1,399 @@
+//! Everything that a solver's later ticks depend on, besides its rest shape, material and settings: taken out
+//! and put back, to the bit.
+//!
+//! Each structure is taken apart here field by field, so that one that is added cannot be forgotten: it does
+//! not compile.
+
+use bevy_math::Vec3;
+
+use crate::solver::ClothSolver;
+use crate::solver::constraints::soft_pins::SoftPin;
+use crate::solver::contact::{ActiveSet, EdgeMemory, Freed, WarmStart};
+use crate::solver::error::SolverError;
+use crate::solver::forces::aerodynamics::Air;
+use crate::solver::forces::external::Pushes;
+use crate::solver::input::is_near;
+use crate::solver::rest_detection::Mark;
+use crate::solver::simd::lanes::Soa;
+use crate::solver::state::State;
+use crate::solver::topology::Topology;
+
+/// The state of a solver between two ticks: places, velocities, pins, and whatever else its later bits depend
+/// on. See [`ClothSolver::save`].
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct SolverState {
+    /// Rows and columns, where the rest shape has any.
+    grid: Option<[u32; 2]>,
+    /// See [`State`], whose arrays are by particle here.
+    origin: Vec3,
+    x: Vec<Vec3>,
+    d: Vec<Vec3>,
+    unit: f32,
+    start: Vec<Vec3>,
+    last_step: f32,
+    response: f32,
+    /// What corrections carry on, where they do.
+    pull: Option<Vec<Vec3>>,
+    /// What lay on colliders, if anything did.
+    contacts: Option<SavedContacts>,
+    /// The tick that was planned for \[s\].
+    tick: f32,
+    pins: Vec<u32>,
+    /// Soft pins, and the force that each does not exceed \[N\].
+    soft: Vec<(SoftPin, f32)>,
+    air: Option<Air>,
+    tethered_under: Option<Vec3>,
+    mark_origin: Vec3,
+    mark: Vec<Vec3>,
+    /// Forces that wait for the next tick, and their strength \[N\].
+    pushes: Option<(Vec<Vec3>, f32)>,
+}
+
+/// The normals of the surfaces that particles lay on in the last substep and in the one before, and the velocities of those
+/// \[m/s\]; see `contact`.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+struct SavedContacts {
+    normals: Vec<Vec3>,
+    before: Vec<Vec3>,
+    slips: Vec<[f32; 2]>,
+    velocities: Vec<Vec3>,
+    holders: Vec<u32>,
+    /// Impulses that are expected to press on edges.
+    warm: Vec<SavedWarmStart>,
+    /// Particles that pass through a collider, which one, and how long yet \[s\].
+    freed: Vec<([u32; 2], f32)>,
+    /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
+    owed: Vec<Option<Vec3>>,
+}
+
+/// The impulse that a collider is expected to press on an edge with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+struct SavedWarmStart {
+    collider: u32,
+    /// The particles that it acts on, and their parts.
+    corners: [u32; 3],
+    parts: [f32; 3],
+    impulse: Vec3,
+}
+
+impl SavedWarmStart {
+    fn of(warm: &WarmStart, particle: impl Fn(u32) -> u32) -> Self {
+        let WarmStart { collider, corners, parts, impulse } = *warm;
+        Self { collider, corners: corners.map(particle), parts, impulse }
+    }
+
+    fn with_slots(&self, slot: impl Fn(u32) -> u32) -> WarmStart {
+        let Self { collider, corners, parts, impulse } = *self;
+        WarmStart { collider, corners: corners.map(slot), parts, impulse }
+    }
+}
+
+impl SavedContacts {
+    /// Whether a cloth of so many particles may have been in such contact.
+    fn is_good(&self, particles: usize) -> bool {
+        let Self { normals, before, slips, velocities, holders, warm, freed, owed } = self;
+        let is_normal = |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
+        [normals, before]
+            .iter()
+            .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
+            && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
+            && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
+            && velocities.iter().all(|velocity| is_near(*velocity))
+            && warm.iter().all(|warm| {
+                warm.corners.iter().all(|&corner| (corner as usize) < particles)
+                    && warm.parts.iter().all(|part| (0.0..=1.0).contains(part))
+                    && is_near(warm.impulse)
+            })
+            && freed
+                .iter()
+                .all(|&([particle, _], left)| (particle as usize) < particles && left.is_finite())
+            && owed.iter().flatten().all(|owed| is_near(*owed))
+    }
+}
+
+/// Why a state cannot be put back. Nothing has changed then.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateError {
+    /// It is that of a cloth of another number of particles.
+    #[error("the state is of {got} particles, but the cloth has {expected}: it is another cloth's")]
+    WrongParticleCount {
+        /// Particles of the cloth.
+        expected: usize,
+        /// Particles of the state.
+        got: usize,
+    },
+    /// It is that of a cloth of other rows and columns.
+    #[error("the state is of a cloth of other rows and columns: it is another cloth's")]
+    OtherGrid,
+    /// Something in it is not finite, or contradicts the rest: no cloth was ever in that state.
+    #[error("the state is damaged: its {0} cannot be")]
+    Damaged(&'static str),
+    /// The solver refuses what it is to hold or feel.
+    #[error("the state is damaged: {0}")]
+    Refused(#[from] SolverError),
+}
+
+impl SolverState {
+    /// Particles of the cloth that it was taken from.
+    pub fn particle_count(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Particles that are held, then those that are held softly; both ascending.
+    pub fn held(&self) -> (&[u32], impl Iterator<Item = u32> + '_) {
+        (&self.pins, self.soft.iter().map(|(pin, _)| pin.particle))
+    }
+
+    /// Checks it for a cloth.
+    fn check(&self, topology: &Topology) -> Result<(), StateError> {
+        let expected = topology.particle_count();
+        if self.x.len() != expected {
+            return Err(StateError::WrongParticleCount { expected, got: self.x.len() });
+        }
+        if self.grid != grid(topology) {
+            return Err(StateError::OtherGrid);
+        }
+        let is_good = |vectors: &[Vec3]| {
+            vectors.len() == expected && vectors.iter().all(|&vector| is_near(vector))
+        };
+        let good = |ok: bool, what| if ok { Ok(()) } else { Err(StateError::Damaged(what)) };
+        good(is_near(self.origin) && is_near(self.mark_origin), "origin")?;
+        good(is_good(&self.x) && is_good(&self.start), "positions")?;
+        good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
+        good(is_good(&self.d), "displacements")?;
+        good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
+        good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
+        good(is_good(&self.mark), "marked positions")?;
+        good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
+        good((0.0..=1.0).contains(&self.last_step), "last substep")?;
+        good((0.0..=1.0).contains(&self.response), "response")?;
+        good(self.tick > 0.0 && self.tick <= 1.0, "tick")?;
+        good(self.pins.is_sorted_by(|a, b| a < b), "pins")?;
+        good(self.soft.is_sorted_by(|(a, _), (b, _)| a.particle < b.particle), "soft pins")?;
+        good(self.soft.iter().all(|&(_, most)| most >= 0.0), "soft pins")?;
+        good(self.tethered_under.is_none_or(Vec3::is_finite), "load")?;
+        let forces = self.pushes.as_ref();
+        let is_force = |(forces, strength): &(Vec<Vec3>, f32)| {
+            forces.len() == expected
+                && forces.iter().all(|force| force.is_finite())
+                && (0.0..f32::INFINITY).contains(strength)
+        };
+        good(forces.is_none_or(is_force), "forces")
+    }
+}
+
+impl ClothSolver {
+    /// Takes the state out, between two ticks. A solver of the same rest shape, material and settings that it
+    /// is put back into goes on with the same bits, given the same input.
+    pub fn save(&self) -> SolverState {
+        let Self {
+            // What the state is put back into has these.
+            topology,
+            bands: _,
+            edges: _,
+            shares: _,
+            material: _,
+            settings: _,
+            isa: _,
+            // These follow from what is kept of them.
+            held,
+            soft,
+            bound: _,
+            steady: _,
+            plan,
+            air,
+            survey: _,
+            surveyed_before: _,
+            // These do not outlive a tick.
+            scratch: _,
+            done: _,
+            tether_ease: _,
+            contact_count: _,
+            pushes,
+            tethered_under,
+            state,
+            mark,
+        } = self;
+        let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
+            state;
+        // What else it has is of one substep.
+        let ActiveSet {
+            now,
+            before,
+            next: _,
+            // Another world has other colliders; they are told by their places.
+            keys: _,
+            edges,
+            velocity,
+            holder,
+            unpulled: _,
+            dropped: _,
+            impulses,
+            lost: _,
+            load: _,
+        } = contacts;
+        let EdgeMemory { warm, next_warm: _, freed, next_freed: _ } = edges;
+        let touches = now.any || impulses.are_measured() || !warm.is_empty() || !freed.is_empty();
+        let particle = |slot: u32| topology.particle(slot as usize) as u32;
+        let values = |values: &[f32]| -> Vec<f32> {
+            (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
+        };
+        let Mark { origin: mark_origin, x: mark } = mark;
+        let by_particle = |soa: &Soa| by_particle(topology, soa);
+        SolverState {
+            grid: grid(topology),
+            origin: *origin,
+            x: by_particle(x),
+            d: by_particle(d),
+            unit: *unit,
+            start: by_particle(start),
+            last_step: *last_step,
+            response: *response,
+            pull: carries.then(|| by_particle(pull)),
+            contacts: touches.then(|| SavedContacts {
+                normals: by_particle(&now.normal),
+                before: by_particle(&before.normal),
+                slips: values(&now.slip)
+                    .into_iter()
+                    .zip(values(&before.slip))
+                    .map(Into::into)
+                    .collect(),
+                velocities: by_particle(velocity),
+                holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
+                warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
+                freed: freed.iter().map(|it| ([particle(it.slot), it.collider], it.left)).collect(),
+                owed: impulses.owed(),
+            }),
+            tick: plan.tick,
+            pins: held.particles.clone(),
+            soft: soft.iter().map(|spring| (spring.pin, spring.most_force())).collect(),
+            air: air.as_ref().map(|surface| surface.air),
+            tethered_under: *tethered_under,
+            mark_origin: *mark_origin,
+            mark: by_particle(mark),
+            pushes: pushes.as_ref().filter(|pushes| pushes.strength > 0.0).map(|pushes| {
+                let Pushes { forces, strength } = &**pushes;
+                (by_particle(forces), *strength)
+            }),
+        }
+    }
+
+    /// Puts a state back.
+    ///
+    /// # Errors
+    /// [`StateError`] for one that is another cloth's, or damaged; nothing has changed then.
+    pub fn restore(&mut self, saved: &SolverState) -> Result<(), StateError> {
+        saved.check(&self.topology)?;
+        let mut next = self.clone();
+        next.put_back(saved)?;
+        *self = next;
+        Ok(())
+    }
+
+    fn put_back(&mut self, saved: &SolverState) -> Result<(), SolverError> {
+        let SolverState {
+            grid: _,
+            origin,
+            x,
+            d,
+            unit,
+            start,
+            last_step,
+            response,
+            pull,
+            contacts,
+            tick,
+            pins,
+            soft,
+            air,
+            tethered_under,
+            mark_origin,
+            mark,
+            pushes,
+        } = saved;
+        self.set_pins(pins)?;
+        let springs: Vec<_> = soft.iter().map(|(pin, _)| *pin).collect();
+        self.set_soft_pins(&springs)?;
+        for &(SoftPin { particle, .. }, most_force) in soft {
+            self.limit_soft_pin(particle, most_force);
+        }
+        self.set_air(*air)?;
+        self.plan_ticks(*tick);
+        // After all that makes the tethers forget it.
+        self.tether_under(*tethered_under);
+        let topology = &self.topology;
+        let by_slot = |vectors: &[Vec3]| by_slot(topology, vectors);
+        self.state = State {
+            origin: *origin,
+            x: by_slot(x),
+            d: by_slot(d),
+            pull: by_slot(pull.as_deref().unwrap_or_default()),
+            carries: pull.is_some(),
+            unit: *unit,
+            start: by_slot(start),
+            last_step: *last_step,
+            response: *response,
+            contacts: ActiveSet::new(topology.layout().len()),
+        };
+        if let Some(SavedContacts {
+            normals,
+            before,
+            slips,
+            velocities,
+            holders,
+            warm,
+            freed,
+            owed,
+        }) = contacts
+        {
+            let set = &mut self.state.contacts;
+            set.impulses.set_owed(owed);
+            (set.now.normal, set.before.normal) = (by_slot(normals), by_slot(before));
+            set.velocity = by_slot(velocities);
+            for particle in 0..topology.particle_count() {
+                let slot = topology.slot(particle);
+                set.holder[slot] = holders[particle] as f32;
+                [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
+            }
+            let slot = |particle: u32| topology.slot(particle as usize) as u32;
+            let edges = &mut set.edges;
+            edges.warm = warm.iter().map(|warm| warm.with_slots(slot)).collect();
+            edges.warm.sort_unstable_by_key(WarmStart::key);
+            let freed_at = |&([particle, collider], left): &([u32; 2], f32)| {
+                let slot = slot(particle);
+                Freed { slot, collider, left }
+            };
+            edges.freed = freed.iter().map(freed_at).collect();
+            edges.freed.sort_unstable_by_key(Freed::key);
+            set.now.find();
+            set.before.find();
+        }
+        self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };
+        self.pushes = pushes.as_ref().map(|(forces, strength)| {
+            Box::new(Pushes { forces: by_slot(forces), strength: *strength })
+        });
+        self.survey_anew();
+        Ok(())
+    }
+}
+
+/// Rows and columns, where there are any.
+fn grid(topology: &Topology) -> Option<[u32; 2]> {
+    topology.as_lattice().map(|lattice| [lattice.rows() as u32, lattice.columns() as u32])
+}
+
+fn by_particle(topology: &Topology, soa: &Soa) -> Vec<Vec3> {
+    (0..topology.particle_count()).map(|particle| soa.get(topology.slot(particle))).collect()
+}
+
+fn by_slot(topology: &Topology, vectors: &[Vec3]) -> Soa {
+    let mut soa = Soa::zeros(topology.layout().len());
+    for (particle, &vector) in vectors.iter().enumerate() {
+        soa.set(topology.slot(particle), vector);
+    }
+    soa
+}

@@ -1,0 +1,85 @@
+//! Which corrections are carried on to the next substep, and what is noted of them.
+
+use crate::solver::ClothSolver;
+use crate::solver::contact::NoteUnfollowed;
+use crate::solver::integrate::houbolt::{CARRIED, MOST_STRAIN};
+use crate::solver::integrate::verlet::Add;
+use crate::solver::plan::Form;
+use crate::solver::settings::Integrator;
+use crate::solver::state::State;
+use crate::solver::topology::Topology;
+
+impl ClothSolver {
+    /// Decides for a tick whether corrections are carried on in it.
+    pub(crate) fn begin_carrying(&mut self) {
+        self.scratch.carries = matches!(self.topology, Topology::Lattice(_))
+            && self.plan.form == Form::Threads
+            && self.plan.thread_stiffness > 0.0
+            && self.settings.integrator == Integrator::Verlet
+            && self.survey.max_strain <= MOST_STRAIN;
+        self.state.carries &= self.scratch.carries;
+    }
+
+    /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and
+    /// they move by the square of the step.
+    pub(crate) fn carried(&self) -> Option<f32> {
+        let ratio = self.plan.step / self.state.last_step;
+        self.state.carries.then_some(CARRIED * ratio * ratio)
+    }
+
+    /// Displacement in the substep that a correction makes for an acceleration of one \[s2\].
+    pub(crate) fn correction_response(&self) -> f32 {
+        if self.state.carries { self.state.response * (1.0 - CARRIED) } else { self.state.response }
+    }
+
+    /// Says whether this substep's pulls are to be carried on.
+    pub(crate) fn end_carrying(&mut self) {
+        self.state.carries = self.scratch.carries && !self.scratch.contact.struck;
+    }
+
+    /// Leaves out what corrects between this and [`Self::go_on_pulling`].
+    pub(crate) fn pause_pulls(&mut self) {
+        self.note_unfollowed(true);
+        self.note_borne(1.0);
+        self.note_pulls(1.0);
+    }
+
+    /// See [`Self::pause_pulls`].
+    pub(crate) fn go_on_pulling(&mut self) {
+        self.note_unfollowed(false);
+        self.note_borne(-1.0);
+        self.note_pulls(-1.0);
+    }
+
+    /// Particles that corrections see with another mass are pulled by more than they follow: all of it lasts.
+    pub(crate) fn note_unfollowed(&mut self, adds: bool) {
+        if self.scratch.carries {
+            self.note_soft_pins(adds);
+        }
+    }
+
+    /// Adds what colliders bear to the pulls, or takes it away.
+    pub(crate) fn note_borne(&mut self, part: f32) {
+        if self.scratch.carries && self.state.contacts.now.any {
+            let inverse_mass = &self.held.inverse_mass;
+            let State { d, pull, contacts: set, .. } = &mut self.state;
+            self.isa.run(NoteUnfollowed { set, inverse_mass, d, part, pull });
+        }
+    }
+
+    /// Adds displacements to the pulls, or takes them away.
+    pub(crate) fn note_pulls(&mut self, part: f32) {
+        if self.scratch.carries {
+            let layout = self.topology.layout();
+            let inverse_mass = &self.held.inverse_mass;
+            let State { d, pull, .. } = &mut self.state;
+            self.isa.run(Add { layout, part, inverse_mass, from: d, to: pull });
+        }
+    }
+
+    /// Corrections of this tick are not to be carried on any further: something else moves particles as well.
+    pub(crate) fn stop_carrying(&mut self) {
+        self.scratch.carries = false;
+        self.state.carries = false;
+    }
+}

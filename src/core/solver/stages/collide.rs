@@ -1,0 +1,60 @@
+//! Fourth stage: contact and friction. It ends the substep.
+
+use crate::solver::contact::{ResolveContacts, Skin};
+use crate::solver::input::StepInput;
+use crate::solver::integrate::verlet::Displace;
+use crate::solver::settings::Integrator;
+use crate::solver::simd::parallel;
+use crate::solver::state::State;
+use crate::solver::{ClothSolver, contact};
+
+/// Without gravity, what only touches is pressed by its weight in this \[m/s2\].
+const LEAST_GRAVITY: f32 = 9.81;
+
+impl ClothSolver {
+    /// Fourth stage: contact and friction. Ends the substep.
+    pub fn collide(&mut self, input: &StepInput<'_>) {
+        if input.colliders.is_empty() && !self.state.contacts.now.any {
+            self.contact_count = 0;
+            self.state.contacts.edges.clear();
+        } else {
+            let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
+            let contacts = ResolveContacts {
+                bands: &self.bands,
+                colliders: input.colliders,
+                origin: self.state.origin,
+                span: self.span(),
+                skin: Skin {
+                    epsilon: self.material.thickness,
+                    friction: self.material.friction,
+                    layers: self.settings.layers,
+                    most_push: self.settings.max_push_speed * self.plan.step,
+                    per_weight: 1.0 / weight,
+                    following: (self.plan.step / contact::FOLLOWING).min(1.0),
+                    step: self.plan.step,
+                    notes: self.scratch.carries,
+                },
+                inverse_mass: &mut self.held.inverse_mass,
+                x: &mut self.state.x,
+                d: &mut self.state.d,
+                pull: self.scratch.carries.then_some(&mut self.state.pull),
+                room: &mut self.scratch.contact,
+                edges: self.settings.edges.then_some(&self.edges),
+                max_strain: self.material.max_strain,
+                strain: self.survey.max_strain,
+                limits: self.settings.provot_passes > 0,
+                set: &mut self.state.contacts,
+            };
+            self.contact_count = contacts.run(self.isa);
+        }
+        self.end_carrying();
+        let State { x, d, pull, carries, .. } = &mut self.state;
+        let pull = carries.then(|| pull.part_mut());
+        let band = self.bands.rows.clone();
+        parallel::run(self.isa, Displace { band, x: x.part_mut(), d, pull });
+        if self.settings.integrator != Integrator::Verlet {
+            self.end_study();
+        }
+        self.done += 1;
+    }
+}

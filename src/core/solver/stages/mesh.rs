@@ -1,0 +1,155 @@
+//! The stages of a substep that are different on a mesh. They work on places, particles one after the
+//! other, which are filled before and emptied after.
+
+use bevy_math::Vec3;
+
+use crate::solver::constraints::strain_limit::Rule;
+use crate::solver::constraints::threads::Reach;
+use crate::solver::constraints::threads::chains::SolveChains;
+use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
+use crate::solver::integrate::verlet::Kick;
+use crate::solver::plan::Plan;
+use crate::solver::plan::graph_stiffness::Strengths;
+use crate::solver::settings::DampingForm;
+use crate::solver::simd::gather::{FillPlaces, Places, TakeDisplacements};
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::{Array, LANES, Soa};
+use crate::solver::simd::transpose::Four;
+use crate::solver::state::{Line, State};
+use crate::solver::topology::graph::Graph;
+use crate::solver::topology::graph::coloring::{CorrectPairs, LargestStrain};
+use crate::solver::topology::graph::couplings::Coupled;
+use crate::solver::topology::graph::hinges::{Turn, Turned};
+
+/// Room that the stages work in; nothing in it outlives a substep.
+#[derive(Clone, Debug)]
+pub(crate) struct Room {
+    places: Places,
+    moments: Vec<Four>,
+    /// Displacements predicted for the damping.
+    predicted: Vec<Four>,
+    /// Unknowns of a bundle of chains, and its inverse masses.
+    line: Line,
+    inverse_mass: Array,
+}
+
+impl Room {
+    pub fn new(graph: &Graph) -> Self {
+        let longest = graph.chains.longest() * LANES;
+        Self {
+            places: Places::new(graph.layout.len()),
+            moments: vec![Four::default(); graph.hinges.curved.room()],
+            predicted: vec![Four::default(); graph.layout.len()],
+            line: Line::new(longest),
+            inverse_mass: Array::zeros(longest),
+        }
+    }
+
+    /// Fills the places.
+    /// `corrects` tells whether corrections are to see them, and what they lie on.
+    pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State, corrects: bool) {
+        let State { x, d, contacts, .. } = state;
+        let contacts = (corrects && contacts.now.any).then_some(contacts);
+        let places = &mut self.places;
+        isa.run_transposing(FillPlaces { inverse_mass, x, d, contacts, places });
+    }
+
+    /// Takes the corrected displacements back.
+    pub fn empty(&self, isa: Isa, state: &mut State) {
+        let State { d, contacts, .. } = state;
+        let contacts = contacts.now.any.then_some(contacts);
+        isa.run_transposing(TakeDisplacements { places: &self.places, d, contacts });
+    }
+
+    /// Accelerations of springs, hinges and gravity, from places as they are.
+    pub fn accumulate_forces(
+        &mut self,
+        isa: Isa,
+        graph: &Graph,
+        strengths: &Strengths,
+        plan: &Plan,
+        gravity: Vec3,
+        a: &mut Soa,
+    ) {
+        let bends = plan.hinge_rigidity > 0.0;
+        let hinges = &graph.hinges;
+        if bends {
+            let (constants, places) = (&strengths.hinges, &self.places);
+            let moments = &mut self.moments;
+            isa.run_transposing(Turn { hinges: &hinges.curved, constants, places, moments });
+        }
+        let flat = Coupled { couplings: &hinges.flat, constants: &strengths.couplings };
+        let curved = Turned { hinges: &hinges.curved, moments: &self.moments };
+        let explicit = plan.explicit;
+        let springs =
+            Pulls { table: &graph.springs, rest: &graph.spring_rest, constant: &strengths.springs };
+        let flexion =
+            strengths.flexion.as_ref().filter(|_| explicit.flexion > 0.0).map(|flexion| Pulls {
+                table: &flexion.table,
+                rest: &flexion.rest,
+                constant: &flexion.constants,
+            });
+        let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
+        isa.run_transposing(GatherForces {
+            springs: [pulls.then_some(springs), flexion],
+            bent: bends.then_some((flat, curved)),
+            gravity,
+            places: &self.places,
+            a,
+        });
+    }
+
+    /// Damping, in the two steps that it takes on a lattice.
+    pub fn add_damping(
+        &mut self,
+        isa: Isa,
+        graph: &Graph,
+        strengths: &Strengths,
+        form: DampingForm,
+        half: Kick,
+        state: &State,
+        a: &mut Soa,
+    ) {
+        let springs = Damped {
+            table: &graph.springs,
+            constant: &strengths.damping,
+            rate: 1.0 / state.unit,
+            form,
+        };
+        let Self { places, predicted, .. } = self;
+        let gain = half.gain * state.unit;
+        let target = Target::Predict { keep: half.decay, gain, a, predicted };
+        isa.run_transposing(GatherDamping { springs, places, target });
+        let target = Target::Accelerations { predicted, a };
+        isa.run_transposing(GatherDamping { springs, places, target });
+    }
+
+    /// Corrects springs one batch after the other. `touches` tells whether any particle lies on a collider.
+    pub fn correct_springs(&mut self, isa: Isa, graph: &Graph, rule: Rule, touches: bool) {
+        let (structural, shear) = match rule {
+            Rule::Shear { .. } => (false, true),
+            Rule::Limit { shear, .. } => (true, shear),
+        };
+        let families = [(structural, &graph.structural_pairs), (shear, &graph.shear_pairs)];
+        for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
+            isa.run_transposing(CorrectPairs { pairs, rule, touches, places: &mut self.places });
+        }
+    }
+
+    /// Solves the chains. Tells whether any spring came to them beyond its limit.
+    pub fn solve_chains(&mut self, isa: Isa, graph: &Graph, reach: Reach, touches: bool) -> bool {
+        isa.run_transposing(SolveChains {
+            touches,
+            chains: &graph.chains,
+            reach,
+            places: &mut self.places,
+            line: &mut self.line,
+            inverse_mass: &mut self.inverse_mass,
+        })
+    }
+}
+
+/// The largest strain of a structural spring.
+pub(crate) fn largest_strain(isa: Isa, graph: &Graph, x: &Soa) -> f32 {
+    isa.run(LargestStrain { pairs: &graph.structural_pairs, x })
+}

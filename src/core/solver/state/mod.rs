@@ -1,0 +1,186 @@
+//! What moves: positions and displacements of one cloth, and the room its stages work in.
+
+pub(crate) mod measure;
+
+use bevy_math::Vec3;
+
+use crate::solver::constraints::shear::RowPulls;
+use crate::solver::constraints::threads;
+use crate::solver::contact::{ActiveSet, ContactRoom};
+use crate::solver::forces::bending::Moments;
+use crate::solver::forces::bending_friction::Brakes;
+use crate::solver::forces::spring_rows::SpringRows;
+use crate::solver::integrate::explicit::Study;
+use crate::solver::simd::lanes::{Array, LANES, Soa};
+use crate::solver::simd::parallel::{Band, Bands, Rooms, Seams};
+use crate::solver::topology::Topology;
+use crate::solver::topology::graph::Room;
+use crate::solver::topology::lattice::Layout;
+
+/// Positions and displacements. Padding stays at zero.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    /// Where the cloth's own coordinates begin, in world space \[m\]: a multiple of 1/16 m, so that
+    /// moving it by such multiples changes no bit of what the positions mean.
+    pub origin: Vec3,
+    /// Positions where the substep began, relative to the origin \[m\].
+    pub x: Soa,
+    /// Displacements of the substep \[m\]: velocity at its middle, times `unit`. Integration sets them
+    /// and corrections add to them, at a precision of their own; the substep's end adds them to the
+    /// positions. So a velocity changes by computed corrections, never by a difference of rounded
+    /// positions.
+    pub d: Soa,
+    /// What corrections add to displacements in a substep \[m\], see `carry`; of those that are held,
+    /// anything.
+    pub pull: Soa,
+    /// Whether `pull` is that of the last substep.
+    pub carries: bool,
+    /// The time that makes velocities of displacements \[s\].
+    pub unit: f32,
+    /// Positions where the tick began \[m\], for blending between ticks.
+    pub start: Soa,
+    /// Length of the last substep \[s\]; 0 before the first. A velocity is half a substep behind its
+    /// position, so that the next kick lasts half of both substeps.
+    pub last_step: f32,
+    /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
+    /// substep, less what drag takes. Corrections with a compliance answer forces through it.
+    pub response: f32,
+    /// What lay on colliders in the last substep.
+    pub contacts: ActiveSet,
+}
+
+impl State {
+    /// The origin follows a cloth by multiples of this \[m\].
+    const GRID: f32 = 16.0;
+    /// The origin follows a cloth that has gone this far from it \[m\].
+    const REACH: f32 = 64.0;
+
+    pub fn new(topology: &Topology, positions: &[Vec3]) -> Self {
+        let layout = topology.layout();
+        let centre = positions.iter().copied().sum::<Vec3>() / positions.len() as f32;
+        let origin = on_grid(centre);
+        let mut x = Soa::zeros(layout.len());
+        for (particle, &p) in positions.iter().enumerate() {
+            x.set(topology.slot(particle), p - origin);
+        }
+        Self {
+            origin,
+            d: Soa::zeros(layout.len()),
+            pull: Soa::zeros(layout.len()),
+            carries: false,
+            unit: 1.0,
+            start: x.clone(),
+            x,
+            last_step: 0.0,
+            response: 0.0,
+            contacts: ActiveSet::new(layout.len()),
+        }
+    }
+
+    /// Moves the origin to a cloth that has left it. The shift is exact in f32.
+    pub fn follow(&mut self, layout: Layout, centre: Vec3) {
+        if centre.abs().max_element() <= Self::REACH {
+            return;
+        }
+        let shift = on_grid(centre);
+        self.origin += shift;
+        for slot in layout.slots() {
+            self.x.set(slot, self.x.get(slot) - shift);
+            self.start.set(slot, self.start.get(slot) - shift);
+        }
+    }
+}
+
+fn on_grid(p: Vec3) -> Vec3 {
+    (p / State::GRID).round() * State::GRID
+}
+
+/// Room that the stages work in; nothing in it outlives a tick.
+#[derive(Clone, Debug)]
+pub(crate) struct Scratch {
+    /// Accelerations \[m/s2\], where they differ between particles.
+    pub a: Soa,
+    /// Forces of a lattice's springs, while a row is worked on.
+    pub rows: Rooms<SpringRows>,
+    /// Moments of the hinges.
+    pub moments: Rooms<Moments>,
+    /// Pulls of a lattice's shear springs.
+    pub row_pulls: Rooms<RowPulls>,
+    /// What a lattice's threads are solved in.
+    pub threads: Rooms<threads::Room>,
+    /// Displacements of the rows on both sides of each cut.
+    pub seams: Seams,
+    /// Displacements of columns, where they are solved apart from each other.
+    pub apart: Soa,
+    /// What is borne by what particles of such columns lie on.
+    pub load_apart: Array,
+    /// Displacements predicted for the damping.
+    pub b: Soa,
+    /// Room for braking a lattice's bending.
+    pub brakes: Brakes,
+    /// What only a graph's stages work in.
+    pub graph: Option<Room>,
+    /// What the integrators for study work in, where one is chosen.
+    pub study: Option<Study>,
+    /// Whether corrections are carried on in this tick.
+    pub carries: bool,
+    /// What contact remembers within a tick.
+    pub contact: ContactRoom,
+}
+
+/// Spans and their lengths, inverse pivots and right-hand sides of threads solved side by side.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    pub span: Soa,
+    pub length: Array,
+    pub inverse_pivot: Array,
+    pub residual: Array,
+    /// How far springs go along the normals at their second ends, where these lie on colliders.
+    pub across: Array,
+    /// Corrections of their particles, where threads are taut.
+    pub correction: Soa,
+}
+
+impl Line {
+    /// Room for threads of so many springs, times [`LANES`].
+    pub fn new(longest: usize) -> Self {
+        Self {
+            span: Soa::zeros(longest),
+            length: Array::zeros(longest),
+            inverse_pivot: Array::zeros(longest),
+            residual: Array::zeros(longest),
+            across: Array::zeros(longest),
+            correction: Soa::zeros(longest),
+        }
+    }
+}
+
+impl Scratch {
+    /// For a cloth of so many edges, where these are held.
+    pub fn new(topology: &Topology, edges: Option<usize>) -> Self {
+        let layout = topology.layout();
+        let len = layout.len();
+        // What only a lattice's threads and hinges work in.
+        let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
+        let bands = Bands::new(woven, true);
+        let count = bands.rows.count();
+        let is_apart = bands.columns.count() > 1;
+        let apart = if is_apart { woven.columns.next_multiple_of(LANES) * woven.rows } else { 0 };
+        Self {
+            a: Soa::zeros(len),
+            b: Soa::zeros(len),
+            brakes: Brakes::new(topology.as_lattice().map_or(0, |_| len)),
+            rows: Rooms::new(count, || SpringRows::new(woven)),
+            moments: Rooms::new(count, || Moments::new(woven)),
+            row_pulls: Rooms::new(count, || RowPulls::new(woven.columns)),
+            threads: Rooms::new(bands.most(), || threads::Room::new(woven)),
+            apart: Soa::zeros(apart),
+            load_apart: Array::zeros(apart),
+            graph: topology.as_graph().map(|graph| Room::new(graph)),
+            study: None,
+            carries: false,
+            contact: ContactRoom::new(&Band::all(layout), edges),
+            seams: Seams::new(bands.rows),
+        }
+    }
+}

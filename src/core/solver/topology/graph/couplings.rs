@@ -1,0 +1,115 @@
+//! Hinges that are flat at rest, particle by particle: their energy is quadratic in the positions (Bergou
+//! et al. 2006), so that two corners of hinges pull at each other in proportion to their distance, with
+//! a constant that is summed beforehand over the hinges that they share.
+//!
+//! A particle gathers its dozen neighbours and theirs once, where hinge by hinge as many corners are
+//! gathered for the moments, and as many moments for the forces. Each pull has an equal and opposite
+//! one along the same line, to the bit: no momentum is made, nor any spin.
+
+use crate::solver::simd::gather::gather;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES};
+use crate::solver::simd::transpose::{Four, Transpose};
+use crate::solver::topology::graph::adjacency::Table;
+use crate::solver::topology::graph::hinges::Hinge;
+
+/// No entry: a corner with itself, or without weight.
+const NONE: u32 = u32::MAX;
+
+/// Which particles share hinges.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Couplings {
+    table: Table,
+    /// Entries of the table that a hinge adds to, by its two corners.
+    entries: Vec<[[u32; 4]; 4]>,
+}
+
+impl Couplings {
+    /// Those of the particles of `slots` slots.
+    pub fn new(slots: usize, hinges: &[Hinge]) -> Self {
+        let mut pairs: Vec<(u32, u32)> = hinges.iter().flat_map(pairs).map(|(.., p)| p).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let entries = pairs.iter().zip(0..).map(|(&(slot, to), i)| (slot, to, i)).collect();
+        let table = Table::new(slots, entries, |slot| slot);
+        let mut place = vec![NONE; pairs.len()];
+        for (entry, &pair) in table.source.iter().enumerate() {
+            if let Some(place) = place.get_mut(pair as usize) {
+                *place = entry as u32;
+            }
+        }
+        let entry = |pair| pairs.binary_search(&pair).map_or(NONE, |at| place[at]);
+        let entries = hinges.iter().map(|hinge| {
+            let mut entries = [[NONE; 4]; 4];
+            for (a, b, pair) in self::pairs(hinge) {
+                entries[a][b] = entry(pair);
+            }
+            entries
+        });
+        Self { entries: entries.collect(), table }
+    }
+
+    /// How many hinges there are.
+    pub fn hinges(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Room for the constants.
+    pub fn room(&self) -> Array {
+        self.table.room()
+    }
+
+    /// Sums the couplings \[N/m\] over hinges of the given constants \[N/m\].
+    pub fn fill(&self, hinges: &[Hinge], constants: &[f32], couplings: &mut Array) {
+        couplings.fill(0.0);
+        for ((hinge, entries), constant) in hinges.iter().zip(&self.entries).zip(constants) {
+            for (a, entries) in entries.iter().enumerate() {
+                for (b, &entry) in entries.iter().enumerate() {
+                    if entry != NONE {
+                        let weight = hinge.weights[a] * hinge.weights[b];
+                        couplings[entry as usize] -= constant * weight;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Corners of a hinge two by two, in both orders, and their slots.
+fn pairs(hinge: &Hinge) -> impl Iterator<Item = (usize, usize, (u32, u32))> + '_ {
+    let corners = move || (0..4).filter(|&corner| hinge.weights[corner] != 0.0);
+    corners()
+        .flat_map(move |a| corners().map(move |b| (a, b)))
+        .filter(|(a, b)| a != b)
+        .map(|(a, b)| (a, b, (hinge.slots[a], hinge.slots[b])))
+}
+
+/// Couplings with their constants in use.
+#[derive(Clone, Copy)]
+pub(crate) struct Coupled<'a> {
+    pub couplings: &'a Couplings,
+    /// By entry \[N/m\].
+    pub constants: &'a Array,
+}
+
+impl Coupled<'_> {
+    /// Adds the forces on a block of particles, which are `here`.
+    #[inline(always)]
+    pub fn add(
+        &self,
+        t: impl Transpose,
+        block: usize,
+        here: &Block3,
+        all: &[Four],
+        force: &mut Block3,
+    ) {
+        let table = &self.couplings.table;
+        let (from, to) = table.rows(block);
+        for at in (from..to).step_by(LANES) {
+            let constant = Block::load(self.constants, at);
+            let there = gather(t, all, &table.to, at);
+            for i in 0..LANES {
+                force.set(i, force.at(i) + (there.at(i) - here.at(i)) * constant.0[i]);
+            }
+        }
+    }
+}

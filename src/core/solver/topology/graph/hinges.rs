@@ -1,0 +1,258 @@
+//! Bending across the edges of a mesh: quadratic bending (Bergou, Wardetzky, Harmon, Zorin and Grinspun
+//! 2006), linear in the positions and zero where the cloth is flat.
+//!
+//! A hinge is an edge and the two triangles beside it. Its turn is `D = sum c_i x_i` over the four
+//! corners with cotangent weights that add up to nothing: the length of the edge times the jump of
+//! the slope across it. Its energy is `K |D|^2 / 2`. A mesh of equilateral triangles then stores, with
+//! `K = B / (A1 + A2)` and curvatures of sum t and half difference d, `B (t^2 + 8 d^2) / 6`: `B / 2` for
+//! each square of a cylinder's curvature, and 8/9 of it for a strip, which is free to curve across. As
+//! fabric is measured in strips, `K = 9/8 B / (A1 + A2)`. (The paper's factor is 3, that of its mass
+//! matrix, and makes a cylinder three times too stiff.) A rest turn of magnitude D0 makes it
+//! `K (|D| - D0)^2 / 2`.
+//!
+//! Between rectangular cells the hinges are the lattice's instead, whichever way the cells are halved
+//! (`threads`).
+
+use crate::solver::simd::gather::{Places, gather, store};
+use crate::solver::topology::graph::adjacency::Table;
+use crate::solver::topology::graph::couplings::Couplings;
+use crate::solver::topology::graph::edges::{Edge, Mesh};
+use crate::solver::topology::graph::grid_hinges::{Bend, Cells};
+use bevy_math::DVec3;
+
+use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::{Array, Block, Block3, LANES, larger};
+use crate::solver::simd::transpose::{Four, Transpose};
+use crate::solver::topology::lattice::MassLumping;
+
+/// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
+const FLAT: f32 = 1e-3;
+/// What makes a strip as stiff as asked for.
+const STRIP: f64 = 9.0 / 8.0;
+/// Least turn that has a direction.
+const LEAST_TURN: f32 = 1e-12;
+
+/// One hinge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hinge {
+    /// Both ends of the edge, then the corners opposite of it; or the particle in the middle twice,
+    /// then its neighbours.
+    pub slots: [u32; 4],
+    /// Weights of the corners.
+    pub weights: [f32; 4],
+    /// Constant for a flexural rigidity of one, in units that the weights make up for.
+    pub shape: f32,
+    /// Turn at rest; 0 where flat.
+    turn: f32,
+}
+
+/// The hinges of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Hinges {
+    /// Those that are curved at rest, then those that are flat.
+    pub all: Vec<Hinge>,
+    /// Worked out hinge by hinge.
+    pub curved: Curved,
+    /// Worked out particle by particle.
+    pub flat: Couplings,
+}
+
+/// Hinges that are curved at rest, in rows of [`LANES`].
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Curved {
+    slots: [Vec<u32>; 4],
+    weights: [Array; 3],
+    turn: Array,
+    /// The hinges of each particle, and its weights in them.
+    table: Table,
+    own_weight: Array,
+}
+
+impl Hinges {
+    pub fn new(
+        mesh: &Mesh<'_>,
+        edges: &[Edge],
+        lumping: MassLumping,
+        stiffness: impl Fn([u32; 2]) -> f32,
+    ) -> Self {
+        let cells = Cells::new(mesh, edges);
+        let bends = cells.bends(mesh, edges, lumping);
+        let along = bends.iter().map(|bend| {
+            let [centre, p, q] = bend.slots;
+            along_thread(mesh, bend, 0.5 * (stiffness([centre, p]) + stiffness([centre, q])))
+        });
+        let across = edges
+            .iter()
+            .filter(|edge| edge.sides == 2 && !edge.diagonal && !cells.are_beside(edge))
+            .map(|edge| across_edge(mesh, edge, stiffness(edge.ends)));
+        let (curved, flat): (Vec<Hinge>, Vec<Hinge>) =
+            along.chain(across).partition(|hinge| hinge.turn != 0.0);
+        let slots = (mesh.positions.len() + 1).next_multiple_of(LANES);
+        Self {
+            curved: Curved::new(slots, mesh.positions.len() as u32, &curved),
+            flat: Couplings::new(slots, &flat),
+            all: [curved, flat].concat(),
+        }
+    }
+
+    /// How many are curved at rest.
+    fn split(&self) -> usize {
+        self.all.len() - self.flat.hinges()
+    }
+
+    /// Sums what flat hinges of the given constants \[N/m\] pull with.
+    pub fn couple(&self, constants: &[f32], couplings: &mut Array) {
+        let split = self.split();
+        self.flat.fill(&self.all[split..], &constants[split..], couplings);
+    }
+}
+
+impl Curved {
+    /// Those of the particles of `slots` slots, of which `beside` is nobody's.
+    fn new(slots: usize, beside: u32, all: &[Hinge]) -> Self {
+        let len = all.len().next_multiple_of(LANES);
+        let corner = |i: usize| {
+            let mut slots: Vec<u32> = all.iter().map(|hinge| hinge.slots[i]).collect();
+            slots.resize(len, beside);
+            slots
+        };
+        let column = |of: &dyn Fn(&Hinge) -> f32| {
+            let mut array = Array::zeros(len);
+            for (to, hinge) in array.iter_mut().zip(all) {
+                *to = of(hinge);
+            }
+            array
+        };
+        let mut entries = Vec::with_capacity(4 * all.len());
+        for (i, hinge) in all.iter().enumerate() {
+            for (corner, &slot) in hinge.slots.iter().enumerate() {
+                if hinge.weights[corner] == 0.0 {
+                    continue;
+                }
+                entries.push((slot, i as u32, (4 * i + corner) as u32));
+            }
+        }
+        let table = Table::new(slots, entries, |_| 0);
+        let mut own_weight = table.room();
+        table.fill(&mut own_weight, |source| all[source / 4].weights[source % 4]);
+        Self {
+            slots: [corner(0), corner(1), corner(2), corner(3)],
+            weights: [
+                column(&|hinge| hinge.weights[1]),
+                column(&|hinge| hinge.weights[2]),
+                column(&|hinge| hinge.weights[3]),
+            ],
+            turn: column(&|hinge| hinge.turn),
+            table,
+            own_weight,
+        }
+    }
+
+    /// Hinges and what fills up their rows.
+    pub fn room(&self) -> usize {
+        self.slots[0].len()
+    }
+}
+
+/// Turn of a hinge at rest; 0 where that is less than [`FLAT`] parts of `unit`.
+fn rest_turn(mesh: &Mesh<'_>, slots: [u32; 4], weights: [f64; 4], unit: f64) -> f32 {
+    let turn: DVec3 = slots
+        .iter()
+        .zip(weights)
+        .map(|(&slot, weight)| (mesh.at(slot) - mesh.at(slots[0])) * weight)
+        .sum();
+    if turn.length() > f64::from(FLAT) * unit { turn.length() as f32 } else { 0.0 }
+}
+
+/// A particle and its neighbours along a thread, with weights that make `D` an angle.
+fn along_thread(mesh: &Mesh<'_>, bend: &Bend, stiffness: f32) -> Hinge {
+    let [centre, p, q] = bend.slots;
+    let [before, after] = bend.lengths.map(|length| 1.0 / length);
+    let slots = [centre, centre, p, q];
+    let weights = [-(before + after), 0.0, before, after];
+    Hinge {
+        slots,
+        weights: weights.map(|weight| weight as f32),
+        shape: (bend.width / (0.5 * (bend.lengths[0] + bend.lengths[1]))) as f32 * stiffness,
+        turn: rest_turn(mesh, slots, weights, 1.0),
+    }
+}
+
+fn across_edge(mesh: &Mesh<'_>, edge: &Edge, stiffness: f32) -> Hinge {
+    let ([a, b], [p, q]) = (edge.ends, edge.opposite);
+    let cotangent = |corner: u32, u: u32, v: u32| {
+        let (cosine, sine) = mesh.corner(corner, u, v);
+        cosine / sine
+    };
+    let (ap, aq) = (cotangent(a, b, p), cotangent(a, b, q));
+    let (bp, bq) = (cotangent(b, a, p), cotangent(b, a, q));
+    let weights = [bp + bq, ap + aq, -(ap + bp), -(aq + bq)];
+    let slots = [a, b, p, q];
+    Hinge {
+        slots,
+        weights: weights.map(|weight| weight as f32),
+        shape: (STRIP / edge.area) as f32 * stiffness,
+        turn: rest_turn(mesh, slots, weights, edge.length),
+    }
+}
+
+/// Works out the moments `K (D - D0)` of all hinges.
+pub(crate) struct Turn<'a> {
+    pub hinges: &'a Curved,
+    /// K of each hinge \[N/m\].
+    pub constants: &'a [f32],
+    pub places: &'a Places,
+    pub moments: &'a mut [Four],
+}
+
+impl TransposingKernel for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, t: impl Transpose) {
+        let hinges = self.hinges;
+        let x = &self.places.x;
+        for at in (0..hinges.room()).step_by(LANES) {
+            let from = gather(t, x, &hinges.slots[0], at);
+            let mut turn = Block3::ZERO;
+            for corner in 0..3 {
+                let x = gather(t, x, &hinges.slots[corner + 1], at);
+                let weight = Block::load(&hinges.weights[corner], at);
+                for i in 0..LANES {
+                    turn.set(i, turn.at(i) + (x.at(i) - from.at(i)) * weight.0[i]);
+                }
+            }
+            let constant = Block::load(self.constants, at);
+            let rest = Block::load(&hinges.turn, at);
+            for i in 0..LANES {
+                let d = turn.at(i);
+                let length = larger(d.dot(d).sqrt(), LEAST_TURN);
+                turn.set(i, d * (constant.0[i] * (1.0 - rest.0[i] / length)));
+            }
+            store(t, self.moments, at, turn, Block::ZERO);
+        }
+    }
+}
+
+/// The hinges' moments, for the forces of a block of particles.
+#[derive(Clone, Copy)]
+pub(crate) struct Turned<'a> {
+    pub hinges: &'a Curved,
+    pub moments: &'a [Four],
+}
+
+impl Turned<'_> {
+    /// Takes the forces of a block's hinges off.
+    #[inline(always)]
+    pub fn add(&self, t: impl Transpose, block: usize, force: &mut Block3) {
+        let table = &self.hinges.table;
+        let (from, to) = table.rows(block);
+        for at in (from..to).step_by(LANES) {
+            let weight = Block::load(&self.hinges.own_weight, at);
+            let moment = gather(t, self.moments, &table.to, at);
+            for i in 0..LANES {
+                force.set(i, force.at(i) - moment.at(i) * weight.0[i]);
+            }
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Any triangle mesh as cloth: particles at its vertices, springs along its edges.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `error`, `check` | what is refused |
+//! | `order` | where the particles lie in memory |
+//! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
+//! | `flat` | whether straight ways lead along the cloth |
+//! | `hinges`, `threads` | bending across edges, and along the threads of cells |
+//! | `spans` | wide hinges, for friction inside the fabric |
+//! | `couplings` | hinges that are flat at rest, particle by particle |
+//! | `table`, `places` | what each particle gathers, and from where |
+//! | `forces`, `strengths` | explicit forces, and their constants in use |
+//! | `chains`, `solve` | the thread form: lines of springs, solved whole |
+//! | `pairs` | springs in batches: shear, Provot's limit, strain |
+//! | `stages` | the stages of a substep |
+
+pub(crate) mod adjacency;
+pub(crate) mod chains;
+pub(crate) mod coloring;
+pub(crate) mod couplings;
+pub(crate) mod edges;
+mod error;
+pub(crate) mod grid_hinges;
+pub(crate) mod hinges;
+mod planarity;
+mod reorder;
+pub(crate) mod spans;
+mod springs;
+mod validate;
+
+use bevy_math::Vec3;
+
+pub(crate) use crate::solver::plan::graph_stiffness::{Demand, Strengths};
+pub(crate) use crate::solver::stages::mesh::Room;
+pub use crate::solver::topology::graph::error::GraphError;
+pub(crate) use crate::solver::topology::graph::springs::Link;
+
+use crate::solver::simd::lanes::Array;
+use crate::solver::topology::graph::adjacency::Table;
+use crate::solver::topology::graph::chains::Chains;
+use crate::solver::topology::graph::coloring::Pairs;
+use crate::solver::topology::graph::edges::Mesh;
+use crate::solver::topology::graph::hinges::Hinges;
+use crate::solver::topology::graph::spans::LazySpans;
+use crate::solver::topology::lattice::{Layout, MassLumping};
+
+/// Factors of single particles, in their order; an empty list stands for ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Weights<'a> {
+    /// Of the mass, from 1e-3 to 1e3. Higher is heavier.
+    pub mass: &'a [f32],
+    /// Of springs and bending, from 1e-3 to 1e3: that between particles is the mean of theirs. Higher
+    /// is stiffer.
+    pub stiffness: &'a [f32],
+}
+
+/// The rest shape of a cloth that is any triangle mesh: the immutable part, shared by equal cloths.
+///
+/// Right-angled cells of two triangles behave as those of a lattice, whichever of their diagonals is
+/// in the mesh. All else is an isotropic sheet of Young's modulus `thread_stiffness`: its Poisson's
+/// ratio is 1/3 and its shear modulus 3/8 of that, whatever shear stiffness is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    pub(crate) layout: Layout,
+    pub(crate) lumping: MassLumping,
+    /// Rest positions \[m\], in the order given.
+    pub(crate) rest_positions: Vec<Vec3>,
+    /// Corners of the triangles, in the order given.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Factors of mass and stiffness, in the order given; empty for ones.
+    pub(crate) weights: [Vec<f32>; 2],
+    /// The slot of each particle, and the particle of each slot.
+    pub(crate) slot_of: Vec<u32>,
+    pub(crate) particle_at: Vec<u32>,
+    /// Structural springs.
+    pub(crate) structural: Vec<Link>,
+    /// Shear springs.
+    pub(crate) shear: Vec<Link>,
+    /// The same in batches.
+    pub(crate) structural_pairs: Pairs,
+    pub(crate) shear_pairs: Pairs,
+    /// Structural springs laid end to end.
+    pub(crate) chains: Chains,
+    /// Structural, then shear springs by particle, and their rest lengths \[m\].
+    pub(crate) springs: Table,
+    pub(crate) spring_rest: Array,
+    /// Flexion springs across the edges: shape for a constant as of a lattice's \[1/m4\].
+    pub(crate) flexion: Vec<Link>,
+    pub(crate) hinges: Hinges,
+    /// Area by slot whose mass a particle carries \[m2\].
+    pub(crate) area: Vec<f32>,
+    pub(crate) total_area: f32,
+    /// Whether rest distances through space are distances along the cloth (flat and convex).
+    pub(crate) flat: bool,
+    pub(crate) spans: LazySpans,
+}
+
+impl Graph {
+    /// Particles a graph may have at most, and half the number of triangles.
+    pub const MAX_PARTICLES: usize = 1 << 24;
+
+    /// A cloth at rest in the given positions \[m\], of triangles given by the indices of their
+    /// corners. Which way round a triangle goes does not matter.
+    ///
+    /// # Errors
+    /// [`GraphError`] where these make no cloth: vertices at one place are to be welded and triangles
+    /// without area left out before.
+    pub fn new(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        lumping: MassLumping,
+    ) -> Result<Self, GraphError> {
+        Self::with_weights(positions, triangles, lumping, Weights::default())
+    }
+
+    /// The same, with factors of mass and stiffness for each particle.
+    ///
+    /// # Errors
+    /// [`GraphError`], as [`Graph::new`], and for weights that cannot be used.
+    pub fn with_weights(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        lumping: MassLumping,
+        weights: Weights<'_>,
+    ) -> Result<Self, GraphError> {
+        validate::check(positions, triangles, weights)?;
+        let slot_of = reorder::slots_of(positions.len(), triangles);
+        let mut particle_at = vec![0; positions.len()];
+        for (particle, &slot) in slot_of.iter().enumerate() {
+            particle_at[slot as usize] = particle as u32;
+        }
+        let in_order = |factors: &[f32]| -> Vec<f32> {
+            let at = |&particle: &u32| factors[particle as usize];
+            if factors.is_empty() { Vec::new() } else { particle_at.iter().map(at).collect() }
+        };
+        let given = [weights.mass.to_vec(), weights.stiffness.to_vec()];
+        let (mass, stiffness) = (in_order(weights.mass), in_order(weights.stiffness));
+        let weights = Weights { mass: &mass, stiffness: &stiffness };
+        let by_slot: Vec<_> = particle_at.iter().map(|&p| positions[p as usize]).collect();
+        let corners: Vec<_> = triangles.iter().map(|t| t.map(|p| slot_of[p as usize])).collect();
+        let mesh = Mesh { positions: &by_slot, triangles: &corners };
+        let edges = mesh.edges();
+        let total_area = (0..triangles.len()).map(|t| mesh.area(t)).sum::<f64>() as f32;
+        let count = positions.len();
+        let structural = springs::structural(&edges, lumping, weights.stiffness);
+        let shear = springs::shear(&mesh, &edges, weights.stiffness);
+        let springs = springs_table(count, structural.iter().chain(&shear));
+        let mut spring_rest = springs.room();
+        let link = |i: usize| structural.get(i).unwrap_or_else(|| &shear[i - structural.len()]);
+        springs.fill(&mut spring_rest, |i| link(i).rest);
+        let exact: Vec<_> = by_slot.iter().map(|p| p.as_dvec3()).collect();
+        Ok(Self {
+            layout: Layout::one_row(count),
+            lumping,
+            structural_pairs: Pairs::new(count, &structural),
+            shear_pairs: Pairs::new(count, &shear),
+            chains: Chains::new(&exact, &structural),
+            flexion: springs::flexion(&mesh, &edges, weights.stiffness),
+            hinges: Hinges::new(&mesh, &edges, lumping, |ends| springs::between(&stiffness, ends)),
+            springs,
+            spring_rest,
+            structural,
+            shear,
+            area: springs::areas(&mesh, &edges, lumping, weights),
+            total_area,
+            flat: planarity::is_flat_and_convex(&mesh, &edges),
+            spans: LazySpans::default(),
+            weights: given,
+            rest_positions: positions.to_vec(),
+            triangles: triangles.to_vec(),
+            slot_of,
+            particle_at,
+        })
+    }
+
+    /// The same cloth with masses and springs of the border lumped otherwise.
+    ///
+    /// # Errors
+    /// None that [`Graph::new`] did not find before.
+    pub fn with_lumping(&self, lumping: MassLumping) -> Result<Self, GraphError> {
+        let [mass, stiffness] = &self.weights;
+        let weights = Weights { mass, stiffness };
+        Self::with_weights(&self.rest_positions, &self.triangles, lumping, weights)
+    }
+
+    /// Number of particles.
+    pub fn particle_count(&self) -> usize {
+        self.rest_positions.len()
+    }
+
+    /// Rest positions \[m\], in the order of the particles.
+    pub fn rest_positions(&self) -> &[Vec3] {
+        &self.rest_positions
+    }
+
+    /// Corners of the triangles, as they were given.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Structural and shear springs.
+    pub fn spring_count(&self) -> usize {
+        self.structural.len() + self.shear.len()
+    }
+
+    /// The structural springs: both particles and the rest length \[m\].
+    pub fn structural_springs(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
+        self.structural.iter().map(|link| {
+            let [a, b] = link.ends.map(|slot| self.particle_at[slot as usize] as usize);
+            (a, b, link.rest)
+        })
+    }
+
+    /// Area of all triangles at rest \[m2\].
+    pub fn total_area(&self) -> f32 {
+        self.total_area
+    }
+
+    /// The slot of a particle.
+    pub(crate) fn slot(&self, particle: usize) -> usize {
+        self.slot_of[particle] as usize
+    }
+
+    /// The particle of a slot.
+    pub(crate) fn particle(&self, slot: usize) -> usize {
+        self.particle_at[slot] as usize
+    }
+
+    /// Rest position of the particle of a slot \[m\].
+    pub(crate) fn rest(&self, slot: usize) -> Vec3 {
+        self.rest_positions[self.particle_at[slot] as usize]
+    }
+
+    /// Springs by particle.
+    pub(crate) fn table(&self, links: &[Link]) -> Table {
+        springs_table(self.particle_count(), links.iter())
+    }
+}
+
+fn springs_table<'a>(particles: usize, links: impl Iterator<Item = &'a Link>) -> Table {
+    let entries = links
+        .enumerate()
+        .flat_map(|(i, &Link { ends: [a, b], .. })| [(a, b, i as u32), (b, a, i as u32)])
+        .collect();
+    Table::new(Layout::one_row(particles).len(), entries, |slot| slot)
+}
