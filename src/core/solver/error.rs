@@ -1,8 +1,9 @@
 //! What a solver refuses.
 
+use crate::solver::settings::MassLumping;
 use crate::solver::settings::ParameterError;
 use crate::solver::topology::graph::GraphError;
-use crate::solver::topology::lattice::{LatticeError, MassLumping};
+use crate::solver::topology::lattice::LatticeError;
 
 /// Why a solver cannot be made, changed or stepped. Nothing has changed when one is returned, but for
 /// [`SolverError::Diverged`].

@@ -1,13 +1,12 @@
 //! What a tick is given and what it gives back.
 
+use crate::solver::constraints::pin_motion::PinMotion;
+use crate::solver::settings::is_near;
 use bevy_math::Vec3;
 
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
-
-/// Coordinates and speeds beyond this are refused.
-pub(super) const FARTHEST: f32 = 1e7;
 
 /// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
 /// is refused.
@@ -26,22 +25,6 @@ pub struct StepInput<'a> {
     pub wind: Wind<'a>,
 }
 
-/// Where a pin is at the tick's start and end, in world space \[m\]; it moves evenly between.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinMotion {
-    /// Where the tick begins.
-    pub start: Vec3,
-    /// Where it ends.
-    pub end: Vec3,
-}
-
-impl PinMotion {
-    /// A pin that stays.
-    pub fn still(at: Vec3) -> Self {
-        Self { start: at, end: at }
-    }
-}
-
 /// What a tick came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -56,7 +39,7 @@ pub struct TickReport {
 
 impl StepInput<'_> {
     /// Checks every number, for a cloth with so many pins.
-    pub(super) fn check(&self, pins: usize) -> Result<(), SolverError> {
+    pub(crate) fn check(&self, pins: usize) -> Result<(), SolverError> {
         if !(self.dt > 0.0 && self.dt <= 1.0) {
             return Err(SolverError::Tick(self.dt));
         }
@@ -75,10 +58,4 @@ impl StepInput<'_> {
             None => Ok(()),
         }
     }
-}
-
-/// Whether a position or velocity can be used.
-pub(super) fn is_near(p: Vec3) -> bool {
-    // The largest element alone would pass over one that is NaN.
-    p.is_finite() && p.abs().max_element() <= FARTHEST
 }

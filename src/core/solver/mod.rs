@@ -73,31 +73,34 @@ mod topology;
 
 use bevy_math::Vec3;
 
+pub use crate::solver::constraints::pin_motion::PinMotion;
 pub use crate::solver::constraints::soft_pins::SoftPin;
 pub use crate::solver::contact::{Collider, ColliderMotion, Pose};
 pub use crate::solver::error::SolverError;
 pub use crate::solver::forces::aerodynamics::Air;
 pub use crate::solver::forces::external::{PushOn, PushWith};
 pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
-pub use crate::solver::input::{PinMotion, StepInput, TickReport};
-pub use crate::solver::plan::{Clamped, Form, Plan, PlanReason};
+pub use crate::solver::input::{StepInput, TickReport};
+pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
+pub use crate::solver::settings::Form;
+pub use crate::solver::settings::MassLumping;
 pub use crate::solver::settings::{
     Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
+pub use crate::solver::simd::block::LANES;
 pub use crate::solver::simd::isa::Isa;
-pub use crate::solver::simd::lanes::LANES;
 pub use crate::solver::snapshot::{SolverState, StateError};
 pub use crate::solver::state::measure::StrainReport;
 pub use crate::solver::topology::Topology;
 pub use crate::solver::topology::graph::{Graph, GraphError, Weights};
-pub use crate::solver::topology::lattice::{Lattice, LatticeError, MassLumping};
+pub use crate::solver::topology::lattice::{Lattice, LatticeError};
 
 use crate::solver::constraints::pins::Held;
 use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
-use crate::solver::input::is_near;
-use crate::solver::plan::Bound;
+use crate::solver::plan::stability::Bound;
+use crate::solver::settings::is_near;
 use crate::solver::simd::parallel;
 use crate::solver::simd::parallel::Bands;
 use crate::solver::state::measure::{Survey, TakeSurvey};

@@ -6,8 +6,8 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::error::SolverError;
-use crate::solver::input::is_near;
 use crate::solver::plan::Plan;
+use crate::solver::settings::is_near;
 use crate::solver::settings::{Material, Settings};
 use crate::solver::state::measure::{StrainReport, strains};
 use crate::solver::topology::Topology;

@@ -4,9 +4,10 @@
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Block, Block3, LANES, Soa, larger};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
 
 /// Where particles were.
 #[derive(Clone, Debug)]

@@ -6,10 +6,11 @@ use bevy_math::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use crate::solver::ClothSolver;
 use crate::solver::contact::Pose;
 use crate::solver::error::SolverError;
-use crate::solver::input::is_near;
+use crate::solver::settings::is_near;
+use crate::solver::simd::block::{Block3, LANES};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Block3, LANES, Soa};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]

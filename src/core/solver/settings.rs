@@ -1,6 +1,6 @@
 //! What a cloth is made of and how it is to be solved, as plain numbers in SI units.
 
-use crate::solver::topology::lattice::MassLumping;
+use bevy_math::Vec3;
 
 /// The material of a cloth. All numbers are of the cloth, not of its springs: a finer sheet of the same material
 /// behaves the same.
@@ -238,4 +238,34 @@ pub(crate) fn check(
     } else {
         Err(ParameterError { name, value, range })
     }
+}
+
+/// Whether a sheet's border counts half.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy_reflect::Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub enum MassLumping {
+    /// Masses lumped by area: border particles a half, corners a quarter; structural and bend
+    /// springs along the border half as strong. Converges to second order as the sheet is refined.
+    #[default]
+    Lumped,
+    /// Every particle weighs the same and every spring is whole.
+    Equal,
+}
+
+/// How threads are held together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// Explicit springs, then Provot's correction.
+    Springs,
+    /// Each thread solved whole.
+    Threads,
+}
+
+/// Coordinates and speeds beyond this are refused.
+pub(crate) const FARTHEST: f32 = 1e7;
+
+/// Whether a position or velocity can be used.
+pub(crate) fn is_near(p: Vec3) -> bool {
+    // The largest element alone would pass over one that is NaN.
+    p.is_finite() && p.abs().max_element() <= FARTHEST
 }

@@ -7,9 +7,10 @@ use crate::solver::constraints::pins::Held;
 use crate::solver::constraints::threads::geometric_stiffness::steady;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::{Air, Surface};
-use crate::solver::input::is_near;
-use crate::solver::plan::{Bound, Plan};
+use crate::solver::plan::Plan;
+use crate::solver::plan::stability::Bound;
 use crate::solver::rest_detection::Mark;
+use crate::solver::settings::is_near;
 use crate::solver::settings::{Material, ParameterError, Settings};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;
@@ -47,7 +48,7 @@ impl ClothSolver {
         }
         let mut held = Held::new(&topology, Vec::new());
         held.set_density(&topology, material.area_density);
-        let bound = Bound::new(&topology, &held);
+        let bound = bound(&topology, &held);
         let state = State::new(&topology, positions);
         let edges = Edges::new(&topology);
         let mut solver = Self {
@@ -196,14 +197,14 @@ impl ClothSolver {
     }
 
     /// Whether this is a large sheet that is to be shared.
-    pub(super) fn is_to_share(&self) -> bool {
+    pub(crate) fn is_to_share(&self) -> bool {
         self.shares
             && self.topology.as_lattice().is_some()
             && Bands::pays(self.topology.layout(), self.plan.form)
     }
 
     /// Cuts it where there is more than one thread to share it.
-    pub(super) fn share_out(&mut self) {
+    pub(crate) fn share_out(&mut self) {
         let shared = self.is_to_share() && rayon::current_num_threads() > 1;
         self.bands = Bands::new(self.topology.layout(), shared);
     }
@@ -211,7 +212,7 @@ impl ClothSolver {
     /// Works out again what follows from rest shape, pins, material and settings.
     fn replan(&mut self) {
         self.held.set_density(&self.topology, self.material.area_density);
-        self.bound = Bound::new(&self.topology, &self.held);
+        self.bound = bound(&self.topology, &self.held);
         if let (Topology::Graph(graph), Some(strengths)) =
             (&self.topology, &mut self.held.strengths)
         {
@@ -226,7 +227,7 @@ impl ClothSolver {
     }
 
     /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.
-    pub(super) fn tether_under(&mut self, load: Option<Vec3>) {
+    pub(crate) fn tether_under(&mut self, load: Option<Vec3>) {
         if let Some(load) = load {
             for set in &mut self.held.tethers {
                 set.set_limits(&self.topology, &self.material, load);
@@ -236,7 +237,7 @@ impl ClothSolver {
     }
 
     /// Makes the plan for ticks of another length \[s\].
-    pub(super) fn plan_ticks(&mut self, tick: f32) {
+    pub(crate) fn plan_ticks(&mut self, tick: f32) {
         let hung = self.held.hung;
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
         if let (Topology::Graph(graph), Some(strengths)) =
@@ -254,4 +255,9 @@ fn check_settings(topology: &Topology, settings: &Settings) -> Result<(), Solver
         return Err(SolverError::OtherLumping { made, asked: settings.lumping });
     }
     Ok(())
+}
+
+/// The bound on the frequencies of a cloth with these pins.
+fn bound(topology: &Topology, held: &Held) -> Bound {
+    Bound::new(topology, &held.hinges, &held.inverse_mass, held.strengths.as_ref())
 }

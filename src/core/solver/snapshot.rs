@@ -12,9 +12,9 @@ use crate::solver::contact::{ActiveSet, EdgeMemory, Freed, WarmStart};
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
 use crate::solver::forces::external::Pushes;
-use crate::solver::input::is_near;
 use crate::solver::rest_detection::Mark;
-use crate::solver::simd::lanes::Soa;
+use crate::solver::settings::is_near;
+use crate::solver::simd::soa::Soa;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 

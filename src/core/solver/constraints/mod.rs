@@ -1,5 +1,7 @@
 //! What corrects displacements: threads, shear, the strain limit, tethers, pins.
 
+pub(crate) mod graph_strain_limit;
+pub(crate) mod pin_motion;
 pub(crate) mod pins;
 pub(crate) mod shear;
 pub(crate) mod soft_pins;

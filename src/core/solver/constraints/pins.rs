@@ -4,10 +4,10 @@ use bevy_math::Vec3;
 
 use crate::solver::constraints::tethers::TetherSet;
 use crate::solver::forces::bending::Hinges;
-use crate::solver::simd::lanes::Array;
+use crate::solver::plan::graph_stiffness::Strengths;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Array;
 use crate::solver::topology::Topology;
-use crate::solver::topology::graph::Strengths;
-use crate::solver::topology::lattice::Layout;
 
 /// The pins of a cloth and what follows from them. Made anew when the set of pins changes.
 #[derive(Clone, Debug)]

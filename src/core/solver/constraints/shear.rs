@@ -9,11 +9,12 @@ use core::mem;
 
 use crate::solver::constraints::strain_limit::{LEAST_DIVISOR, LEAST_LENGTH, mobility_without};
 use crate::solver::contact::{Contacts, Normals, divide};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Slots, Soa, larger,
-};
-use crate::solver::simd::parallel::{Band, CutAt, Rooms, Seams, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Rooms, Seams, cut_between_rows};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::slots::Slots;
+use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
 
 /// Two springs lie in line at a particle, and each of all four may pull: a correction moves its ends by no

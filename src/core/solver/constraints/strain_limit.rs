@@ -6,9 +6,11 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::{Contacts, LEAST_MOBILITY, divide};
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::{Block, Block3, LANES, PartMut, Soa, larger};
-use crate::solver::simd::parallel::{self, Band, Cut, CutAt};
+use crate::solver::simd::parallel::{self, Band, Cut};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
 
 /// Least length of a spring \[m\]: a collapsed one has no direction and is left alone.

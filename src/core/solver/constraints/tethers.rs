@@ -12,17 +12,17 @@
 
 use bevy_math::{Vec3, ops};
 
-use crate::solver::input::PinMotion;
+use crate::solver::constraints::pin_motion::PinMotion;
 use crate::solver::settings::Material;
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
-};
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
+use crate::solver::simd::soa::{Array, PartMut, Soa};
 use crate::solver::topology::Topology;
 use crate::solver::topology::geodesic::Ways;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::lattice::{Lattice, Layout};
+use crate::solver::topology::lattice::Lattice;
 
 /// Tethers of a particle at most.
 const MOST: usize = 4;

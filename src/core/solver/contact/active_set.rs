@@ -26,22 +26,23 @@ use crate::solver::contact::collider::Collider;
 use crate::solver::contact::edges::EdgeMemory;
 use crate::solver::contact::impulses::{Impulses, Share};
 use crate::solver::contact::keys::Keys;
-use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, Soa, ValuesMut, larger,
+use crate::solver::simd::block::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, larger,
 };
-use crate::solver::simd::parallel::CutAt;
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{Array, Soa, ValuesMut};
 
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.
-pub(in crate::solver) const LEAST_MOBILITY: f32 = 0.2;
+pub(crate) const LEAST_MOBILITY: f32 = 0.2;
 
 /// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
 const GIVING: f32 = 0.1;
 
 /// Particles that lie on colliders, from substep to substep.
 #[derive(Clone, Debug)]
-pub(in crate::solver) struct ActiveSet {
+pub(crate) struct ActiveSet {
     /// As the present corrections see it.
     pub now: Normals,
     /// As those of the substep before saw it.
@@ -72,7 +73,7 @@ pub(in crate::solver) struct ActiveSet {
 
 /// Normals of the surfaces that particles lie on.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::solver) struct Normals {
+pub(crate) struct Normals {
     /// Whether there are any.
     pub any: bool,
     /// Whether a block has any, or particles that give way.
@@ -200,7 +201,7 @@ impl ActiveSet {
 }
 
 /// The active set as corrections see it.
-pub(in crate::solver) struct Contacts<'a> {
+pub(crate) struct Contacts<'a> {
     pub normals: &'a Normals,
     /// Of the slots that a band corrects.
     pub load: ValuesMut<'a>,
@@ -228,7 +229,7 @@ impl Contacts<'_> {
 
 /// What of the pulls at particles moves them, and their load, for normals `n`.
 #[inline(always)]
-pub(in crate::solver) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
+pub(crate) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
     let (mut along, mut load) = (Block3::ZERO, Block::ZERO);
     for i in 0..LANES {
         let (pull, n) = (pull.at(i), n.at(i));
@@ -240,7 +241,7 @@ pub(in crate::solver) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
 
 /// Begins the corrections of a substep: lets the particles of the active set go only where they can, with their
 /// surface.
-pub(in crate::solver) struct HoldOnto<'a> {
+pub(crate) struct HoldOnto<'a> {
     pub set: &'a mut ActiveSet,
     pub inverse_mass: &'a [f32],
     /// Length of the substep \[s\].
@@ -331,7 +332,7 @@ impl Kernel for HoldOnto<'_> {
 }
 
 /// Adds what pulled at the particles of the active set without moving them to the pulls, or takes it away.
-pub(in crate::solver) struct NoteUnfollowed<'a> {
+pub(crate) struct NoteUnfollowed<'a> {
     pub set: &'a ActiveSet,
     pub inverse_mass: &'a [f32],
     pub d: &'a Soa,
@@ -378,7 +379,7 @@ fn followed(lost: f32, pulled: f32) -> f32 {
 
 /// Ends contact: lets go what lay on a collider and was found to touch none any more. It goes on without what pulled at
 /// it while it was held.
-pub(in crate::solver) struct LetGo<'a> {
+pub(crate) struct LetGo<'a> {
     pub set: &'a ActiveSet,
     pub inverse_mass: &'a [f32],
     pub d: &'a mut Soa,

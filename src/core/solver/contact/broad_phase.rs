@@ -9,10 +9,12 @@ use bevy_math::{Vec3, bounding::Aabb3d};
 
 use crate::solver::contact::Collider;
 use crate::solver::contact::edges::Nearby;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::{Block, Block3, LANES, Soa, larger};
-use crate::solver::simd::parallel::{Band, CutAt};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::parallel::Band;
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::Soa;
 
 /// Colliders awake at once that there is room for from the start.
 const FEW: usize = 8;
@@ -21,7 +23,7 @@ const FEW_WITH_EDGES: usize = 2;
 
 /// What contact remembers from substep to substep of a tick.
 #[derive(Clone, Debug)]
-pub(in crate::solver) struct ContactRoom {
+pub(crate) struct ContactRoom {
     blocks: usize,
     /// The colliders that the cloth may have come to, in their order.
     pub awake: Vec<Awake>,
@@ -49,7 +51,7 @@ pub(in crate::solver) struct ContactRoom {
 }
 
 /// Values of the blocks of a band.
-pub(in crate::solver) struct ByBlock<'a, T> {
+pub(crate) struct ByBlock<'a, T> {
     first: usize,
     values: &'a mut [T],
 }
@@ -77,7 +79,7 @@ impl<T> CutAt for ByBlock<'_, T> {
 
 /// A collider that the cloth may have come to.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::solver) struct Awake {
+pub(crate) struct Awake {
     /// Its index.
     pub collider: usize,
     /// Where what is known of the blocks begins.

@@ -143,7 +143,7 @@ impl<'a> Collider<'a> {
     }
 
     /// Whether every number can be used.
-    pub(in crate::solver) fn is_usable(&self) -> bool {
+    pub(crate) fn is_usable(&self) -> bool {
         self.motion.valid && self.friction >= 0.0 && self.friction <= 1e3
     }
 }

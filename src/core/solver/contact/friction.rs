@@ -12,7 +12,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::LEAST_SLIDING;
-use crate::solver::simd::lanes::larger;
+use crate::solver::simd::block::larger;
 
 /// Pulls, in limits of friction, from which on what holds a particle has none left for its way.
 const SPENT: f32 = 3.0;

@@ -11,7 +11,7 @@ use crate::solver::contact::collider::Collider;
 
 /// The impulses of a tick.
 #[derive(Clone, Debug, Default)]
-pub(in crate::solver) struct Impulses {
+pub(crate) struct Impulses {
     /// By collider; `None` where it is not measured. Empty where none is.
     colliders: Vec<Option<Impulse>>,
 }
@@ -26,7 +26,7 @@ struct Impulse {
 
 /// Momentum that a collider is given in a substep, times the substep \[kg m\].
 #[derive(Clone, Copy, Debug)]
-pub(in crate::solver) struct Share {
+pub(crate) struct Share {
     pub collider: usize,
     pub given: Vec3,
     pub owed: Vec3,

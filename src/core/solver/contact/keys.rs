@@ -4,7 +4,7 @@ use crate::solver::contact::collider::Collider;
 
 /// The keys of a tick's colliders, and of those of the tick before.
 #[derive(Clone, Debug, Default)]
-pub(in crate::solver) struct Keys {
+pub(crate) struct Keys {
     now: Vec<u64>,
     before: Vec<u64>,
     /// The keys of now with their places, ascending.

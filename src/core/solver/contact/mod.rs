@@ -21,9 +21,10 @@ mod swept;
 
 use bevy_math::Vec3;
 
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::{Block, Block3, LANES, Soa, ValuesMut, larger};
 use crate::solver::simd::parallel::{self, Bands};
+use crate::solver::simd::soa::{Soa, ValuesMut};
 
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,

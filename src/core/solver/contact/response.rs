@@ -10,11 +10,11 @@ use crate::solver::contact::edges::NearbyMut;
 use crate::solver::contact::friction::Sliding;
 use crate::solver::contact::swept::Sweep;
 use crate::solver::contact::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
-};
-use crate::solver::simd::parallel::{Band, Cut, CutAt, Merge, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Cut, Merge, cut_between_rows};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{PartMut, Soa, ValuesMut};
 
 /// What the particles that met a collider in a substep came to, a lane each.
 pub(super) struct Tally {

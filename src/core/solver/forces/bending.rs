@@ -7,8 +7,10 @@
 //! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
-use crate::solver::simd::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, Soa, larger};
-use crate::solver::topology::lattice::{Family, Lattice, Layout};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
+use crate::solver::topology::lattice::{Family, Lattice};
 
 /// Turns below this count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;

@@ -19,18 +19,15 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut, larger,
-};
+use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
+
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
-use crate::solver::topology::lattice::Layout;
 
 /// Time from one braking to the next \[s\].
 pub(crate) const EVERY: f32 = 1.0 / 120.0;
-/// Particles from the middle of a hinge to its ends: of the narrowest, and how many times as many of the next.
-const NARROWEST: usize = 2;
-const WIDER: usize = 4;
 /// Part of its rate that a hinge is braked by at the most, together with all that it shares particles with: beside
 /// threads, and beside springs.
 pub(crate) const MOST_OF_THREADS: f32 = 1.0;
@@ -39,13 +36,6 @@ pub(crate) const MOST_OF_SPRINGS: f32 = 0.2;
 pub(crate) const PART: f32 = 0.2;
 /// Least square of a length that has a direction \[m2\].
 const LEAST_SQUARE: f32 = 1e-20;
-
-/// Particles from the middle of a hinge to its ends, on threads of so many particles.
-pub(crate) fn widths(particles: usize) -> impl Iterator<Item = usize> {
-    let narrowest = if particles > 2 * NARROWEST { NARROWEST } else { 1 };
-    let wider = |width: &usize| Some(width * WIDER);
-    core::iter::successors(Some(narrowest), wider).take_while(move |width| 2 * width < particles)
-}
 
 /// Room to work in, by the slots of middles.
 #[derive(Clone, Debug)]

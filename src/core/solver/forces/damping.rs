@@ -3,11 +3,11 @@
 use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, Springs};
 use crate::solver::forces::springs::LEAST_LENGTH;
 use crate::solver::settings::DampingForm;
+use crate::solver::simd::block::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
-};
-use crate::solver::simd::parallel::{Band, CutAt, Rooms, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
 
 /// Works out the damping force `D`, `F_i = C (v_j - v_i)` for each spring or its part along the spring,

@@ -6,11 +6,12 @@
 use bevy_math::Vec3;
 
 use crate::solver::error::SolverError;
-use crate::solver::input::is_near;
 use crate::solver::settings::ParameterError;
+use crate::solver::settings::is_near;
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::{Block, Block3, LANES, Soa};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
 
 /// Acceleration that no push may give a particle \[m/s2\].
 pub(crate) const MOST_ACCELERATION: f32 = 1e9;

@@ -5,9 +5,10 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::springs::pull;
 use crate::solver::settings::DampingForm;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::gather::{Places, gather, load, store};
 use crate::solver::simd::isa::TransposingKernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa, larger};
+use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::couplings::Coupled;

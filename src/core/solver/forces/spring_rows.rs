@@ -5,8 +5,10 @@
 //! mirrored sheet shares: a sum of two does not depend on their order, and mirroring exchanges the two of a
 //! pair, or the two pairs of diagonals.
 
-use crate::solver::simd::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, Soa};
-use crate::solver::topology::lattice::{Lattice, Layout};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
+use crate::solver::topology::lattice::Lattice;
 
 /// The springs that are looked at, by their constants: a family of zero is left out.
 pub(crate) struct Springs<'a> {

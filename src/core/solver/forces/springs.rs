@@ -4,11 +4,10 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::bending::{Bend, Moments};
 use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, Springs};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, larger,
-};
 use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
+use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::{Family, Lattice};
 
 /// Least length of a spring \[m\]: a collapsed one has no direction and pulls nowhere.

@@ -9,8 +9,8 @@
 
 use crate::solver::integrate::verlet::Add;
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::Soa;
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
 
 /// What these integrators work in.
 #[derive(Clone, Debug)]

@@ -17,11 +17,8 @@
 //! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
 //! first order there, and on a mesh, whose chains of edges pull one after the other.
 
-use bevy_math::Vec3;
-
-use crate::solver::simd::lanes::{PartMut, Soa};
-use crate::solver::simd::parallel::CutAt;
-use crate::solver::state::State;
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{PartMut, Soa};
 
 /// Part of the pulls that goes on. A half makes the method one of second order, and is the most that is
 /// stable.
@@ -64,12 +61,5 @@ impl CutAt for Carry<'_> {
                 (Self::GoOn(above, part), Self::GoOn(below, part))
             }
         }
-    }
-}
-
-impl State {
-    /// Something moves a particle while pulls are noted that is none of them.
-    pub(crate) fn leave_out(&mut self, slot: usize, moved: Vec3) {
-        self.pull.set(slot, self.pull.get(slot) - moved);
     }
 }

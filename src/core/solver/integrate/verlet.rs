@@ -7,10 +7,11 @@
 use bevy_math::{Vec3, ops};
 
 use crate::solver::integrate::houbolt::Carry;
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa};
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::soa::{PartMut, Soa};
 
 /// Where the accelerations of a substep come from.
 #[derive(Clone, Copy)]

@@ -2,9 +2,10 @@
 //! carry a particle's, those of its springs are lowered and no others: a sliver of a triangle must not
 //! take its stiffness from the whole cloth.
 
-use crate::solver::plan::{Bound, Circle, Constants, Shares};
+use crate::solver::plan::stability::{Bound, Circle, Constants, Shares};
 use crate::solver::settings::Bending;
-use crate::solver::simd::lanes::{Array, LANES};
+use crate::solver::simd::block::LANES;
+use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Graph;
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::hinges::Hinge;

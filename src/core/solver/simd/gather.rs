@@ -1,9 +1,7 @@
 //! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
 //! in one piece.
 
-use crate::solver::contact::ActiveSet;
-use crate::solver::simd::isa::TransposingKernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa};
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::transpose::{Four, Transpose};
 
 /// What is gathered of the particles.
@@ -99,60 +97,4 @@ pub(crate) fn load(t: impl Transpose, fours: &[Four], at: usize) -> (Block3, Blo
 #[inline(always)]
 pub(crate) fn store(t: impl Transpose, fours: &mut [Four], at: usize, vector: Block3, w: Block) {
     fours[at..at + LANES].copy_from_slice(&t.together(&[vector.x, vector.y, vector.z, w]));
-}
-
-/// Fills the places.
-pub(crate) struct FillPlaces<'a> {
-    pub inverse_mass: &'a Array,
-    pub x: &'a Soa,
-    pub d: &'a Soa,
-    /// What they lie on, where any do.
-    pub contacts: Option<&'a ActiveSet>,
-    pub places: &'a mut Places,
-}
-
-impl TransposingKernel for FillPlaces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self, t: impl Transpose) {
-        let Places { x, d, normals } = self.places;
-        for slot in (0..x.len()).step_by(LANES) {
-            let mut w = Block::load(self.inverse_mass, slot);
-            if let Some(set) = self.contacts {
-                let slip = Block::load(&set.now.slip, slot);
-                for i in 0..LANES {
-                    w.0[i] *= slip.0[i];
-                }
-            }
-            store(t, x, slot, Block3::load(self.x, slot), w);
-            store(t, d, slot, Block3::load(self.d, slot), Block::ZERO);
-            if let Some(set) = self.contacts {
-                let normal = Block3::load(&set.now.normal, slot);
-                store(t, normals, slot, normal, Block::load(&set.load, slot));
-            }
-        }
-    }
-}
-
-/// Takes the displacements back.
-pub(crate) struct TakeDisplacements<'a> {
-    pub places: &'a Places,
-    pub d: &'a mut Soa,
-    /// What takes the loads, where any particle lies on anything.
-    pub contacts: Option<&'a mut ActiveSet>,
-}
-
-impl TransposingKernel for TakeDisplacements<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self, t: impl Transpose) {
-        for slot in (0..self.places.d.len()).step_by(LANES) {
-            load(t, &self.places.d, slot).0.store(self.d, slot);
-            if let Some(set) = &mut self.contacts {
-                load(t, &self.places.normals, slot).1.store(&mut set.load, slot);
-            }
-        }
-    }
 }

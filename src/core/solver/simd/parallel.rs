@@ -9,10 +9,11 @@
 use core::ops::Range;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use crate::solver::plan::Form;
+use crate::solver::settings::Form;
+use crate::solver::simd::block::LANES;
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::{LANES, Part, Soa};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::{Part, Soa};
 
 /// Particles of a sheet at least that is cut: fewer are done sooner than handed over.
 const LEAST_CUT: usize = 12_000;
@@ -206,18 +207,6 @@ pub(crate) trait Cut: Sized + Send {
     fn run(self, isa: Isa) -> Self::Output;
 }
 
-/// What a kernel writes by slots.
-pub(crate) trait CutAt: Sized {
-    /// What is before a slot, and the rest.
-    fn cut(self, slot: usize) -> (Self, Self);
-}
-
-impl<T: CutAt> CutAt for Option<T> {
-    fn cut(self, slot: usize) -> (Self, Self) {
-        self.map(|part| part.cut(slot)).unzip()
-    }
-}
-
 /// Makes a kernel with a `band` one that can be cut, with these of its fields. What else it has, both halves share.
 macro_rules! cut_between_rows {
     ($kernel:ident $(, $part:ident)*) => {
@@ -229,7 +218,7 @@ macro_rules! cut_between_rows {
             }
 
             fn cut(self, row: usize) -> (Self, Self) {
-                $(let $part = $crate::solver::simd::parallel::CutAt::cut(self.$part, self.band.slot(row));)*
+                $(let $part = $crate::solver::simd::slots::CutAt::cut(self.$part, self.band.slot(row));)*
                 let (above, below) = self.band.cut(row);
                 (
                     Self { band: above, $($part: $part.0,)* ..self },
@@ -243,6 +232,7 @@ macro_rules! cut_between_rows {
         }
     };
 }
+
 pub(crate) use cut_between_rows;
 
 /// What bands find out.

@@ -4,7 +4,7 @@
 //! The compiler makes gathers of the plain loops where it has AVX-512, and inserts single numbers where
 //! it has AVX2: several times as slow as the shuffles that are written out here.
 
-use crate::solver::simd::lanes::{Block, LANES};
+use crate::solver::simd::block::{Block, LANES};
 
 /// Four numbers of one particle, which come in one load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -209,7 +209,6 @@ fn wide(v4: pulp::x86::V4, tile: &[Block; LANES]) -> [Block; LANES] {
 #[cfg(test)]
 mod tests {
     use crate::solver::simd::isa::{Isa, TransposingKernel};
-    use crate::solver::simd::transpose::*;
 
     /// A tile exchanged, its first four rows as they are by particle, and these put apart again.
     struct Exchange<'a>(&'a [Block; LANES]);

@@ -3,13 +3,13 @@
 use crate::solver::ClothSolver;
 use crate::solver::forces::bending_friction::{
     Brake, Brakes, EVERY, MOST_OF_SPRINGS, MOST_OF_THREADS, PART, Resist, Thread, WideHinges,
-    widths,
 };
-use crate::solver::plan::Form;
-use crate::solver::simd::lanes::ValuesMut;
-use crate::solver::simd::parallel::{self};
+use crate::solver::settings::Form;
+use crate::solver::simd::parallel;
+use crate::solver::simd::soa::ValuesMut;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
+use crate::solver::topology::wide_hinges::widths;
 
 impl ClothSolver {
     /// Brakes what bends, where it is time to.

@@ -1,12 +1,13 @@
 //! Fourth stage: contact and friction. It ends the substep.
 
+use crate::solver::ClothSolver;
+use crate::solver::contact;
 use crate::solver::contact::{ResolveContacts, Skin};
 use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Displace;
 use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
 use crate::solver::state::State;
-use crate::solver::{ClothSolver, contact};
 
 /// Without gravity, what only touches is pressed by its weight in this \[m/s2\].
 const LEAST_GRAVITY: f32 = 9.81;

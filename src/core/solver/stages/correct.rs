@@ -9,10 +9,10 @@ use crate::solver::constraints::threads::warp::{PutBack, SolveWarp, SolveWarpApa
 use crate::solver::constraints::threads::weft::SolveWeft;
 use crate::solver::constraints::threads::{Lines, Reach};
 use crate::solver::contact::HoldOnto;
-use crate::solver::plan::Form;
-use crate::solver::simd::lanes::ValuesMut;
+use crate::solver::settings::Form;
 use crate::solver::simd::parallel;
 use crate::solver::simd::parallel::Bands;
+use crate::solver::simd::soa::ValuesMut;
 use crate::solver::state::{Scratch, State};
 use crate::solver::topology::Topology;
 

@@ -3,8 +3,8 @@
 use crate::solver::ClothSolver;
 use crate::solver::error::SolverError;
 use crate::solver::forces::external::{MOST_ACCELERATION, PushOn, PushWith, Pushes};
-use crate::solver::input::{FARTHEST, is_near};
-use crate::solver::simd::lanes::Soa;
+use crate::solver::settings::{FARTHEST, is_near};
+use crate::solver::simd::soa::Soa;
 use bevy_math::Vec3;
 
 impl ClothSolver {

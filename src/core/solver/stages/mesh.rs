@@ -1,8 +1,10 @@
 //! The stages of a substep that are different on a mesh. They work on places, particles one after the
 //! other, which are filled before and emptied after.
 
+use crate::solver::state::mesh::Room;
 use bevy_math::Vec3;
 
+use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::Reach;
 use crate::solver::constraints::threads::chains::SolveChains;
@@ -11,56 +13,14 @@ use crate::solver::integrate::verlet::Kick;
 use crate::solver::plan::Plan;
 use crate::solver::plan::graph_stiffness::Strengths;
 use crate::solver::settings::DampingForm;
-use crate::solver::simd::gather::{FillPlaces, Places, TakeDisplacements};
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::{Array, LANES, Soa};
-use crate::solver::simd::transpose::Four;
-use crate::solver::state::{Line, State};
+use crate::solver::simd::soa::Soa;
+use crate::solver::state::State;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::graph::coloring::{CorrectPairs, LargestStrain};
 use crate::solver::topology::graph::couplings::Coupled;
 use crate::solver::topology::graph::hinges::{Turn, Turned};
 
-/// Room that the stages work in; nothing in it outlives a substep.
-#[derive(Clone, Debug)]
-pub(crate) struct Room {
-    places: Places,
-    moments: Vec<Four>,
-    /// Displacements predicted for the damping.
-    predicted: Vec<Four>,
-    /// Unknowns of a bundle of chains, and its inverse masses.
-    line: Line,
-    inverse_mass: Array,
-}
-
 impl Room {
-    pub fn new(graph: &Graph) -> Self {
-        let longest = graph.chains.longest() * LANES;
-        Self {
-            places: Places::new(graph.layout.len()),
-            moments: vec![Four::default(); graph.hinges.curved.room()],
-            predicted: vec![Four::default(); graph.layout.len()],
-            line: Line::new(longest),
-            inverse_mass: Array::zeros(longest),
-        }
-    }
-
-    /// Fills the places.
-    /// `corrects` tells whether corrections are to see them, and what they lie on.
-    pub fn fill(&mut self, isa: Isa, inverse_mass: &Array, state: &State, corrects: bool) {
-        let State { x, d, contacts, .. } = state;
-        let contacts = (corrects && contacts.now.any).then_some(contacts);
-        let places = &mut self.places;
-        isa.run_transposing(FillPlaces { inverse_mass, x, d, contacts, places });
-    }
-
-    /// Takes the corrected displacements back.
-    pub fn empty(&self, isa: Isa, state: &mut State) {
-        let State { d, contacts, .. } = state;
-        let contacts = contacts.now.any.then_some(contacts);
-        isa.run_transposing(TakeDisplacements { places: &self.places, d, contacts });
-    }
-
     /// Accelerations of springs, hinges and gravity, from places as they are.
     pub fn accumulate_forces(
         &mut self,

@@ -2,9 +2,10 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, LANES, larger, smaller};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Block, Block3, Blocks, Blocks3, LANES, Soa, larger, smaller};
 use crate::solver::simd::parallel::{Band, Merge, cut_between_rows};
+use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 use crate::solver::topology::lattice::Lattice;
 

@@ -1,6 +1,7 @@
 //! What moves: positions and displacements of one cloth, and the room its stages work in.
 
 pub(crate) mod measure;
+pub(crate) mod mesh;
 
 use bevy_math::Vec3;
 
@@ -11,11 +12,12 @@ use crate::solver::forces::bending::Moments;
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::explicit::Study;
-use crate::solver::simd::lanes::{Array, LANES, Soa};
+use crate::solver::simd::block::LANES;
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, Bands, Rooms, Seams};
+use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::state::mesh::Room;
 use crate::solver::topology::Topology;
-use crate::solver::topology::graph::Room;
-use crate::solver::topology::lattice::Layout;
 
 /// Positions and displacements. Padding stays at zero.
 #[derive(Clone, Debug)]
@@ -128,33 +130,6 @@ pub(crate) struct Scratch {
     pub contact: ContactRoom,
 }
 
-/// Spans and their lengths, inverse pivots and right-hand sides of threads solved side by side.
-#[derive(Clone, Debug)]
-pub(crate) struct Line {
-    pub span: Soa,
-    pub length: Array,
-    pub inverse_pivot: Array,
-    pub residual: Array,
-    /// How far springs go along the normals at their second ends, where these lie on colliders.
-    pub across: Array,
-    /// Corrections of their particles, where threads are taut.
-    pub correction: Soa,
-}
-
-impl Line {
-    /// Room for threads of so many springs, times [`LANES`].
-    pub fn new(longest: usize) -> Self {
-        Self {
-            span: Soa::zeros(longest),
-            length: Array::zeros(longest),
-            inverse_pivot: Array::zeros(longest),
-            residual: Array::zeros(longest),
-            across: Array::zeros(longest),
-            correction: Soa::zeros(longest),
-        }
-    }
-}
-
 impl Scratch {
     /// For a cloth of so many edges, where these are held.
     pub fn new(topology: &Topology, edges: Option<usize>) -> Self {
@@ -182,5 +157,12 @@ impl Scratch {
             contact: ContactRoom::new(&Band::all(layout), edges),
             seams: Seams::new(bands.rows),
         }
+    }
+}
+
+impl State {
+    /// Something moves a particle while pulls are noted that is none of them.
+    pub(crate) fn leave_out(&mut self, slot: usize, moved: Vec3) {
+        self.pull.set(slot, self.pull.get(slot) - moved);
     }
 }

@@ -2,8 +2,9 @@
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
+use crate::solver::simd::layout::Layout;
 use crate::solver::topology::Topology;
-use crate::solver::topology::lattice::{Lattice, Layout};
+use crate::solver::topology::lattice::Lattice;
 
 /// The springs that lead from each particle.
 pub(crate) struct Ways<'a> {

@@ -1,6 +1,7 @@
 //! A lattice whose mass and stiffness vary from particle to particle.
 
-use crate::solver::topology::lattice::{Family, Lattice, LatticeError, Layout};
+use crate::solver::simd::layout::Layout;
+use crate::solver::topology::lattice::{Family, Lattice, LatticeError};
 
 impl Lattice {
     /// The same lattice with masses and stiffness multiplied particle by particle, row by row. A

@@ -4,14 +4,17 @@ pub(crate) mod geodesic;
 pub(crate) mod graph;
 pub(crate) mod lattice;
 mod lattice_weights;
+pub(crate) mod wide_hinges;
 
 use std::sync::Arc;
 
 use bevy_math::Vec3;
 
+use crate::solver::settings::MassLumping;
 use crate::solver::settings::Material;
+use crate::solver::simd::layout::Layout;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::lattice::{Lattice, Layout, MassLumping};
+use crate::solver::topology::lattice::Lattice;
 
 /// The rest shape of a cloth: immutable, shared by equal cloths.
 #[derive(Clone, Debug)]

@@ -1,12 +1,13 @@
 //! Solving the chains of a mesh, each whole: see `threads` for the elimination.
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
+use crate::solver::constraints::threads::line::Line;
 use crate::solver::constraints::threads::{Between, Ends, Pivot, Pivots, Reach, Tension};
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::gather::Places;
 use crate::solver::simd::isa::TransposingKernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES};
+use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::Transpose;
-use crate::solver::state::Line;
 use crate::solver::topology::graph::chains::{Bundle, Chains};
 
 /// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.

@@ -11,9 +11,9 @@
 //! `(1 + G) z = c`, where `G` is the Laplacian of the thread weighted by what `w t / l` has too much.
 //! Momentum is kept, and what moves the thread as a whole.
 
+use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::divide;
-use crate::solver::simd::lanes::{Block, Block3, LANES, larger};
-use crate::solver::state::Line;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 
 /// `w t / l` from which a tension is too much.
 const STEADY: f32 = 0.33;

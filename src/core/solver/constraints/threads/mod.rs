@@ -15,16 +15,19 @@
 
 pub(crate) mod chains;
 pub(crate) mod geometric_stiffness;
+pub(crate) mod line;
 pub(crate) mod warp;
 pub(crate) mod weft;
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
+use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::{LEAST_MOBILITY, divide};
-use crate::solver::simd::lanes::{
-    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, Soa, larger,
+use crate::solver::simd::block::{
+    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, larger,
 };
-use crate::solver::state::Line;
-use crate::solver::topology::lattice::{Family, Layout};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::topology::lattice::Family;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
 /// held at both ends has one constraint too many; this keeps its matrix far enough from singular

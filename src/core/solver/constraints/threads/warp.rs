@@ -5,12 +5,13 @@
 
 use crate::solver::constraints::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
 use crate::solver::contact::{Contacts, Normals};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::{
-    Array, Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, PartMut, Soa, ValuesMut,
-};
-use crate::solver::simd::parallel::{Band, Cut, CutAt, Rooms};
-use crate::solver::topology::lattice::{Family, Layout};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::parallel::{Band, Cut, Rooms};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
+use crate::solver::topology::lattice::Family;
 
 /// Solves all warp threads.
 pub(crate) struct SolveWarp<'a> {

@@ -2,13 +2,15 @@
 
 use crate::solver::constraints::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
 use crate::solver::contact::Contacts;
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES};
 use crate::solver::simd::isa::{Isa, TransposingKernel};
-use crate::solver::simd::lanes::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, PartMut, Slots, SlotsMut, Soa,
-};
-use crate::solver::simd::parallel::{Band, Cut, CutAt, Rooms};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::parallel::{Band, Cut, Rooms};
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::slots::{Slots, SlotsMut};
+use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::simd::transpose::Transpose;
-use crate::solver::topology::lattice::{Family, Layout};
+use crate::solver::topology::lattice::Family;
 
 /// Solves all weft threads, a row a lane.
 pub(crate) struct SolveWeft<'a> {

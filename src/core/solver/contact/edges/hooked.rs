@@ -9,7 +9,7 @@ use bevy_math::Vec3;
 
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::contact::edges::{EdgeMemory, Freed, HoldEdges};
-use crate::solver::simd::lanes::larger;
+use crate::solver::simd::block::larger;
 
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::block::LANES;
 use crate::solver::topology::Topology;
 use crate::solver::topology::lattice::Lattice;
 
@@ -14,7 +14,7 @@ pub(super) const FAN_FACES: [[usize; 2]; 4] = [[0, 2], [0, 3], [2, 3], [1, 2]];
 
 /// The edges of a cloth: all springs between neighbours of a lattice, both diagonals too, and the edges of a mesh.
 #[derive(Clone, Debug)]
-pub(in crate::solver) struct Edges {
+pub(crate) struct Edges {
     /// Length of the longest at rest \[m\].
     pub longest: f32,
     pub(super) joined: Joined,

@@ -3,14 +3,14 @@
 use bevy_math::{Mat3, Vec3};
 
 use crate::solver::contact::impulses::{Impulses, Share};
-use crate::solver::simd::lanes::Soa;
+use crate::solver::simd::soa::Soa;
 
 /// Pressed edges that there is room for from the start.
 const FEW: usize = 512;
 
 /// The memory of contact of edges from one substep to the next.
 #[derive(Clone, Debug)]
-pub(in crate::solver) struct EdgeMemory {
+pub(crate) struct EdgeMemory {
     /// Impulses that are expected again, by collider and corners, ascending. Those of this substep have been given to its
     /// displacements.
     pub warm: Vec<WarmStart>,
@@ -25,7 +25,7 @@ pub(in crate::solver) struct EdgeMemory {
 
 /// A particle that passes through a collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::solver) struct Freed {
+pub(crate) struct Freed {
     pub slot: u32,
     /// Index of the collider.
     pub collider: u32,
@@ -43,7 +43,7 @@ impl Freed {
 /// The impulse with which a collider is expected to press on an edge or a face (warm starting: Catto 2005, *Iterative Dynamics with
 /// Temporal Coherence*).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::solver) struct WarmStart {
+pub(crate) struct WarmStart {
     /// Index of the collider.
     pub collider: u32,
     /// Slots of the corners that it acts on, and their parts; of an edge, the last is the first again and has no part.

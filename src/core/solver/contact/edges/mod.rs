@@ -29,12 +29,13 @@ use crate::solver::contact::Skin;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulses::Share;
+use crate::solver::simd::block::{LANES, larger};
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::{LANES, Soa, larger};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
 
-pub(in crate::solver) use crate::solver::contact::edges::list::Edges;
-pub(in crate::solver) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
+pub(crate) use crate::solver::contact::edges::list::Edges;
+pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
 pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
 
 use crate::solver::contact::edges::nearby::{FindClose, Inside};

@@ -5,10 +5,11 @@ use crate::solver::contact::edges::Rule;
 use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
 use crate::solver::contact::edges::press::Place;
 use crate::solver::contact::edges::solve::System;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, PartMut, Soa, ValuesMut, larger};
-use crate::solver::simd::parallel::CutAt;
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
@@ -19,7 +20,7 @@ const FEW_FACES: usize = 64;
 
 /// How particles lie to a collider: what is known of those that are near to it.
 #[derive(Clone, Debug)]
-pub(in crate::solver) struct Nearby {
+pub(crate) struct Nearby {
     /// Whether anything is known of a block.
     pub(super) blocks: Vec<bool>,
     /// Gap beyond epsilon, by slot \[m\]; infinite where nothing is known.
@@ -72,7 +73,7 @@ impl Nearby {
 }
 
 /// Gaps and normals that a band of rows finds out.
-pub(in crate::solver) struct NearbyMut<'a> {
+pub(crate) struct NearbyMut<'a> {
     blocks: ByBlock<'a, bool>,
     gap: ValuesMut<'a>,
     normal: PartMut<'a>,

@@ -5,7 +5,8 @@ use bevy_math::Vec3;
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::contact::edges::solve::Body;
 use crate::solver::contact::edges::{HELD, HoldEdges, WarmStart};
-use crate::solver::simd::lanes::{Soa, larger};
+use crate::solver::simd::block::larger;
+use crate::solver::simd::soa::Soa;
 
 /// Cosine between the normal of an end and the way in, from which on it lies beyond the solid.
 const BEYOND: f32 = 0.25;

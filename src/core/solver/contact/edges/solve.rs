@@ -7,7 +7,7 @@ use bevy_math::Vec3;
 use crate::solver::contact::BLOW;
 use crate::solver::contact::edges::press::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
-use crate::solver::simd::lanes::larger;
+use crate::solver::simd::block::larger;
 
 /// Rounds of the solution.
 const ROUNDS: usize = 6;

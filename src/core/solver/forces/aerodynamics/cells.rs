@@ -8,9 +8,11 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::aerodynamics::Flow;
 use crate::solver::forces::aerodynamics::shares::{Face, shares};
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Block, Block3, LANES, Soa};
-use crate::solver::topology::lattice::{Lattice, Layout};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
+use crate::solver::topology::lattice::Lattice;
 
 /// The cells of a lattice. Row `r`, column `c` is the face `r * width + c`.
 #[derive(Clone, Debug)]

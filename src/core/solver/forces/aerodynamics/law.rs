@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::lanes::larger;
+use crate::solver::simd::block::larger;
 
 /// Least area of a face that has a normal \[m2\].
 const LEAST_AREA: f32 = 1e-20;

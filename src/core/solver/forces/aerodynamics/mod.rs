@@ -23,11 +23,12 @@ use crate::solver::forces::aerodynamics::law::Law;
 use crate::solver::forces::aerodynamics::triangles::Triangles;
 use crate::solver::forces::wind::{Place, Wind};
 use crate::solver::settings::{ParameterError, check};
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa};
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::Topology;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::lattice::Layout;
 
 /// What the air does to a cloth.
 ///

@@ -11,9 +11,10 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::aerodynamics::Flow;
 use crate::solver::forces::aerodynamics::shares::{Face, shares};
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, Soa};
-use crate::solver::topology::lattice::Layout;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::{Array, Soa};
 
 /// What is packed of a particle: position, displacement, acceleration, position again.
 const PACKED: usize = LANES;
@@ -269,8 +270,10 @@ mod tests {
     use crate::solver::forces::aerodynamics::FaceWind;
     use crate::solver::forces::aerodynamics::cells::{Cells, PushCells};
     use crate::solver::forces::aerodynamics::law::Law;
-    use crate::solver::forces::aerodynamics::triangles::*;
-    use crate::solver::{Isa, Lattice, MassLumping};
+
+    use crate::solver::settings::MassLumping;
+    use crate::solver::simd::isa::Isa;
+    use crate::solver::topology::lattice::Lattice;
     use bevy_math::Vec2;
 
     const ROWS: usize = 7;

@@ -9,7 +9,8 @@
 
 use bevy_math::DVec3;
 
-use crate::solver::simd::lanes::{Array, LANES};
+use crate::solver::simd::block::LANES;
+use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Link;
 use crate::solver::topology::graph::coloring::Palette;
 

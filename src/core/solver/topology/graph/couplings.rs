@@ -6,8 +6,9 @@
 //! gathered for the moments, and as many moments for the forces. Each pull has an equal and opposite
 //! one along the same line, to the bit: no momentum is made, nor any spin.
 
+use crate::solver::simd::block::{Block, Block3, LANES};
 use crate::solver::simd::gather::gather;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES};
+use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::hinges::Hinge;

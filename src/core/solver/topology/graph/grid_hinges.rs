@@ -4,8 +4,8 @@
 //! and its neighbours across, `D = (x2 - x1) / L2 - (x1 - x0) / L1` with a constant of the rigidity
 //! times the width over the mean of both lengths.
 
+use crate::solver::settings::MassLumping;
 use crate::solver::topology::graph::edges::{Edge, Mesh};
-use crate::solver::topology::lattice::MassLumping;
 
 /// A particle and its neighbours on both sides.
 pub(crate) struct Bend {

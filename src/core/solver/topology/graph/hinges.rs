@@ -20,10 +20,11 @@ use crate::solver::topology::graph::edges::{Edge, Mesh};
 use crate::solver::topology::graph::grid_hinges::{Bend, Cells};
 use bevy_math::DVec3;
 
+use crate::solver::settings::MassLumping;
+use crate::solver::simd::block::{Block, Block3, LANES, larger};
 use crate::solver::simd::isa::TransposingKernel;
-use crate::solver::simd::lanes::{Array, Block, Block3, LANES, larger};
+use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::{Four, Transpose};
-use crate::solver::topology::lattice::MassLumping;
 
 /// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;

@@ -25,25 +25,24 @@ pub(crate) mod grid_hinges;
 pub(crate) mod hinges;
 mod planarity;
 mod reorder;
-pub(crate) mod spans;
 mod springs;
 mod validate;
+pub(crate) mod wide_hinges;
 
 use bevy_math::Vec3;
 
-pub(crate) use crate::solver::plan::graph_stiffness::{Demand, Strengths};
-pub(crate) use crate::solver::stages::mesh::Room;
 pub use crate::solver::topology::graph::error::GraphError;
 pub(crate) use crate::solver::topology::graph::springs::Link;
 
-use crate::solver::simd::lanes::Array;
+use crate::solver::settings::MassLumping;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::chains::Chains;
 use crate::solver::topology::graph::coloring::Pairs;
 use crate::solver::topology::graph::edges::Mesh;
 use crate::solver::topology::graph::hinges::Hinges;
-use crate::solver::topology::graph::spans::LazySpans;
-use crate::solver::topology::lattice::{Layout, MassLumping};
+use crate::solver::topology::graph::wide_hinges::LazySpans;
 
 /// Factors of single particles, in their order; an empty list stands for ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,9 +6,9 @@
 //! the network is van Gelder's (1998) with Young's modulus ks: isotropic, Poisson's ratio 1/3, and so
 //! a shear modulus of 3/8 ks whatever the shear stiffness asked for.
 
+use crate::solver::settings::MassLumping;
 use crate::solver::topology::graph::Weights;
 use crate::solver::topology::graph::edges::{Edge, Mesh};
-use crate::solver::topology::lattice::MassLumping;
 
 /// A spring between two particles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,16 +5,12 @@ use std::sync::OnceLock;
 
 use bevy_math::Vec3;
 
-use crate::solver::forces::bending_friction::widths;
-use crate::solver::simd::lanes::{Array, Soa};
 use crate::solver::topology::graph::Graph;
-
-/// Least bend that has a direction \[m\].
-const LEAST_BEND: f32 = 1e-10;
+use crate::solver::topology::wide_hinges::widths;
 
 /// Wide hinges, in the order in which they are braked: the widest last.
 #[derive(Clone, Debug, Default)]
-pub(in crate::solver) struct Spans(Vec<Span>);
+pub(crate) struct Spans(pub Vec<Span>);
 
 /// The wide hinges of a mesh, made when they are asked for: a cloth without friction has none.
 #[derive(Clone, Debug, Default)]
@@ -29,18 +25,18 @@ impl PartialEq for LazySpans {
 
 impl Graph {
     /// Its wide hinges.
-    pub(in crate::solver) fn spans(&self) -> &Spans {
+    pub(crate) fn spans(&self) -> &Spans {
         self.spans.0.get_or_init(|| Spans::new(self))
     }
 }
 
 /// A wide hinge.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+pub(crate) struct Span {
     /// Slots of the particle in the middle and of those around it.
-    slots: [u32; 4],
+    pub slots: [u32; 4],
     /// The largest force for a bending friction of one.
-    most: f32,
+    pub most: f32,
 }
 
 /// Cosine between the way to go and an edge from which on that leads there.
@@ -58,40 +54,6 @@ impl Spans {
             spans.extend((0..count as u32).filter_map(|slot| neighbours.span(slot, width)));
         }
         Self(spans)
-    }
-
-    /// Brakes the bending of all, one after the other, by no more than `part` of what stops it. `most` is what friction moves a
-    /// particle of mass one by \[m\], for a force of one.
-    pub fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
-        for span in &self.0 {
-            span.brake(part, most, inverse_mass, x, d);
-        }
-    }
-}
-
-impl Span {
-    fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
-        let [middle, around @ ..] = self.slots.map(|slot| slot as usize);
-        let (here, moved) = (x.get(middle), d.get(middle));
-        let ways = around.map(|slot| x.get(slot) - here);
-        let Some(weights) = weights(ways) else { return };
-        let (mut bend, mut rate, mut w) = (Vec3::ZERO, Vec3::ZERO, inverse_mass[middle]);
-        for (i, &slot) in around.iter().enumerate() {
-            bend += ways[i] * weights[i];
-            rate += (d.get(slot) - moved) * weights[i];
-            w += inverse_mass[slot] * (weights[i] * weights[i]);
-        }
-        let length = bend.dot(bend).sqrt();
-        if length < LEAST_BEND || w == 0.0 {
-            return;
-        }
-        let most = most * self.most;
-        let impulse = (part * bend.dot(rate) / (length * w)).clamp(-most, most);
-        let impulse = bend * (impulse / length);
-        d.set(middle, moved + impulse * inverse_mass[middle]);
-        for (slot, weight) in around.into_iter().zip(weights) {
-            d.set(slot, d.get(slot) - impulse * (weight * inverse_mass[slot]));
-        }
     }
 }
 
@@ -173,7 +135,7 @@ impl Neighbours {
 }
 
 /// Weights of three points whose mean is as near to the origin as it can be; `None` where that is not in their midst.
-fn weights([a, b, c]: [Vec3; 3]) -> Option<[f32; 3]> {
+pub(crate) fn weights([a, b, c]: [Vec3; 3]) -> Option<[f32; 3]> {
     let (to_a, to_b) = (a - c, b - c);
     let (aa, ab, bb) = (to_a.dot(to_a), to_a.dot(to_b), to_b.dot(to_b));
     let (ca, cb) = (-c.dot(to_a), -c.dot(to_b));

@@ -1,0 +1,45 @@
+//! Vectors by slot, whoever holds them, and what can be cut between slots.
+
+use bevy_math::Vec3;
+
+/// A vector for each of some neighbouring slots.
+pub(crate) trait Slots {
+    /// The first of them.
+    fn first(&self) -> usize;
+    /// Coordinates, from that of the first slot on.
+    fn axes(&self) -> [&[f32]; 3];
+
+    /// The vector of a slot.
+    #[inline(always)]
+    fn get(&self, slot: usize) -> Vec3 {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes();
+        Vec3::new(x[at], y[at], z[at])
+    }
+}
+
+/// [`Slots`] that can be written.
+pub(crate) trait SlotsMut: Slots {
+    /// See [`Slots::axes`].
+    fn axes_mut(&mut self) -> [&mut [f32]; 3];
+
+    /// Sets the vector of a slot.
+    #[inline(always)]
+    fn set(&mut self, slot: usize, value: Vec3) {
+        let at = slot - self.first();
+        let [x, y, z] = self.axes_mut();
+        (x[at], y[at], z[at]) = value.into();
+    }
+}
+
+/// What a kernel writes by slots.
+pub(crate) trait CutAt: Sized {
+    /// What is before a slot, and the rest.
+    fn cut(self, slot: usize) -> (Self, Self);
+}
+
+impl<T: CutAt> CutAt for Option<T> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        self.map(|part| part.cut(slot)).unzip()
+    }
+}
