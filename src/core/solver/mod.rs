@@ -1,57 +1,50 @@
 //! The solver of one cloth: pure numerics over structure-of-arrays state. No ECS, no assets, no clock.
 //!
 //! A tick of length `dt` is made of `n` substeps of length `h = dt / n`, and each substep of four
-//! stages, one function each:
+//! stages, one function each (`stages`):
 //!
 //! 1. [`accumulate_forces`](ClothSolver::accumulate_forces): explicit springs, bending, damping, gravity,
-//!    air give accelerations (`forces`, `rows`, `bending`, `damping`, `air`);
+//!    loads from outside and air give accelerations (`forces`);
 //! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
-//!    limit, what lies on a collider going along its surface alone; tethers to the pins (`threads`, `weft`, `warp`,
-//!    `constraint`, `contact`, `tethers`);
-//! 4. [`collide`](ClothSolver::collide): particles are held epsilon outside the colliders (`contact`).
+//!    strain limit; then tethers to the pins (`constraints`). A particle that lies on a collider is moved along its
+//!    surface alone;
+//! 4. [`collide`](ClothSolver::collide): particles and edges are held outside the colliders (`contact`).
 //!
-//! Between the second stage and the end of the fourth a particle is at `x + d`: where it was when the
-//! substep began, and its displacement since. The displacement is the velocity (times `h`), so that a
-//! correction changes both by what was computed, never by a difference of rounded positions. What is
-//! where:
+//! Between the second stage and the end of the fourth a particle is at `x + d`: `x` is its position when the
+//! substep began, and `d` its displacement since. The displacement is the velocity times `h`, so that a
+//! correction changes position and velocity by what was computed, never by a difference of rounded positions.
 //!
-//! | file | what it holds |
+//! # Rooms
+//!
+//! Each folder knows only the ones above it in this table. A test keeps it so (`tests/architecture.rs`).
+//!
+//! | room | what it holds |
 //! | --- | --- |
-//! | `topology` | the rest shape: immutable, shared by equal cloths |
-//! | `lattice` | that of a rectangular sheet |
-//! | `graph` | that of any triangle mesh, and the stages as they are on one |
-//! | `ways` | ways along the cloth at rest, for tethers |
-//! | `beyond` | whether any spring is beyond the strain limit |
-//! | `carry`, `shear` | corrections carried on to the next substep; shear springs of a lattice of threads |
-//! | `taut` | threads under more tension than a substep allows for |
-//! | `state` | positions, displacements, working room |
-//! | `held`, `soft` | what depends on the pins: inverse masses, tethers, clamped hinges; pins on springs |
-//! | `motion` | moving a whole cloth rigidly, and putting it back to rest |
-//! | `plan` | the stability bound; substeps, springs or threads, clamped constants |
-//! | `parameters` | material and settings |
-//! | `air`, `wind` | drag and lift; uniform wind, gusts, zones |
-//! | `save` | the state between ticks, taken out and put back |
-//! | `push` | forces, impulses and changes of velocity from outside |
-//! | `setup`, `input`, `access` | making a solver, what a tick is given, reading and writing particles |
-//! | `rows`, `damping` | springs of a lattice, each worked out once; their damping |
-//! | `bending_friction` | friction between the yarns, which brings a cloth to rest |
-//! | `measure`, `stillness` | strain, bounds, whether all is finite; how far the cloth has gone |
-//! | `lanes`, `transpose`, `isa` | blocks of 16 particles; one body a kernel, compiled for several instruction sets |
-//! | `bands` | large sheets cut into bands of rows, which threads share |
-//! | `study` | integrators to compare with |
+//! | `settings` | material, settings, and the range of coordinates |
+//! | `simd` | blocks of 16 particles, storage, memory layout; one body a kernel, compiled for several instruction sets; bands of rows that threads share |
+//! | `topology` | the rest shape, immutable and shared by equal cloths: lattice or graph, geodesic distances, wide hinges |
+//! | `error` | why a solver refuses |
+//! | `contact` | colliders; broad phase, response of particles, swept contact, friction, active set; edges and faces |
+//! | `forces` | springs, bending, friction of bending, damping, external loads, aerodynamics, wind |
+//! | `plan` | stability bounds; substeps, springs or threads, clamped constants |
+//! | `integrate` | Verlet, Houbolt's filter of corrections; explicit integrators to compare with |
+//! | `constraints` | pins, soft pins, threads, shear, strain limit, tethers |
+//! | `input` | what a tick is given and gives back |
+//! | `state` | positions, displacements, workspace, measures |
+//! | `stages` and the files beside this one | [`ClothSolver`]: what it does in each stage; setting it up, reading, moving and saving it |
 //!
 //! # A new force
 //!
-//! It has a file of its own, with a `Kernel` that adds to the accelerations `scratch.a`. `push` is the shortest to
-//! start from (a vector each particle), `air` one with a state, a law and settings. No compiler tells the rest:
+//! It has a file of its own in `forces`, with a `Kernel` that adds to the accelerations. `external` is the shortest to
+//! start from (a vector each particle), `aerodynamics` one with a state, a law and settings. No compiler tells the rest:
 //!
-//! - `accelerate` calls it for sheets, `accumulate_graph_forces` for meshes;
+//! - `accelerate` in `stages/forces` calls it for sheets, `accumulate_graph_forces` for meshes;
 //! - `has_forces` knows of it: where gravity acts alone, the first stage is left out;
 //! - `begin_tick` counts it in the load that tethers are bounded for, if it may be as strong as gravity;
-//! - what is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
-//! - what it remembers between ticks is in `save`.
+//! - a force that is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
+//! - what it remembers between ticks is in `snapshot`.
 
 mod constraints;
 mod contact;

@@ -1,4 +1,4 @@
-//! Shear of threads while corrections are carried on (`carry`): all springs across the cells corrected at once,
+//! Shear of threads while corrections are carried on (`integrate::houbolt`): all springs across the cells corrected at once,
 //! each from where the particles were before any was (Jacobi's iteration).
 //!
 //! The order in which springs are corrected one after the other gives what moves a direction, and sheets

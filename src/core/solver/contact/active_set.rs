@@ -17,7 +17,7 @@
 //! would not do: the corrections come to another end in each, particles at Coulomb's limit change from one to the other in
 //! every substep, and the cloth trembles. For the same reason slips follow with a delay.
 //!
-//! What corrections pull at a particle and do not move is a pull all the same, and is carried on (`carry`) with the mobility
+//! What corrections pull at a particle and do not move is a pull all the same, and is carried on (`integrate::houbolt`) with the mobility
 //! that it was followed with. Momentum is accounted for to the last part: `impulses`.
 
 use bevy_math::Vec3;
@@ -247,7 +247,7 @@ pub(crate) struct HoldOnto<'a> {
     /// Length of the substep \[s\].
     pub step: f32,
     pub d: &'a mut Soa,
-    /// What is carried on of the pulls in the substep before (`carry`), less the displacements; `None` where nothing
+    /// What is carried on of the pulls in the substep before (`integrate::houbolt`), less the displacements; `None` where nothing
     /// is.
     pub carried: Option<&'a Soa>,
 }

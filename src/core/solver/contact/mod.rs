@@ -6,7 +6,7 @@
 //! impulse of that same undoing.
 //!
 //! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
-//! is looked at too (`sweep`). What cannot touch is not looked at at all (`room`). Corrections know what
+//! is looked at too (`swept`). What cannot touch is not looked at at all (`broad_phase`). Corrections know what
 //! lies on a collider (`active_set`). After the particles come the edges between them (`edges`).
 
 mod active_set;
@@ -96,7 +96,7 @@ pub(super) struct ResolveContacts<'a> {
     pub inverse_mass: &'a mut [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Pulls noted from before the corrections on (`carry`): what touches a collider has none.
+    /// Pulls noted from before the corrections on (`integrate::houbolt`): what touches a collider has none.
     pub pull: Option<&'a mut Soa>,
     pub room: &'a mut ContactRoom,
     /// The cloth's edges, where they are to be held out too.

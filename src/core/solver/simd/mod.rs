@@ -1,4 +1,12 @@
-//! What kernels compute with: blocks of particles, instruction sets, bands that threads share.
+//! What kernels compute with.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `block` | blocks of 16 particles, which the compiler makes vectors of |
+//! | `soa`, `slots`, `layout` | arrays by coordinate; access by slot; where particles lie in memory |
+//! | `gather`, `transpose` | particles of a mesh, gathered by index |
+//! | `isa` | one body a kernel, compiled for several instruction sets |
+//! | `parallel` | bands of rows that threads share |
 
 pub(crate) mod block;
 pub(crate) mod gather;

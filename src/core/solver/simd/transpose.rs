@@ -208,6 +208,7 @@ fn wide(v4: pulp::x86::V4, tile: &[Block; LANES]) -> [Block; LANES] {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::solver::simd::isa::{Isa, TransposingKernel};
 
     /// A tile exchanged, its first four rows as they are by particle, and these put apart again.

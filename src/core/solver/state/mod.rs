@@ -32,7 +32,7 @@ pub(crate) struct State {
     /// positions. So a velocity changes by computed corrections, never by a difference of rounded
     /// positions.
     pub d: Soa,
-    /// What corrections add to displacements in a substep \[m\], see `carry`; of those that are held,
+    /// What corrections add to displacements in a substep \[m\], see `integrate::houbolt`; of those that are held,
     /// anything.
     pub pull: Soa,
     /// Whether `pull` is that of the last substep.

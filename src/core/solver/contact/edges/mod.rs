@@ -116,7 +116,7 @@ pub(super) struct HoldEdges<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Pulls noted from before the corrections on (`carry`), of which contact is none.
+    /// Pulls noted from before the corrections on (`integrate::houbolt`), of which contact is none.
     pub pull: Option<&'a mut Soa>,
     pub set: &'a mut ActiveSet,
     /// Index of the collider.

@@ -267,10 +267,10 @@ mod tests {
     //! On the triangles of a sheet, held to the sheet's own cells where both must agree, and to sums over
     //! single triangles.
 
+    use super::*;
     use crate::solver::forces::aerodynamics::FaceWind;
     use crate::solver::forces::aerodynamics::cells::{Cells, PushCells};
     use crate::solver::forces::aerodynamics::law::Law;
-
     use crate::solver::settings::MassLumping;
     use crate::solver::simd::isa::Isa;
     use crate::solver::topology::lattice::Lattice;

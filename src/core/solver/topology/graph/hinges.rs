@@ -11,7 +11,7 @@
 //! `K (|D| - D0)^2 / 2`.
 //!
 //! Between rectangular cells the hinges are the lattice's instead, whichever way the cells are halved
-//! (`threads`).
+//! (`grid_hinges`).
 
 use crate::solver::simd::gather::{Places, gather, store};
 use crate::solver::topology::graph::adjacency::Table;

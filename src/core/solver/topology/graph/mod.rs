@@ -2,18 +2,19 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `error`, `check` | what is refused |
-//! | `order` | where the particles lie in memory |
+//! | `error`, `validate` | what is refused |
+//! | `reorder` | where the particles lie in memory |
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
-//! | `flat` | whether straight ways lead along the cloth |
-//! | `hinges`, `threads` | bending across edges, and along the threads of cells |
-//! | `spans` | wide hinges, for friction inside the fabric |
+//! | `planarity` | whether straight lines between particles lie within the cloth |
+//! | `hinges`, `grid_hinges` | bending across edges, and along the threads of cells |
 //! | `couplings` | hinges that are flat at rest, particle by particle |
-//! | `table`, `places` | what each particle gathers, and from where |
-//! | `forces`, `strengths` | explicit forces, and their constants in use |
-//! | `chains`, `solve` | the thread form: lines of springs, solved whole |
-//! | `pairs` | springs in batches: shear, Provot's limit, strain |
-//! | `stages` | the stages of a substep |
+//! | `wide_hinges` | hinges over several edges, for friction of bending |
+//! | `adjacency` | the springs and hinges that each particle gathers |
+//! | `chains` | lines of springs that are solved whole |
+//! | `coloring` | springs in batches that share no particle |
+//!
+//! The forces on a graph are in `forces::graph_springs`, its constraints in `constraints::graph_strain_limit` and
+//! `constraints::threads::chains`, its stages in `stages::mesh`.
 
 pub(crate) mod adjacency;
 pub(crate) mod chains;

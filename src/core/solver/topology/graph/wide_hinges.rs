@@ -1,5 +1,5 @@
 //! Wide hinges of a mesh: a particle, and three others around it that are some edges away. Friction inside the fabric
-//! acts on them (`bending_friction`).
+//! acts on them (`forces::graph_bending_friction`).
 
 use std::sync::OnceLock;
 
