@@ -81,8 +81,8 @@ pub use crate::solver::settings::MassLumping;
 pub use crate::solver::settings::{
     Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
 };
-pub use crate::solver::simd::block::LANES;
 pub use crate::solver::simd::isa::Isa;
+pub use crate::solver::simd::lanes::LANES;
 pub use crate::solver::snapshot::{SolverState, StateError};
 pub use crate::solver::state::measure::StrainReport;
 pub use crate::solver::topology::Topology;

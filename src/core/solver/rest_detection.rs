@@ -4,8 +4,9 @@
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 

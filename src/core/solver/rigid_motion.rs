@@ -7,8 +7,9 @@ use crate::solver::ClothSolver;
 use crate::solver::contact::Pose;
 use crate::solver::error::SolverError;
 use crate::solver::settings::is_near;
-use crate::solver::simd::block::{Block3, LANES};
+use crate::solver::simd::block::Block3;
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 

@@ -4,9 +4,10 @@ use crate::solver::constraints::strain_limit::{
     LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
 };
 use crate::solver::contact::divide;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::gather::Places;
 use crate::solver::simd::isa::{Kernel, TransposingKernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::coloring::Pairs;

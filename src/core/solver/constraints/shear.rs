@@ -9,8 +9,9 @@ use core::mem;
 
 use crate::solver::constraints::strain_limit::{LEAST_DIVISOR, LEAST_LENGTH, mobility_without};
 use crate::solver::contact::{Contacts, Normals, divide};
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Rooms, Seams, cut_between_rows};
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::slots::Slots;

@@ -1,8 +1,9 @@
 //! Whether any spring is beyond the strain limit: one look in the order of memory, where holding springs to
 //! it takes a pass for each colour. Where none is, nothing has to be held.
 
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Lattice;

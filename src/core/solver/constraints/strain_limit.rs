@@ -6,8 +6,9 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::{Contacts, LEAST_MOBILITY, divide};
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{self, Band, Cut};
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};

@@ -8,12 +8,12 @@
 use bevy_math::{Vec3, bounding::Aabb3d};
 
 use crate::solver::contact::Collider;
-use crate::solver::contact::edges::Nearby;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::contact::edges::nearby::Nearby;
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::Band;
-use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::Soa;
 
 /// Colliders awake at once that there is room for from the start.
@@ -48,33 +48,6 @@ pub(crate) struct ContactRoom {
     high: Vec3,
     /// What rounding may take off a distance in world space \[m\].
     slack: f32,
-}
-
-/// Values of the blocks of a band.
-pub(crate) struct ByBlock<'a, T> {
-    first: usize,
-    values: &'a mut [T],
-}
-
-impl<'a, T> ByBlock<'a, T> {
-    /// Those of all blocks, from the first slot on.
-    pub fn all(values: &'a mut [T]) -> Self {
-        Self { first: 0, values }
-    }
-
-    /// Those of so many blocks from a slot on.
-    #[inline(always)]
-    pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [T] {
-        &mut self.values[slot / LANES - self.first..][..blocks]
-    }
-}
-
-impl<T> CutAt for ByBlock<'_, T> {
-    fn cut(self, slot: usize) -> (Self, Self) {
-        let block = slot / LANES;
-        let (values, below) = self.values.split_at_mut(block - self.first);
-        (Self { first: self.first, values }, Self { first: block, values: below })
-    }
 }
 
 /// A collider that the cloth may have come to.

@@ -13,32 +13,44 @@ mod active_set;
 mod broad_phase;
 mod collider;
 mod edges;
+mod found;
 mod friction;
+mod hold;
+mod hold_onto;
 mod impulses;
 mod keys;
+mod ledger;
+mod let_go;
+mod push_out;
 mod response;
 mod swept;
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::soa::{Soa, ValuesMut};
 
 pub(super) use crate::solver::contact::active_set::{
-    ActiveSet, Contacts, HoldOnto, LEAST_MOBILITY, Normals, NoteUnfollowed, divide,
+    ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,
 };
 pub(super) use crate::solver::contact::broad_phase::ContactRoom;
 pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
 pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
+pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 
-use crate::solver::contact::active_set::LetGo;
-use crate::solver::contact::broad_phase::{Awake, ByBlock};
+use crate::solver::contact::broad_phase::Awake;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::{HoldEdges, Nearby, Rule};
+use crate::solver::contact::found::Found;
+use crate::solver::contact::hold::Held;
 use crate::solver::contact::impulses::Share;
-use crate::solver::contact::response::{Found, FurthestWay, Held, MeetCollider, Tally};
+use crate::solver::contact::let_go::LetGo;
+use crate::solver::contact::push_out::Tally;
+use crate::solver::contact::response::{FurthestWay, MeetCollider};
+use crate::solver::simd::slots::ByBlock;
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;

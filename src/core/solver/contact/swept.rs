@@ -8,7 +8,8 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::collider::Motion;
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::simd::block::{Block, Block3};
+use crate::solver::simd::lanes::LANES;
 
 /// Places looked at on a way at most; no solid thinner than this part of it is met for certain.
 const MOST_STEPS: u32 = 64;

@@ -7,7 +7,8 @@
 //! `k_b (x0 - 2 x1 + x2)` with `k_b = B / a^3` per unit of width. A rest curvature of magnitude `D0`
 //! makes it `K (|D| - D0)^2 / 2`. The forces have no resultant and no moment.
 
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::lattice::{Family, Lattice};

@@ -19,8 +19,9 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
 use crate::solver::simd::layout::Layout;

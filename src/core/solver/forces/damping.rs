@@ -3,8 +3,9 @@
 use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, Springs};
 use crate::solver::forces::springs::LEAST_LENGTH;
 use crate::solver::settings::DampingForm;
-use crate::solver::simd::block::{Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::block::{Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};

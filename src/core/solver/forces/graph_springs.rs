@@ -3,16 +3,17 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::forces::graph_bending::Coupled;
+use crate::solver::forces::graph_bending::Turned;
 use crate::solver::forces::springs::pull;
 use crate::solver::settings::DampingForm;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::gather::{Places, gather, load, store};
 use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::adjacency::Table;
-use crate::solver::topology::graph::couplings::Coupled;
-use crate::solver::topology::graph::hinges::Turned;
 
 /// Least square of a spring's length \[m2\]: a collapsed one has no direction.
 const LEAST_SQUARE: f32 = 1e-24;

@@ -5,7 +5,8 @@
 //! mirrored sheet shares: a sum of two does not depend on their order, and mirroring exchanges the two of a
 //! pair, or the two pairs of diagonals.
 
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::lattice::Lattice;

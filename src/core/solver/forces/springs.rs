@@ -4,8 +4,9 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::bending::{Bend, Moments};
 use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, Springs};
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::{Family, Lattice};

@@ -7,8 +7,9 @@
 use bevy_math::{Vec3, ops};
 
 use crate::solver::integrate::houbolt::Carry;
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
 use crate::solver::simd::soa::{PartMut, Soa};

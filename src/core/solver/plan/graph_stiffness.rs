@@ -4,11 +4,11 @@
 
 use crate::solver::plan::stability::{Bound, Circle, Constants, Shares};
 use crate::solver::settings::Bending;
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Graph;
 use crate::solver::topology::graph::adjacency::Table;
-use crate::solver::topology::graph::hinges::Hinge;
+use crate::solver::topology::graph::hinge::Hinge;
 
 /// Explicit constants by entry of the tables, and those of the hinges.
 #[derive(Clone, Debug)]

@@ -7,12 +7,10 @@
 //!
 //! The kernels that take the time have their blocks from [`Blocks`], a row at a time; others load them one by one.
 
+use crate::solver::simd::lanes::LANES;
 use bevy_math::Vec3;
 
 use crate::solver::simd::slots::{Slots, SlotsMut};
-
-/// Particles in a block. Rows are padded to a whole number of blocks.
-pub const LANES: usize = 16;
 
 /// One coordinate of [`LANES`] neighbouring particles.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
 //! in one piece.
 
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::simd::block::{Block, Block3};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::transpose::{Four, Transpose};
 
 /// What is gathered of the particles.

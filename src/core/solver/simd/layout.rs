@@ -1,6 +1,6 @@
 //! How particles lie in memory.
 
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 
 /// Rows of padding before the first and after the last row, so that a particle's neighbours two
 /// rows away are always in memory.

@@ -2,7 +2,7 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `block` | blocks of 16 particles, which the compiler makes vectors of |
+//! | `block`, `lanes` | blocks of 16 particles, which the compiler makes vectors of |
 //! | `soa`, `slots`, `layout` | arrays by coordinate; access by slot; where particles lie in memory |
 //! | `gather`, `transpose` | particles of a mesh, gathered by index |
 //! | `isa` | one body a kernel, compiled for several instruction sets |
@@ -11,6 +11,7 @@
 pub(crate) mod block;
 pub(crate) mod gather;
 pub(crate) mod isa;
+pub(crate) mod lanes;
 pub(crate) mod layout;
 pub(crate) mod parallel;
 pub(crate) mod slots;

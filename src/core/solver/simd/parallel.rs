@@ -10,8 +10,8 @@ use core::ops::Range;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use crate::solver::settings::Form;
-use crate::solver::simd::block::LANES;
 use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Part, Soa};
 

@@ -2,6 +2,8 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::simd::lanes::LANES;
+
 /// A vector for each of some neighbouring slots.
 pub(crate) trait Slots {
     /// The first of them.
@@ -41,5 +43,32 @@ pub(crate) trait CutAt: Sized {
 impl<T: CutAt> CutAt for Option<T> {
     fn cut(self, slot: usize) -> (Self, Self) {
         self.map(|part| part.cut(slot)).unzip()
+    }
+}
+
+/// Values of the blocks of a band.
+pub(crate) struct ByBlock<'a, T> {
+    first: usize,
+    values: &'a mut [T],
+}
+
+impl<'a, T> ByBlock<'a, T> {
+    /// Those of all blocks, from the first slot on.
+    pub fn all(values: &'a mut [T]) -> Self {
+        Self { first: 0, values }
+    }
+
+    /// Those of so many blocks from a slot on.
+    #[inline(always)]
+    pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [T] {
+        &mut self.values[slot / LANES - self.first..][..blocks]
+    }
+}
+
+impl<T> CutAt for ByBlock<'_, T> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let block = slot / LANES;
+        let (values, below) = self.values.split_at_mut(block - self.first);
+        (Self { first: self.first, values }, Self { first: block, values: below })
     }
 }

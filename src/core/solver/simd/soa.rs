@@ -4,7 +4,8 @@ use core::ops::{Deref, DerefMut};
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{Block, BlocksMut, LANES};
+use crate::solver::simd::block::{Block, BlocksMut};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{CutAt, Slots, SlotsMut};
 
 /// Floats that begin at a whole cache line, so that an aligned block lies in one.

@@ -4,7 +4,8 @@
 //! The compiler makes gathers of the plain loops where it has AVX-512, and inserts single numbers where
 //! it has AVX2: several times as slow as the shuffles that are written out here.
 
-use crate::solver::simd::block::{Block, LANES};
+use crate::solver::simd::block::Block;
+use crate::solver::simd::lanes::LANES;
 
 /// Four numbers of one particle, which come in one load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,10 @@ use bevy_math::Vec3;
 
 use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
 use crate::solver::constraints::strain_limit::Rule;
-use crate::solver::constraints::threads::Reach;
 use crate::solver::constraints::threads::chains::SolveChains;
+use crate::solver::constraints::threads::tridiagonal::Reach;
+use crate::solver::forces::graph_bending::Coupled;
+use crate::solver::forces::graph_bending::{Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
 use crate::solver::integrate::verlet::Kick;
 use crate::solver::plan::Plan;
@@ -17,8 +19,6 @@ use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::State;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::graph::couplings::Coupled;
-use crate::solver::topology::graph::hinges::{Turn, Turned};
 
 impl Room {
     /// Accelerations of springs, hinges and gravity, from places as they are.

@@ -2,8 +2,9 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, LANES, larger, smaller};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, larger, smaller};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Merge, cut_between_rows};
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;

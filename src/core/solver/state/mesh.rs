@@ -3,9 +3,10 @@
 
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::ActiveSet;
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::{Places, load, store};
 use crate::solver::simd::isa::{Isa, TransposingKernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::state::State;

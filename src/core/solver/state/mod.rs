@@ -12,7 +12,7 @@ use crate::solver::forces::bending::Moments;
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::explicit::Study;
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, Bands, Rooms, Seams};
 use crate::solver::simd::soa::{Array, Soa};

@@ -3,7 +3,6 @@
 pub(crate) mod geodesic;
 pub(crate) mod graph;
 pub(crate) mod lattice;
-mod lattice_weights;
 pub(crate) mod wide_hinges;
 
 use std::sync::Arc;

@@ -2,10 +2,13 @@
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
-use crate::solver::constraints::threads::{Between, Ends, Pivot, Pivots, Reach, Tension};
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::constraints::threads::tridiagonal::{
+    Between, Ends, Pivot, Pivots, Reach, Tension,
+};
+use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::Places;
 use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::chains::{Bundle, Chains};

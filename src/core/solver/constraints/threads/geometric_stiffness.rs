@@ -13,7 +13,8 @@
 
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::divide;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::lanes::LANES;
 
 /// `w t / l` from which a tension is too much.
 const STEADY: f32 = 0.33;

@@ -16,26 +16,24 @@
 pub(crate) mod chains;
 pub(crate) mod geometric_stiffness;
 pub(crate) mod line;
+pub(crate) mod tridiagonal;
 pub(crate) mod warp;
 pub(crate) mod weft;
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
-use crate::solver::contact::{LEAST_MOBILITY, divide};
-use crate::solver::simd::block::{
-    Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES, larger,
-};
+use crate::solver::constraints::threads::tridiagonal::Between;
+use crate::solver::constraints::threads::tridiagonal::Ends;
+use crate::solver::constraints::threads::tridiagonal::Pivot;
+use crate::solver::constraints::threads::tridiagonal::Pivots;
+use crate::solver::constraints::threads::tridiagonal::Reach;
+use crate::solver::constraints::threads::tridiagonal::Tension;
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, BlocksMut};
+use crate::solver::simd::lanes::LANES;
+
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Family;
-
-/// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
-/// held at both ends has one constraint too many; this keeps its matrix far enough from singular
-/// for f32, at a strain of the same size.
-const LEAST_COMPLIANCE: f32 = 1e-5;
-/// Least pivot \[m2/kg\]: between two held particles nothing can move, whatever the residual, and a
-/// collapsed spring has no direction and is left alone.
-const LEAST_PIVOT: f32 = 1e-30;
 
 /// What a band of threads is solved in.
 #[derive(Clone, Debug)]
@@ -72,24 +70,6 @@ pub(crate) struct Lines<'a> {
     pub inverse_mass: &'a [f32],
     /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
-}
-
-/// Where the particles of [`LANES`] threads are, and where their corrections go.
-pub(crate) trait Ends {
-    /// Whether any of them lies on a collider.
-    const TOUCH: bool;
-    /// Normals of what the particles at a place lie on.
-    fn normals(&self, place: usize) -> Block3;
-    /// Parts of their inverse masses that move them.
-    fn slip(&self, place: usize) -> Block;
-    /// Takes what pulls them along those.
-    fn load(&mut self, place: usize, load: &Block);
-    /// Positions of the particles at a place along the threads.
-    fn positions(&self, place: usize) -> Block3;
-    /// Takes their corrections.
-    fn correct(&mut self, place: usize, correction: Block3);
-    /// Takes more of them.
-    fn correct_more(&mut self, place: usize, correction: Block3);
 }
 
 /// Particles of which some lie on colliders.
@@ -155,6 +135,7 @@ macro_rules! touch_nothing {
         fn load(&mut self, _: usize, _: &Block) {}
     };
 }
+
 pub(crate) use touch_nothing;
 
 impl Lines<'_> {
@@ -288,205 +269,4 @@ fn mobile<E: Ends>(w: &Block, ends: &E, place: usize) -> Block {
         }
     }
     mobile
-}
-
-/// How soft the springs are, and how long they may be.
-#[derive(Clone, Copy)]
-pub(crate) struct Reach {
-    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
-    pub compliance: f32,
-    /// Longest that a spring may be, in rest lengths.
-    pub limit: f32,
-    /// What a spring may move a particle by without its thread trembling \[m\].
-    pub steady: f32,
-}
-
-/// What springs are between: positions, inverse masses, and normals of what their ends lie on.
-pub(crate) struct Between<'a> {
-    pub x: [&'a Block3; 2],
-    pub w: [&'a Block; 2],
-    pub normals: [&'a Block3; 2],
-}
-
-/// One step of the elimination.
-#[derive(Clone, Copy)]
-pub(crate) struct Pivot {
-    /// From one end of the springs to the other, and how long that is \[m\].
-    span: Block3,
-    length: Block,
-    /// 1 / pivot \[kg/m2\].
-    inverse: Block,
-    /// Length times excess length, and what the springs before add to it \[m2\].
-    residual: Block,
-    /// How far the springs go along the normals at their second ends \[m\].
-    across: Block,
-}
-
-impl Default for Pivot {
-    fn default() -> Self {
-        let none = Block::ZERO;
-        Self { span: Block3::ZERO, length: none, inverse: none, residual: none, across: none }
-    }
-}
-
-impl Pivot {
-    /// The step after this one, for the springs between two places. Notes by how much they exceed their limit; those
-    /// without a rest length are none.
-    #[inline(always)]
-    pub fn next<E: Ends>(
-        &self,
-        reach: &Reach,
-        between: &Between<'_>,
-        rest: &Block,
-        factor: &Block,
-        excess: &mut Block,
-    ) -> Self {
-        let Between { x, w, normals } = between;
-        let mut next = Self::default();
-        for i in 0..LANES {
-            let span = x[1].at(i) - x[0].at(i);
-            let square = span.dot(span);
-            // Not `Vec3::length`, whose square root may be a call.
-            let length = square.sqrt();
-            let over = length - rest.0[i] * reach.limit;
-            let over = if rest.0[i] > 0.0 { over } else { 0.0 };
-            excess.0[i] = larger(over, excess.0[i]);
-            let diagonal = w[0].0[i] + w[1].0[i];
-            // In this order the larger of the two is a number even where the first is NaN.
-            let soft = larger(factor.0[i] * reach.compliance, diagonal * LEAST_COMPLIANCE);
-            let mut whole = square * (diagonal + soft);
-            let mut along = span.dot(self.span.at(i));
-            if E::TOUCH {
-                let (n0, n1) = (normals[0].at(i), normals[1].at(i));
-                let (across0, across1) = (n0.dot(span), n1.dot(span));
-                let still = w[0].0[i] * (across0 * across0) + w[1].0[i] * (across1 * across1);
-                let all = square * diagonal;
-                whole = larger(all - still, all * LEAST_MOBILITY) + square * soft;
-                along -= across0 * self.across.0[i];
-                next.across.0[i] = across1;
-            }
-            let beside = w[0].0[i] * along;
-            let carried = beside * self.inverse.0[i];
-            let pivot = larger(whole - beside * carried, LEAST_PIVOT);
-            next.span.set(i, span);
-            next.length.0[i] = length;
-            next.inverse.0[i] = 1.0 / pivot;
-            next.residual.0[i] = length * (length - rest.0[i]) + carried * self.residual.0[i];
-        }
-        next
-    }
-}
-
-/// The steps of an elimination, spring by spring.
-pub(crate) struct Pivots<'a> {
-    span: Blocks3Mut<'a>,
-    length: BlocksMut<'a>,
-    inverse: BlocksMut<'a>,
-    residual: BlocksMut<'a>,
-    across: BlocksMut<'a>,
-}
-
-impl<'a> Pivots<'a> {
-    /// Those of so many springs.
-    #[inline(always)]
-    pub fn new(line: &'a mut Line, springs: usize) -> Self {
-        Self {
-            span: Blocks3Mut::new(&mut line.span, 0, springs),
-            length: BlocksMut::new(&mut line.length, 0, springs),
-            inverse: BlocksMut::new(&mut line.inverse_pivot, 0, springs),
-            residual: BlocksMut::new(&mut line.residual, 0, springs),
-            across: BlocksMut::new(&mut line.across, 0, springs),
-        }
-    }
-
-    #[inline(always)]
-    pub fn at<E: Ends>(&self, spring: usize) -> Pivot {
-        Pivot {
-            span: self.span.at(spring),
-            length: self.length.at(spring),
-            inverse: self.inverse.at(spring),
-            residual: self.residual.at(spring),
-            across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
-        }
-    }
-
-    #[inline(always)]
-    pub fn set<E: Ends>(&mut self, spring: usize, pivot: &Pivot) {
-        self.span.set(spring, pivot.span);
-        self.length.set(spring, pivot.length);
-        self.inverse.set(spring, pivot.inverse);
-        self.residual.set(spring, pivot.residual);
-        if E::TOUCH {
-            self.across.set(spring, pivot.across);
-        }
-    }
-}
-
-/// The pull of the springs that come after a place.
-#[derive(Clone, Copy)]
-pub(crate) struct Tension {
-    pull: Block3,
-    /// What a spring has moved a particle by so far, at most \[m\].
-    pub most: Block,
-}
-
-impl Default for Tension {
-    fn default() -> Self {
-        Self { pull: Block3::ZERO, most: Block::ZERO }
-    }
-}
-
-impl Tension {
-    /// Goes on to the springs before the particles of a place, of inverse masses `w`, and gives these their corrections.
-    /// What the particles lie on takes the rest.
-    #[inline(always)]
-    pub fn next<E: Ends>(
-        &mut self,
-        pivot: &Pivot,
-        w: &Block,
-        ends: &mut E,
-        place: usize,
-    ) -> Block3 {
-        let normals = ends.normals(place);
-        let (mut pull, mut correction, mut load) = (Block3::ZERO, Block3::ZERO, Block::ZERO);
-        for i in 0..LANES {
-            let (span, after) = (pivot.span.at(i), self.pull.at(i));
-            let mut along = span.dot(after);
-            let (n, across) = (normals.at(i), pivot.across.0[i]);
-            if E::TOUCH {
-                load.0[i] = n.dot(after);
-                along -= across * load.0[i];
-            }
-            let tension = (pivot.residual.0[i] + w.0[i] * along) * pivot.inverse.0[i];
-            self.most.0[i] = larger(tension * pivot.length.0[i] * w.0[i], self.most.0[i]);
-            pull.set(i, span * tension);
-            let mut moves = after - pull.at(i);
-            if E::TOUCH {
-                load.0[i] -= across * tension;
-                moves -= n * load.0[i];
-            }
-            correction.set(i, moves * w.0[i]);
-        }
-        if E::TOUCH {
-            ends.load(place, &load);
-        }
-        self.pull = pull;
-        correction
-    }
-
-    /// Corrections of the first particles.
-    #[inline(always)]
-    pub fn last<E: Ends>(&self, w: &Block, ends: &mut E) -> Block3 {
-        let mut moves = self.pull;
-        if E::TOUCH {
-            let (along, load) = divide(&self.pull, &ends.normals(0));
-            ends.load(0, &load);
-            moves = along;
-        }
-        let mut correction = Block3::ZERO;
-        for i in 0..LANES {
-            correction.set(i, moves.at(i) * w.0[i]);
-        }
-        correction
-    }
 }

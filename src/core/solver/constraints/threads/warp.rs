@@ -3,10 +3,12 @@
 //! Cores cannot share the rows of a large sheet by columns. There each works on a band of columns and puts what it
 //! comes to apart, from where it is put back by rows.
 
-use crate::solver::constraints::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
+use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
+use crate::solver::constraints::threads::{Lines, OnColliders, Room, touch_nothing};
 use crate::solver::contact::{Contacts, Normals};
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, LANES};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut};
 use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, Cut, Rooms};
 use crate::solver::simd::slots::CutAt;

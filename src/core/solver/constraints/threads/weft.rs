@@ -1,9 +1,11 @@
 //! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
 
-use crate::solver::constraints::threads::{Ends, Lines, OnColliders, Reach, Room, touch_nothing};
+use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
+use crate::solver::constraints::threads::{Lines, OnColliders, Room, touch_nothing};
 use crate::solver::contact::Contacts;
-use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut, LANES};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::{Isa, TransposingKernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, Cut, Rooms};
 use crate::solver::simd::slots::CutAt;

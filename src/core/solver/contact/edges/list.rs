@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::topology::Topology;
 use crate::solver::topology::lattice::Lattice;
 

@@ -15,10 +15,11 @@
 //! the displacements before the corrections (`memory`): threads that pull an edge over a rim find it held, and so they
 //! are stretched no further there, and nothing trembles. Threads that a collider is hooked in are let through (`hooked`).
 
+mod body;
 mod hooked;
 mod list;
-mod memory;
-mod nearby;
+pub(super) mod memory;
+pub(super) mod nearby;
 mod press;
 mod search;
 mod solve;
@@ -29,8 +30,9 @@ use crate::solver::contact::Skin;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulses::Share;
-use crate::solver::simd::block::{LANES, larger};
+use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 

@@ -1,13 +1,14 @@
 //! How particles lie to a collider, and which edges and faces between them are to be looked at closely.
 
-use crate::solver::contact::broad_phase::ByBlock;
 use crate::solver::contact::edges::Rule;
 use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
 use crate::solver::contact::edges::press::Place;
 use crate::solver::contact::edges::solve::System;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
+use crate::solver::simd::slots::ByBlock;
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 

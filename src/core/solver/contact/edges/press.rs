@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::LEAST_SLIDING;
-use crate::solver::contact::edges::solve::Body;
+use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::{HELD, HoldEdges, WarmStart};
 use crate::solver::simd::block::larger;
 use crate::solver::simd::soa::Soa;

@@ -3,7 +3,7 @@
 
 use crate::sdf::PointBlock;
 use crate::solver::contact::collider::{Frame, Motion};
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
 /// Steps of the search: each leaves 0.618 of the edge. Two ends of a bracket come before them.

@@ -2,6 +2,7 @@
 //! now (Catto 2005, *Iterative Dynamics with Temporal Coherence*). The strain limit of the threads that meet at their ends
 //! is solved with them: what is pulled over a tip has to lift the cloth, and must not be stretched over it.
 
+use crate::solver::contact::edges::body::Body;
 use bevy_math::Vec3;
 
 use crate::solver::contact::BLOW;
@@ -19,36 +20,10 @@ const LIMIT: f32 = 0.75;
 const STRAINED: f32 = 0.25;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
-
 /// Inverse mass that stands for that of what is held \[1/kg\].
 const LEAST_INVERSE_MASS: f32 = 1e-12;
-
 /// Part of what gravity moves a particle by in a substep, by which all pushes of a round change less once the solution is found.
 const FOUND: f32 = 0.005;
-
-/// A particle that pressed edges may move.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Body {
-    slot: u32,
-    /// \[1/kg\].
-    inverse_mass: f32,
-    /// Its position and its displacement, up to now \[m\].
-    pub x: Vec3,
-    pub d: Vec3,
-    /// Its position and its displacement before edges were held \[m\].
-    before: [Vec3; 2],
-}
-
-impl Body {
-    /// Where it is to be \[m\].
-    pub fn at(&self) -> Vec3 {
-        self.x + self.d
-    }
-
-    fn was_at(&self) -> Vec3 {
-        self.before[0] + self.before[1]
-    }
-}
 
 /// A thread that meets the end of a pressed edge, and is to be held to the strain limit.
 #[derive(Clone, Copy, Debug)]

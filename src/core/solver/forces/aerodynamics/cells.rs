@@ -8,8 +8,9 @@ use bevy_math::Vec3;
 
 use crate::solver::forces::aerodynamics::Flow;
 use crate::solver::forces::aerodynamics::shares::{Face, shares};
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::lattice::Lattice;

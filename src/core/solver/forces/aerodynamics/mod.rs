@@ -15,6 +15,8 @@ mod cells;
 mod law;
 mod shares;
 mod triangles;
+#[cfg(test)]
+mod triangles_tests;
 
 use bevy_math::Vec3;
 
@@ -23,8 +25,9 @@ use crate::solver::forces::aerodynamics::law::Law;
 use crate::solver::forces::aerodynamics::triangles::Triangles;
 use crate::solver::forces::wind::{Place, Wind};
 use crate::solver::settings::{ParameterError, check};
-use crate::solver::simd::block::{Block, Block3, LANES};
+use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::Topology;

@@ -14,8 +14,9 @@ use crate::solver::error::SolverError;
 use crate::solver::forces::wind::noise::Field;
 use crate::solver::forces::wind::zone::AddZone;
 use crate::solver::settings::{ParameterError, check};
-use crate::solver::simd::block::{Block3, LANES};
+use crate::solver::simd::block::Block3;
 use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
 /// The wind in one tick. The default is still air.

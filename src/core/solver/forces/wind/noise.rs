@@ -10,7 +10,8 @@
 use bevy_math::{DVec3, Vec3};
 
 use crate::solver::forces::wind::Gusts;
-use crate::solver::simd::block::{Block3, LANES};
+use crate::solver::simd::block::Block3;
+use crate::solver::simd::lanes::LANES;
 
 /// The gusts of one instant, for places relative to an origin.
 #[derive(Clone, Copy, Debug)]

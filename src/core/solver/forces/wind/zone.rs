@@ -8,8 +8,9 @@ use bevy_math::{
 use crate::sdf::{PointBlock, SignedDistance};
 use crate::solver::contact::Pose;
 use crate::solver::forces::wind::Place;
-use crate::solver::simd::block::{Block3, LANES, larger};
+use crate::solver::simd::block::{Block3, larger};
 use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
 /// Least distance from the middle of a radial wind that has a direction \[m\].

@@ -1,7 +1,7 @@
 //! What each particle gathers, as rows of [`LANES`] entries: a block of particles has as many rows as
 //! the particle of most entries in it.
 
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 
 /// Entries by particle. The constants of the entries are kept apart, in arrays of the same order.

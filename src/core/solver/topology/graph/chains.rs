@@ -9,7 +9,7 @@
 
 use bevy_math::DVec3;
 
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Link;
 use crate::solver::topology::graph::coloring::Palette;

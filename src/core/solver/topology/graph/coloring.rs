@@ -1,6 +1,6 @@
 //! Springs sorted into batches that share no particle, [`LANES`] side by side.
 
-use crate::solver::simd::block::LANES;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Link;
 

@@ -6,12 +6,9 @@
 //! gathered for the moments, and as many moments for the forces. Each pull has an equal and opposite
 //! one along the same line, to the bit: no momentum is made, nor any spin.
 
-use crate::solver::simd::block::{Block, Block3, LANES};
-use crate::solver::simd::gather::gather;
 use crate::solver::simd::soa::Array;
-use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::adjacency::Table;
-use crate::solver::topology::graph::hinges::Hinge;
+use crate::solver::topology::graph::hinge::Hinge;
 
 /// No entry: a corner with itself, or without weight.
 const NONE: u32 = u32::MAX;
@@ -19,7 +16,7 @@ const NONE: u32 = u32::MAX;
 /// Which particles share hinges.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Couplings {
-    table: Table,
+    pub table: Table,
     /// Entries of the table that a hinge adds to, by its two corners.
     entries: Vec<[[u32; 4]; 4]>,
 }
@@ -82,35 +79,4 @@ fn pairs(hinge: &Hinge) -> impl Iterator<Item = (usize, usize, (u32, u32))> + '_
         .flat_map(move |a| corners().map(move |b| (a, b)))
         .filter(|(a, b)| a != b)
         .map(|(a, b)| (a, b, (hinge.slots[a], hinge.slots[b])))
-}
-
-/// Couplings with their constants in use.
-#[derive(Clone, Copy)]
-pub(crate) struct Coupled<'a> {
-    pub couplings: &'a Couplings,
-    /// By entry \[N/m\].
-    pub constants: &'a Array,
-}
-
-impl Coupled<'_> {
-    /// Adds the forces on a block of particles, which are `here`.
-    #[inline(always)]
-    pub fn add(
-        &self,
-        t: impl Transpose,
-        block: usize,
-        here: &Block3,
-        all: &[Four],
-        force: &mut Block3,
-    ) {
-        let table = &self.couplings.table;
-        let (from, to) = table.rows(block);
-        for at in (from..to).step_by(LANES) {
-            let constant = Block::load(self.constants, at);
-            let there = gather(t, all, &table.to, at);
-            for i in 0..LANES {
-                force.set(i, force.at(i) + (there.at(i) - here.at(i)) * constant.0[i]);
-            }
-        }
-    }
 }

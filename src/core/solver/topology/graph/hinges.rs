@@ -13,39 +13,21 @@
 //! Between rectangular cells the hinges are the lattice's instead, whichever way the cells are halved
 //! (`grid_hinges`).
 
-use crate::solver::simd::gather::{Places, gather, store};
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::couplings::Couplings;
 use crate::solver::topology::graph::edges::{Edge, Mesh};
 use crate::solver::topology::graph::grid_hinges::{Bend, Cells};
+use crate::solver::topology::graph::hinge::Hinge;
 use bevy_math::DVec3;
 
 use crate::solver::settings::MassLumping;
-use crate::solver::simd::block::{Block, Block3, LANES, larger};
-use crate::solver::simd::isa::TransposingKernel;
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
-use crate::solver::simd::transpose::{Four, Transpose};
 
 /// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;
 /// What makes a strip as stiff as asked for.
 const STRIP: f64 = 9.0 / 8.0;
-/// Least turn that has a direction.
-const LEAST_TURN: f32 = 1e-12;
-
-/// One hinge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hinge {
-    /// Both ends of the edge, then the corners opposite of it; or the particle in the middle twice,
-    /// then its neighbours.
-    pub slots: [u32; 4],
-    /// Weights of the corners.
-    pub weights: [f32; 4],
-    /// Constant for a flexural rigidity of one, in units that the weights make up for.
-    pub shape: f32,
-    /// Turn at rest; 0 where flat.
-    turn: f32,
-}
 
 /// The hinges of a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,12 +43,12 @@ pub(crate) struct Hinges {
 /// Hinges that are curved at rest, in rows of [`LANES`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curved {
-    slots: [Vec<u32>; 4],
-    weights: [Array; 3],
-    turn: Array,
+    pub slots: [Vec<u32>; 4],
+    pub weights: [Array; 3],
+    pub turn: Array,
     /// The hinges of each particle, and its weights in them.
-    table: Table,
-    own_weight: Array,
+    pub table: Table,
+    pub own_weight: Array,
 }
 
 impl Hinges {
@@ -194,66 +176,5 @@ fn across_edge(mesh: &Mesh<'_>, edge: &Edge, stiffness: f32) -> Hinge {
         weights: weights.map(|weight| weight as f32),
         shape: (STRIP / edge.area) as f32 * stiffness,
         turn: rest_turn(mesh, slots, weights, edge.length),
-    }
-}
-
-/// Works out the moments `K (D - D0)` of all hinges.
-pub(crate) struct Turn<'a> {
-    pub hinges: &'a Curved,
-    /// K of each hinge \[N/m\].
-    pub constants: &'a [f32],
-    pub places: &'a Places,
-    pub moments: &'a mut [Four],
-}
-
-impl TransposingKernel for Turn<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self, t: impl Transpose) {
-        let hinges = self.hinges;
-        let x = &self.places.x;
-        for at in (0..hinges.room()).step_by(LANES) {
-            let from = gather(t, x, &hinges.slots[0], at);
-            let mut turn = Block3::ZERO;
-            for corner in 0..3 {
-                let x = gather(t, x, &hinges.slots[corner + 1], at);
-                let weight = Block::load(&hinges.weights[corner], at);
-                for i in 0..LANES {
-                    turn.set(i, turn.at(i) + (x.at(i) - from.at(i)) * weight.0[i]);
-                }
-            }
-            let constant = Block::load(self.constants, at);
-            let rest = Block::load(&hinges.turn, at);
-            for i in 0..LANES {
-                let d = turn.at(i);
-                let length = larger(d.dot(d).sqrt(), LEAST_TURN);
-                turn.set(i, d * (constant.0[i] * (1.0 - rest.0[i] / length)));
-            }
-            store(t, self.moments, at, turn, Block::ZERO);
-        }
-    }
-}
-
-/// The hinges' moments, for the forces of a block of particles.
-#[derive(Clone, Copy)]
-pub(crate) struct Turned<'a> {
-    pub hinges: &'a Curved,
-    pub moments: &'a [Four],
-}
-
-impl Turned<'_> {
-    /// Takes the forces of a block's hinges off.
-    #[inline(always)]
-    pub fn add(&self, t: impl Transpose, block: usize, force: &mut Block3) {
-        let table = &self.hinges.table;
-        let (from, to) = table.rows(block);
-        for at in (from..to).step_by(LANES) {
-            let weight = Block::load(&self.hinges.own_weight, at);
-            let moment = gather(t, self.moments, &table.to, at);
-            for i in 0..LANES {
-                force.set(i, force.at(i) - moment.at(i) * weight.0[i]);
-            }
-        }
     }
 }

@@ -23,6 +23,7 @@ pub(crate) mod couplings;
 pub(crate) mod edges;
 mod error;
 pub(crate) mod grid_hinges;
+pub(crate) mod hinge;
 pub(crate) mod hinges;
 mod planarity;
 mod reorder;

@@ -1,0 +1,27 @@
+//! Particles that pressed edges may move.
+
+use bevy_math::Vec3;
+
+/// A particle that pressed edges may move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    pub slot: u32,
+    /// \[1/kg\].
+    pub inverse_mass: f32,
+    /// Its position and its displacement, up to now \[m\].
+    pub x: Vec3,
+    pub d: Vec3,
+    /// Its position and its displacement before edges were held \[m\].
+    pub before: [Vec3; 2],
+}
+
+impl Body {
+    /// Where it is to be \[m\].
+    pub fn at(&self) -> Vec3 {
+        self.x + self.d
+    }
+
+    pub fn was_at(&self) -> Vec3 {
+        self.before[0] + self.before[1]
+    }
+}

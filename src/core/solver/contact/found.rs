@@ -1,0 +1,79 @@
+//! The active set of the next substep, as contact finds it.
+
+use crate::solver::contact::Skin;
+use crate::solver::contact::hold::Hold;
+use crate::solver::contact::push_out::Near;
+use crate::solver::contact::push_out::Pushed;
+use crate::solver::simd::block::Block3;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::slots::ByBlock;
+use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::soa::{PartMut, ValuesMut};
+use bevy_math::Vec3;
+
+/// Where a band puts the active set of the next substep.
+pub(super) struct Found<'a> {
+    pub blocks: ByBlock<'a, bool>,
+    pub normal: PartMut<'a>,
+    pub slip: ValuesMut<'a>,
+    pub velocity: PartMut<'a>,
+    pub holder: ValuesMut<'a>,
+}
+
+impl CutAt for Found<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (blocks, blocks_below) = self.blocks.cut(slot);
+        let (normal, normal_below) = self.normal.cut(slot);
+        let (slip, slip_below) = self.slip.cut(slot);
+        let (velocity, velocity_below) = self.velocity.cut(slot);
+        let (holder, holder_below) = self.holder.cut(slot);
+        let below = Self {
+            blocks: blocks_below,
+            normal: normal_below,
+            slip: slip_below,
+            velocity: velocity_below,
+            holder: holder_below,
+        };
+        (Self { blocks, normal, slip, velocity, holder }, below)
+    }
+}
+
+impl Found<'_> {
+    /// Takes a block's particles that touch into the active set.
+    #[inline(always)]
+    pub fn take(
+        &mut self,
+        slot: usize,
+        near: &Near,
+        pushed: &Pushed,
+        hold: &Hold,
+        (friction, collider): (f32, usize),
+        skin: &Skin,
+    ) {
+        self.blocks.row(slot, 1)[0] = true;
+        let mut normals = Block3::load(&self.normal, slot);
+        let mut velocity = Block3::load(&self.velocity, slot);
+        let mut slips = self.slip.blocks(slot, 1);
+        let mut holders = self.holder.blocks(slot, 1);
+        let mut holder = holders.at(0);
+        let mut slip = slips.at(0);
+        let rate = 1.0 / skin.step;
+        for i in 0..LANES {
+            let touches = near.depth.0[i] > 0.0;
+            let n = near.normals.at(i);
+            let (goes, surface) = (n.dot(pushed.surface.at(i)), pushed.surface.at(i) * rate);
+            // What is fast may be gone in the next substep.
+            let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
+            normals.set(i, if touches { lies } else { normals.at(i) });
+            velocity.set(i, if touches { surface } else { velocity.at(i) });
+            holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
+            let free = pushed.slip(i, friction, hold, skin);
+            let free = if goes.abs() > skin.epsilon { 1.0 } else { free };
+            slip.0[i] = if touches { free } else { slip.0[i] };
+        }
+        velocity.store(&mut self.velocity, slot);
+        slips.set(0, slip);
+        holders.set(0, holder);
+        normals.store(&mut self.normal, slot);
+    }
+}

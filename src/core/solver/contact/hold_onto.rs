@@ -1,0 +1,138 @@
+//! The beginning of corrections: particles of the active set go only where their surface lets them.
+
+use crate::solver::contact::active_set::ActiveSet;
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::soa::Soa;
+use bevy_math::Vec3;
+
+/// Begins the corrections of a substep: lets the particles of the active set go only where they can, with their
+/// surface.
+pub(crate) struct HoldOnto<'a> {
+    pub set: &'a mut ActiveSet,
+    pub inverse_mass: &'a [f32],
+    /// Length of the substep \[s\].
+    pub step: f32,
+    pub d: &'a mut Soa,
+    /// What is carried on of the pulls in the substep before (`integrate::houbolt`), less the displacements; `None` where nothing
+    /// is.
+    pub carried: Option<&'a Soa>,
+}
+
+impl Kernel for HoldOnto<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, inverse_mass, step, d, carried } = self;
+        let measures = set.impulses.are_measured();
+        let ActiveSet { now, before, velocity, unpulled, dropped, lost, load, .. } = set;
+        let count = now.blocks.len();
+        let (normals, slips) =
+            (Blocks3::new(&now.normal, 0, count), Blocks::new(&now.slip, 0, count));
+        let (normals_before, slips_before) =
+            (Blocks3::new(&before.normal, 0, count), Blocks::new(&before.slip, 0, count));
+        let velocities = Blocks3::new(velocity, 0, count);
+        let masses = Blocks::new(inverse_mass, 0, count);
+        let mut ds = Blocks3Mut::new(d, 0, count);
+        let mut unpulleds = Blocks3Mut::new(unpulled, 0, count);
+        let mut losts = BlocksMut::new(lost, 0, count);
+        let mut loads = BlocksMut::new(load, 0, count);
+        #[expect(
+            clippy::manual_map,
+            reason = "a closure that is not inlined keeps the baseline's instructions"
+        )]
+        let carried = match carried {
+            Some(carried) => Some(Blocks3::new(carried, 0, count)),
+            None => None,
+        };
+        for (block, &touches) in now.blocks.iter().enumerate() {
+            if !touches {
+                continue;
+            }
+            let (n, before) = (normals.at(block), normals_before.at(block));
+            let (w, velocity) = (masses.at(block), velocities.at(block));
+            let (slip, slip_before) = (slips.at(block), slips_before.at(block));
+            let mut moved = ds.at(block);
+            let carried = match &carried {
+                Some(carried) => carried.at(block).plus(&moved),
+                None => Block3::ZERO,
+            };
+            let (mut lost, mut load) = (Block::ZERO, Block::ZERO);
+            let (mut goes, mut unpulled) = (Block3::ZERO, Block3::ZERO);
+            for i in 0..LANES {
+                // What did not follow a pull in the substep before is not moved by what is carried on of it. That is
+                // a load all the same.
+                let (before, carried) = (before.at(i), carried.at(i));
+                let borne = before.dot(carried);
+                let held = slip_before.0[i] / slip.0[i];
+                let held = if held < 1.0 { held } else { 1.0 };
+                load.0[i] = borne / w.0[i];
+                goes.set(i, (carried - before * borne) * held);
+            }
+            if measures {
+                let mut left_out = Block3::ZERO;
+                for i in 0..LANES {
+                    let borne = before.at(i).dot(carried.at(i));
+                    left_out.set(i, carried.at(i) - goes.at(i) - n.at(i) * borne);
+                }
+                left_out.store(dropped, block * LANES);
+            }
+            for i in 0..LANES {
+                let (n, along) = (n.at(i), goes.at(i));
+                let is_free = n.dot(n) == 0.0 || w.0[i] == 0.0;
+                let own = moved.at(i) - carried.at(i);
+                let surface = velocity.at(i) * step;
+                lost.0[i] = if is_free { 0.0 } else { n.dot(own + along - surface) };
+                load.0[i] = if is_free { 0.0 } else { load.0[i] };
+                let along = along - n * n.dot(along);
+                let own = own + n * n.dot(surface - own);
+                unpulled.set(i, own);
+                moved.set(i, if is_free { moved.at(i) } else { own + along * slip.0[i] });
+            }
+            ds.set(block, moved);
+            losts.set(block, lost);
+            loads.set(block, load);
+            unpulleds.set(block, unpulled);
+        }
+    }
+}
+
+/// Adds what pulled at the particles of the active set without moving them to the pulls, or takes it away.
+pub(crate) struct NoteUnfollowed<'a> {
+    pub set: &'a ActiveSet,
+    pub inverse_mass: &'a [f32],
+    pub d: &'a Soa,
+    /// One or minus one.
+    pub part: f32,
+    pub pull: &'a mut Soa,
+}
+
+impl Kernel for NoteUnfollowed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, inverse_mass, d, part, pull } = self;
+        for (block, &touches) in set.now.blocks.iter().enumerate() {
+            if !touches {
+                continue;
+            }
+            let slot = block * LANES;
+            let (n, w) = (Block3::load(&set.now.normal, slot), Block::load(inverse_mass, slot));
+            let (load, slip) = (Block::load(&set.load, slot), Block::load(&set.now.slip, slot));
+            let (d, unpulled) = (Block3::load(d, slot), Block3::load(&set.unpulled, slot));
+            let mut noted = Block3::load(&*pull, slot);
+            for i in 0..LANES {
+                let n = n.at(i);
+                let pulled = d.at(i) - unpulled.at(i);
+                let slid = pulled - n * n.dot(pulled);
+                let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
+                let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
+                noted.set(i, noted.at(i) + unfollowed * part);
+            }
+            noted.store(pull, slot);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! What colliders are given of pulls that moved nothing, at the beginning of corrections and at the end of contact.
+
+use crate::solver::contact::active_set::ActiveSet;
+use crate::solver::contact::impulses::Share;
+use crate::solver::contact::let_go::followed;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::soa::Soa;
+use bevy_math::Vec3;
+
+impl ActiveSet {
+    /// Gives colliders what they took of pulls that [`HoldOnto`] left out, in a substep of length `step`.
+    pub fn give_left_out(&mut self, inverse_mass: &[f32], step: f32) {
+        let mut impulses = core::mem::take(&mut self.impulses);
+        impulses.give(self.left_out(inverse_mass), step);
+        self.impulses = impulses;
+    }
+
+    fn left_out<'a>(&'a self, inverse_mass: &'a [f32]) -> impl Iterator<Item = Share> + 'a {
+        self.held_slots(inverse_mass).map(|(slot, w)| {
+            let dropped = self.dropped.get(slot) / w;
+            Share { collider: self.holder[slot] as usize, given: dropped, owed: dropped }
+        })
+    }
+
+    /// Gives colliders what they took of what they have let go, in a substep of length `step`. Where pulls are noted, those
+    /// that did not move it are not.
+    pub fn give_taken(&mut self, inverse_mass: &[f32], d: &Soa, notes: bool, step: f32) {
+        let mut impulses = core::mem::take(&mut self.impulses);
+        impulses.give(self.taken(inverse_mass, d, notes), step);
+        self.impulses = impulses;
+    }
+
+    fn taken<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+        d: &'a Soa,
+        notes: bool,
+    ) -> impl Iterator<Item = Share> + 'a {
+        self.held_slots(inverse_mass).filter_map(move |(slot, w)| {
+            let (load, lost, n) = (self.load[slot], self.lost[slot], self.now.normal.get(slot));
+            let is_let_go = load != 0.0 || lost != 0.0;
+            let fallen = if lost < 0.0 { lost } else { 0.0 };
+            let pulled = d.get(slot) - self.unpulled.get(slot);
+            let slid = pulled - n * n.dot(pulled);
+            let unslipped = slid * (1.0 / self.now.slip[slot] - 1.0);
+            let unfollowed = n * (load - followed(lost, load * w) / w) + unslipped / w;
+            let owed = if notes { unfollowed } else { Vec3::ZERO };
+            let given = unfollowed + n * (fallen / w);
+            is_let_go.then(|| Share { collider: self.holder[slot] as usize, given, owed })
+        })
+    }
+
+    /// Slots of the particles that are held, and their inverse masses.
+    fn held_slots<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+    ) -> impl Iterator<Item = (usize, f32)> + 'a {
+        let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
+        let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
+        let all = slots.map(|slot| (slot, inverse_mass[slot]));
+        all.filter(|&(slot, w)| w > 0.0 && self.now.normal.get(slot) != Vec3::ZERO)
+    }
+}
