@@ -1,7 +1,6 @@
 //! What a solver refuses.
 
-use crate::solver::settings::MassLumping;
-use crate::solver::settings::ParameterError;
+use crate::solver::settings::{MassLumping, ParameterError};
 use crate::solver::topology::graph::GraphError;
 use crate::solver::topology::lattice::LatticeError;
 

@@ -1,12 +1,12 @@
 //! What a tick is given and what it gives back.
 
-use crate::solver::constraints::pin_motion::PinMotion;
-use crate::solver::settings::is_near;
 use bevy_math::Vec3;
 
+use crate::solver::constraints::pin_motion::PinMotion;
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
+use crate::solver::settings::is_near;
 
 /// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
 /// is refused.

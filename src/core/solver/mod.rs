@@ -76,10 +76,9 @@ pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
 pub use crate::solver::input::{StepInput, TickReport};
 pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
-pub use crate::solver::settings::Form;
-pub use crate::solver::settings::MassLumping;
 pub use crate::solver::settings::{
-    Bending, DampingForm, FormChoice, Integrator, Material, ParameterError, Settings, Substeps,
+    Bending, DampingForm, Form, FormChoice, Integrator, MassLumping, Material, ParameterError,
+    Settings, Substeps,
 };
 pub use crate::solver::simd::isa::Isa;
 pub use crate::solver::simd::lanes::LANES;
@@ -94,8 +93,7 @@ use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::is_near;
-use crate::solver::simd::parallel;
-use crate::solver::simd::parallel::Bands;
+use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::state::measure::{Survey, TakeSurvey};
 use crate::solver::state::{Scratch, State};
 

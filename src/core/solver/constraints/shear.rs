@@ -13,8 +13,7 @@ use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, lar
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Rooms, Seams, cut_between_rows};
-use crate::solver::simd::slots::CutAt;
-use crate::solver::simd::slots::Slots;
+use crate::solver::simd::slots::{CutAt, Slots};
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
 

@@ -28,7 +28,6 @@ use crate::solver::contact::impulses::Impulses;
 use crate::solver::contact::keys::Keys;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
-
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{Array, Soa, ValuesMut};
 

@@ -5,7 +5,8 @@
 //! tick began; a block of particles is passed over until it can have gone the distance that it was last
 //! found to have. The way is that of the fastest particle: one number for all.
 
-use bevy_math::{Vec3, bounding::Aabb3d};
+use bevy_math::Vec3;
+use bevy_math::bounding::Aabb3d;
 
 use crate::solver::contact::Collider;
 use crate::solver::contact::edges::nearby::Nearby;

@@ -1,6 +1,7 @@
 //! What a cloth collides with, and where it is in each substep.
 
-use bevy_math::{Mat3, Quat, Vec3, bounding::Aabb3d};
+use bevy_math::bounding::Aabb3d;
+use bevy_math::{Mat3, Quat, Vec3};
 
 use crate::sdf::{KnownShape, SignedDistance};
 

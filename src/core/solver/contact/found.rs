@@ -1,15 +1,14 @@
 //! The active set of the next substep, as contact finds it.
 
+use bevy_math::Vec3;
+
 use crate::solver::contact::Skin;
 use crate::solver::contact::hold::Hold;
-use crate::solver::contact::push_out::Near;
-use crate::solver::contact::push_out::Pushed;
+use crate::solver::contact::push_out::{Near, Pushed};
 use crate::solver::simd::block::Block3;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::slots::ByBlock;
-use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, ValuesMut};
-use bevy_math::Vec3;
 
 /// Where a band puts the active set of the next substep.
 pub(super) struct Found<'a> {

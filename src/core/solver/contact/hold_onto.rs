@@ -1,11 +1,12 @@
 //! The beginning of corrections: particles of the active set go only where their surface lets them.
 
+use bevy_math::Vec3;
+
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
-use bevy_math::Vec3;
 
 /// Begins the corrections of a substep: lets the particles of the active set go only where they can, with their
 /// surface.

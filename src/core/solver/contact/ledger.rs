@@ -1,11 +1,12 @@
 //! What colliders are given of pulls that moved nothing, at the beginning of corrections and at the end of contact.
 
+use bevy_math::Vec3;
+
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::impulses::Share;
 use crate::solver::contact::let_go::followed;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
-use bevy_math::Vec3;
 
 impl ActiveSet {
     /// Gives colliders what they took of pulls that [`HoldOnto`] left out, in a substep of length `step`.

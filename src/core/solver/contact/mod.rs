@@ -27,17 +27,12 @@ mod swept;
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{Block, Block3, larger};
-use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{self, Bands};
-use crate::solver::simd::soa::{Soa, ValuesMut};
+pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
 
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,
 };
 pub(super) use crate::solver::contact::broad_phase::ContactRoom;
-pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
 pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
 pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 
@@ -50,7 +45,12 @@ use crate::solver::contact::impulses::Share;
 use crate::solver::contact::let_go::LetGo;
 use crate::solver::contact::push_out::Tally;
 use crate::solver::contact::response::{FurthestWay, MeetCollider};
+use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::slots::ByBlock;
+use crate::solver::simd::soa::{Soa, ValuesMut};
 
 /// Least way of sliding that has a direction \[m\].
 const LEAST_SLIDING: f32 = 1e-20;

@@ -1,5 +1,7 @@
 //! How a block of particles lies to a collider, and what pushes it out.
 
+use bevy_math::Vec3;
+
 use crate::sdf::{PointBlock, SampleBlock};
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::friction::Sliding;
@@ -8,7 +10,6 @@ use crate::solver::contact::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::Merge;
-use bevy_math::Vec3;
 
 /// What the particles that met a collider in a substep came to, a lane each.
 pub(super) struct Tally {

@@ -1,21 +1,17 @@
 //! A band of particles meets one collider.
 
-use crate::solver::contact::found::Found;
-use crate::solver::contact::hold::Held;
-use crate::solver::contact::hold::Hold;
-use crate::solver::contact::push_out::ParticleContact;
-use crate::solver::contact::push_out::Tally;
-
 use crate::solver::contact::Skin;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::NearbyMut;
+use crate::solver::contact::found::Found;
+use crate::solver::contact::hold::{Held, Hold};
+use crate::solver::contact::push_out::{ParticleContact, Tally};
 use crate::solver::contact::swept::Sweep;
 use crate::solver::simd::block::{Block, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Cut, Merge, cut_between_rows};
-use crate::solver::simd::slots::ByBlock;
-use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, Soa};
 
 /// The square of how far any particle goes in a substep \[m2\].

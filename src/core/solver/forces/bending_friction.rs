@@ -22,10 +22,9 @@ use bevy_math::Vec3;
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
-
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
+use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
 /// Time from one braking to the next \[s\].
 pub(crate) const EVERY: f32 = 1.0 / 120.0;

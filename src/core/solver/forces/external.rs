@@ -6,8 +6,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::error::SolverError;
-use crate::solver::settings::ParameterError;
-use crate::solver::settings::is_near;
+use crate::solver::settings::{ParameterError, is_near};
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;

@@ -3,8 +3,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::forces::graph_bending::Coupled;
-use crate::solver::forces::graph_bending::Turned;
+use crate::solver::forces::graph_bending::{Coupled, Turned};
 use crate::solver::forces::springs::pull;
 use crate::solver::settings::DampingForm;
 use crate::solver::simd::block::{Block, Block3, larger};

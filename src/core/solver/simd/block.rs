@@ -7,9 +7,9 @@
 //!
 //! The kernels that take the time have their blocks from [`Blocks`], a row at a time; others load them one by one.
 
-use crate::solver::simd::lanes::LANES;
 use bevy_math::Vec3;
 
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{Slots, SlotsMut};
 
 /// One coordinate of [`LANES`] neighbouring particles.

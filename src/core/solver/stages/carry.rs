@@ -4,8 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::contact::NoteUnfollowed;
 use crate::solver::integrate::houbolt::{CARRIED, MOST_STRAIN};
 use crate::solver::integrate::verlet::Add;
-use crate::solver::settings::Form;
-use crate::solver::settings::Integrator;
+use crate::solver::settings::{Form, Integrator};
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 

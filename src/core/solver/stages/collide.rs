@@ -1,8 +1,7 @@
 //! Fourth stage: contact and friction. It ends the substep.
 
 use crate::solver::ClothSolver;
-use crate::solver::contact;
-use crate::solver::contact::{ResolveContacts, Skin};
+use crate::solver::contact::{self, ResolveContacts, Skin};
 use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Displace;
 use crate::solver::settings::Integrator;

@@ -11,8 +11,7 @@ use crate::solver::constraints::threads::warp::{PutBack, SolveWarp, SolveWarpApa
 use crate::solver::constraints::threads::weft::SolveWeft;
 use crate::solver::contact::HoldOnto;
 use crate::solver::settings::Form;
-use crate::solver::simd::parallel;
-use crate::solver::simd::parallel::Bands;
+use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::soa::ValuesMut;
 use crate::solver::state::{Scratch, State};
 use crate::solver::topology::Topology;

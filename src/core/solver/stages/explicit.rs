@@ -1,5 +1,7 @@
 //! The stages as explicit integrators have them, which are there to be compared with.
 
+use bevy_math::Vec3;
+
 use crate::solver::ClothSolver;
 use crate::solver::input::StepInput;
 use crate::solver::integrate::explicit::{Adding, Study};
@@ -7,7 +9,6 @@ use crate::solver::integrate::houbolt::Carry;
 use crate::solver::integrate::verlet::{Acceleration, Advance, Integrate};
 use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
-use bevy_math::Vec3;
 
 impl ClothSolver {
     /// Makes the room that the integrator needs, and no more.

@@ -1,11 +1,12 @@
 //! Loads from outside: forces through the next tick, impulses, changes of velocity.
 
+use bevy_math::Vec3;
+
 use crate::solver::ClothSolver;
 use crate::solver::error::SolverError;
 use crate::solver::forces::external::{MOST_ACCELERATION, PushOn, PushWith, Pushes};
 use crate::solver::settings::{FARTHEST, is_near};
 use crate::solver::simd::soa::Soa;
-use bevy_math::Vec3;
 
 impl ClothSolver {
     /// Checks a push without doing it.

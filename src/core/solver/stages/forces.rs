@@ -1,5 +1,7 @@
 //! First stage: accelerations from springs, bending, damping, gravity, loads and air.
 
+use bevy_math::Vec3;
+
 use crate::solver::ClothSolver;
 use crate::solver::forces::aerodynamics::Push;
 use crate::solver::forces::bending::Bend;
@@ -12,7 +14,6 @@ use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
 use crate::solver::state::Scratch;
 use crate::solver::topology::Topology;
-use bevy_math::Vec3;
 
 impl ClothSolver {
     /// First stage: accelerations from springs, bending, damping, gravity and air. Nothing to do where

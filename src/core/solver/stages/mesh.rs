@@ -1,15 +1,13 @@
 //! The stages of a substep that are different on a mesh. They work on places, particles one after the
 //! other, which are filled before and emptied after.
 
-use crate::solver::state::mesh::Room;
 use bevy_math::Vec3;
 
 use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
 use crate::solver::constraints::threads::tridiagonal::Reach;
-use crate::solver::forces::graph_bending::Coupled;
-use crate::solver::forces::graph_bending::{Turn, Turned};
+use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
 use crate::solver::integrate::verlet::Kick;
 use crate::solver::plan::Plan;
@@ -18,6 +16,7 @@ use crate::solver::settings::DampingForm;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::State;
+use crate::solver::state::mesh::Room;
 use crate::solver::topology::graph::Graph;
 
 impl Room {

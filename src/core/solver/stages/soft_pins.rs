@@ -1,10 +1,11 @@
 //! Soft pins of a cloth: which there are, and what they pull in a substep.
 
+use bevy_math::Vec3;
+
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::{SoftPin, Spring, shortened};
 use crate::solver::error::SolverError;
 use crate::solver::input::StepInput;
-use bevy_math::Vec3;
 
 impl ClothSolver {
     /// Holds these particles by springs, and no others. Their targets' motions follow those of the

@@ -1,6 +1,7 @@
 //! Ways along a cloth at rest, from particle to particle.
 
-use std::{cmp::Reverse, collections::BinaryHeap};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use crate::solver::simd::layout::Layout;
 use crate::solver::topology::Topology;

@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use bevy_math::Vec3;
 
-use crate::solver::settings::MassLumping;
-use crate::solver::settings::Material;
+use crate::solver::settings::{MassLumping, Material};
 use crate::solver::simd::layout::Layout;
 use crate::solver::topology::graph::Graph;
 use crate::solver::topology::lattice::Lattice;

@@ -22,15 +22,11 @@ pub(crate) mod weft;
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
-use crate::solver::constraints::threads::tridiagonal::Between;
-use crate::solver::constraints::threads::tridiagonal::Ends;
-use crate::solver::constraints::threads::tridiagonal::Pivot;
-use crate::solver::constraints::threads::tridiagonal::Pivots;
-use crate::solver::constraints::threads::tridiagonal::Reach;
-use crate::solver::constraints::threads::tridiagonal::Tension;
+use crate::solver::constraints::threads::tridiagonal::{
+    Between, Ends, Pivot, Pivots, Reach, Tension,
+};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, BlocksMut};
 use crate::solver::simd::lanes::LANES;
-
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Family;

@@ -26,23 +26,23 @@ mod solve;
 
 use bevy_math::Vec3;
 
+pub(crate) use crate::solver::contact::edges::list::Edges;
+pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
+
+pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
+
 use crate::solver::contact::Skin;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
+use crate::solver::contact::edges::nearby::{FindClose, Inside};
+use crate::solver::contact::edges::press::Place;
+use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
 use crate::solver::contact::impulses::Share;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
-
-pub(crate) use crate::solver::contact::edges::list::Edges;
-pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
-pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
-
-use crate::solver::contact::edges::nearby::{FindClose, Inside};
-use crate::solver::contact::edges::press::Place;
-use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
 
 /// Part of the particles' distance at which edges are held.
 const HELD: f32 = 0.5;

@@ -8,8 +8,7 @@ use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
-use crate::solver::simd::slots::ByBlock;
-use crate::solver::simd::slots::CutAt;
+use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
 /// Edges that are looked at closely in a substep that there is room for from the start.

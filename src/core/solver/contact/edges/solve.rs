@@ -2,10 +2,10 @@
 //! now (Catto 2005, *Iterative Dynamics with Temporal Coherence*). The strain limit of the threads that meet at their ends
 //! is solved with them: what is pulled over a tip has to lift the cloth, and must not be stretched over it.
 
-use crate::solver::contact::edges::body::Body;
 use bevy_math::Vec3;
 
 use crate::solver::contact::BLOW;
+use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::press::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
 use crate::solver::simd::block::larger;

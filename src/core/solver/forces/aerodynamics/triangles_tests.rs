@@ -1,6 +1,8 @@
 //! On the triangles of a sheet, held to the sheet's own cells where both must agree, and to sums over
 //! single triangles.
 
+use bevy_math::{Vec2, Vec3};
+
 use crate::solver::forces::aerodynamics::cells::{Cells, PushCells};
 use crate::solver::forces::aerodynamics::law::Law;
 use crate::solver::forces::aerodynamics::triangles::*;
@@ -9,7 +11,6 @@ use crate::solver::settings::MassLumping;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::lattice::Lattice;
-use bevy_math::{Vec2, Vec3};
 
 const ROWS: usize = 7;
 const COLUMNS: usize = 21;

@@ -6,9 +6,9 @@
 mod noise;
 mod zone;
 
-pub use crate::solver::forces::wind::zone::{WindFlow, WindShape, Zone};
-
 use bevy_math::Vec3;
+
+pub use crate::solver::forces::wind::zone::{WindFlow, WindShape, Zone};
 
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::noise::Field;

@@ -1,9 +1,7 @@
 //! Places where the wind is another: boxes, balls and cones.
 
-use bevy_math::{
-    Mat3, Vec3,
-    primitives::{Cone, Cuboid, Sphere},
-};
+use bevy_math::primitives::{Cone, Cuboid, Sphere};
+use bevy_math::{Mat3, Vec3};
 
 use crate::sdf::{PointBlock, SignedDistance};
 use crate::solver::contact::Pose;

@@ -13,16 +13,16 @@
 //! Between rectangular cells the hinges are the lattice's instead, whichever way the cells are halved
 //! (`grid_hinges`).
 
-use crate::solver::topology::graph::adjacency::Table;
-use crate::solver::topology::graph::couplings::Couplings;
-use crate::solver::topology::graph::edges::{Edge, Mesh};
-use crate::solver::topology::graph::grid_hinges::{Bend, Cells};
-use crate::solver::topology::graph::hinge::Hinge;
 use bevy_math::DVec3;
 
 use crate::solver::settings::MassLumping;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
+use crate::solver::topology::graph::adjacency::Table;
+use crate::solver::topology::graph::couplings::Couplings;
+use crate::solver::topology::graph::edges::{Edge, Mesh};
+use crate::solver::topology::graph::grid_hinges::{Bend, Cells};
+use crate::solver::topology::graph::hinge::Hinge;
 
 /// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;

@@ -34,6 +34,7 @@ pub(crate) mod wide_hinges;
 use bevy_math::Vec3;
 
 pub use crate::solver::topology::graph::error::GraphError;
+
 pub(crate) use crate::solver::topology::graph::springs::Link;
 
 use crate::solver::settings::MassLumping;

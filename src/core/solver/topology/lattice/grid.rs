@@ -1,11 +1,12 @@
 //! Springs and areas of a lattice, from rest positions by row and column.
 
+use bevy_math::Vec3;
+
 use crate::solver::settings::MassLumping;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::lattice::Family;
 use crate::solver::topology::lattice::error::LatticeError;
-use bevy_math::Vec3;
 
 /// Rest positions by row and column.
 pub(crate) struct Grid<'a> {

@@ -4,18 +4,14 @@ mod error;
 mod grid;
 mod weights;
 
+use bevy_math::Vec3;
+
 pub use crate::solver::topology::lattice::error::LatticeError;
 
 use crate::solver::settings::MassLumping;
 use crate::solver::simd::layout::Layout;
-use crate::solver::topology::lattice::grid::Grid;
-use crate::solver::topology::lattice::grid::areas;
-use crate::solver::topology::lattice::grid::crowd;
-use crate::solver::topology::lattice::grid::shear;
-use crate::solver::topology::lattice::grid::structural;
-use bevy_math::Vec3;
-
 use crate::solver::simd::soa::Array;
+use crate::solver::topology::lattice::grid::{Grid, areas, crowd, shear, structural};
 
 /// One family of springs between neighbours, an entry a spring, stored at the slot of its first end.
 #[derive(Clone, Debug, PartialEq)]
