@@ -2,18 +2,17 @@
 //!
 //! The solver has no clock. Where times are asked for, it is observed as it takes its tick.
 
-use crate::{
-    cloth::ClothSimulation,
-    plugin::{ClothPlugin, ClothSubstepSystems, ClothSystems},
-    solver::{ClothSolver, SolverError, Stage, StepInput, TickReport},
-    step::in_fixed_step,
-};
-use bevy::{
-    diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic},
-    platform::time::Instant,
-    prelude::*,
-};
 use core::time::Duration;
+
+use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+
+use crate::plugin::ClothPlugin;
+use crate::schedule::ClothSystems;
+use crate::simulation::ClothSimulation;
+use crate::simulation::stage_times::StageTimes;
+use crate::step::in_fixed_step;
 
 /// Measures cloths, for Bevy's `DiagnosticsStore`: the milliseconds of a tick and of its stages, substeps,
 /// strain, contacts, who is awake. Without it nothing is measured.
@@ -204,73 +203,5 @@ fn report_cloths(cloths: Query<&ClothSimulation>, mut out: Diagnostics) {
         out.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || f64::from(contacts));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MAX, || f64::from(most_strain));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MEAN, || strains / springs as f64);
-    }
-}
-
-/// What the stages of a tick's substeps took, in the order of [`ClothSubstepSystems`].
-#[derive(Clone, Copy, Default)]
-pub(crate) struct StageTimes([Duration; 4]);
-
-impl StageTimes {
-    fn add(&mut self, other: &Self) {
-        for (sum, time) in self.0.iter_mut().zip(other.0) {
-            *sum += time;
-        }
-    }
-
-    /// Takes a tick, and the times of its stages.
-    fn tick(
-        &mut self,
-        solver: &mut ClothSolver,
-        input: &StepInput<'_>,
-    ) -> Result<TickReport, SolverError> {
-        use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
-        let mut begun = Instant::now();
-        solver.tick_observed(input, |stage| {
-            let now = Instant::now();
-            let spent = now - begun;
-            begun = now;
-            match stage {
-                Stage::Begin => {}
-                Stage::Forces => self.add_to(Forces, spent),
-                Stage::Integrate => self.add_to(Integrate, spent),
-                Stage::Correct => self.add_to(Correct, spent),
-                Stage::Collide => self.add_to(Collide, spent),
-            }
-        })
-    }
-
-    fn time(&mut self, stage: ClothSubstepSystems, act: impl FnOnce()) {
-        let start = Instant::now();
-        act();
-        self.add_to(stage, start.elapsed());
-    }
-
-    fn add_to(&mut self, stage: ClothSubstepSystems, time: Duration) {
-        self.0[stage as usize] += time;
-    }
-}
-
-/// Takes a tick, and its times where they are asked for.
-pub(crate) fn tick(
-    times: &mut Option<Box<StageTimes>>,
-    solver: &mut ClothSolver,
-    input: &StepInput<'_>,
-) -> Result<TickReport, SolverError> {
-    match times {
-        None => solver.tick(input),
-        Some(times) => times.tick(solver, input),
-    }
-}
-
-/// Does a stage, and takes its time where that is asked for.
-pub(crate) fn stage(
-    times: &mut Option<Box<StageTimes>>,
-    stage: ClothSubstepSystems,
-    act: impl FnOnce(),
-) {
-    match times {
-        None => act(),
-        Some(times) => times.time(stage, act),
     }
 }

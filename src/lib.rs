@@ -97,6 +97,7 @@
 mod cloth;
 mod collider;
 mod diagnostics;
+mod drawing;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -104,49 +105,75 @@ pub mod guide;
 #[cfg(feature = "pbr")]
 mod looks;
 mod mesh;
-#[cfg(any(feature = "gizmos", feature = "panel"))]
-mod near;
 #[cfg(feature = "panel")]
 mod panel;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;
+mod pose;
+#[cfg(any(feature = "gizmos", feature = "panel"))]
+mod proximity;
+mod schedule;
 #[cfg(feature = "serialize")]
 mod serialize;
+mod simulation;
 mod step;
 mod wind;
 
 #[doc(inline)]
 pub use bevy_drape_core::{hang, sdf, solver};
-pub use cloth::{
-    Cloth, ClothAir, ClothDiverged, ClothForce, ClothForces, ClothFrozen, ClothGrab, ClothGravity,
-    ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins,
-    ClothQuality, ClothReady, ClothSettings, ClothShape, ClothSimulation, ClothSleep, ClothSlept,
-    ClothState, ClothTeleport, ClothWeights, ClothWoke, ColorChannel, GrabHold, GrabProblem,
-    GridProblem, HangProblem, HangingPlaces, Pin, PinHold, PinProblem, PinSelection, PushCloth,
-    ResetCloth, TeleportCloth, VertexFactor, WeightProblem,
-};
-pub use collider::{
-    BakeSdf, ColliderImpulse, ColliderState, CustomSdf, DistanceFieldLoader, FieldProblem,
-    LoadFieldError, SdfCells, SdfCollider, SdfShape,
-};
+pub use cloth::air::ClothAir;
+pub use cloth::events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
+pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
+pub use cloth::grab::{ClothGrab, GrabHold};
+pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
+pub use cloth::hung::{ClothHung, HangingPlaces};
+pub use cloth::material::ClothMaterial;
+pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
+pub use cloth::quality::ClothQuality;
+pub use cloth::settings::{ClothInterpolation, ClothSettings};
+pub use cloth::sleep::{ClothFrozen, ClothSleep};
+pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
+pub use cloth::weights::{ClothWeights, ColorChannel, VertexFactor};
+pub use cloth::wind::{ClothWind, ClothWindOverride};
+pub use cloth::{Cloth, ClothShape};
+pub use collider::SdfCollider;
+pub use collider::bake::{BakeSdf, SdfCells};
+pub use collider::impulse::ColliderImpulse;
+pub use collider::load::{DistanceFieldLoader, LoadFieldError};
+pub use collider::shape::{CustomSdf, SdfShape};
+pub use collider::state::ColliderState;
 pub use diagnostics::ClothDiagnosticsPlugin;
+pub use error::problems::{
+    FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
+};
 pub use error::{ClothError, ClothFailure};
 #[cfg(feature = "gizmos")]
-pub use gizmos::{ClothGizmos, ClothGizmosPlugin, SdfSlice};
+pub use gizmos::SdfSlice;
+#[cfg(feature = "gizmos")]
+pub use gizmos::{ClothGizmos, ClothGizmosPlugin};
 #[cfg(feature = "pbr")]
 pub use looks::two_sided;
-pub use mesh::{ClothIntake, MeshProblem, SkippedTriangles};
+pub use mesh::intake::ClothIntake;
+pub use mesh::surface::SkippedTriangles;
 #[cfg(feature = "panel")]
-pub use panel::{
-    ClothPanel, ClothPanelModelPlugin, ClothPanelPlugin, MaterialFileError, PanelAction,
-    PanelFacts, PanelHistory, PanelSample, explain, load_material, save_material,
-};
+pub use panel::explain;
+#[cfg(feature = "panel")]
+pub use panel::{ClothPanel, PanelAction, PanelFacts};
+#[cfg(feature = "panel")]
+pub use panel::{ClothPanelModelPlugin, ClothPanelPlugin};
+#[cfg(feature = "panel")]
+pub use panel::{MaterialFileError, load_material, save_material};
+#[cfg(feature = "panel")]
+pub use panel::{PanelHistory, PanelSample};
 #[cfg(feature = "picking")]
 pub use picking::{ClothPicking, ClothPickingPlugin};
-pub use plugin::{ClothPlugin, ClothSubstep, ClothSubstepSystems, ClothSystems};
+pub use plugin::ClothPlugin;
+pub use schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
+pub use simulation::ClothSimulation;
+pub use simulation::snapshot::ClothState;
 pub use step::ClothExecution;
-pub use wind::{ClothWind, ClothWindOverride, WindZone};
+pub use wind::zone::WindZone;
 
 /// What a game needs: `use bevy_drape::prelude::*`.
 pub mod prelude {

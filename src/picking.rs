@@ -1,14 +1,13 @@
 //! Cloths that are pulled at with the mouse: Bevy's picking finds the point, a [`ClothGrab`] holds it.
 
-use crate::cloth::{ClothGrab, ClothSimulation, GrabHold};
-use bevy::{
-    picking::{
-        backend::ray::{RayId, RayMap},
-        mesh_picking::{MeshPickingPlugin, ray_cast::RayCastBackfaces},
-        pointer::{PointerId, PointerPress},
-    },
-    prelude::*,
-};
+use bevy::picking::backend::ray::{RayId, RayMap};
+use bevy::picking::mesh_picking::MeshPickingPlugin;
+use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
+use bevy::picking::pointer::{PointerId, PointerPress};
+use bevy::prelude::*;
+
+use crate::cloth::grab::{ClothGrab, GrabHold};
+use crate::simulation::ClothSimulation;
 
 /// Lets the mouse, or a finger, pull at cloths: pressed on one, it grabs what is there and draws it along, at the
 /// distance from the camera where it was grabbed, until it is let go.

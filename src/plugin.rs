@@ -15,47 +15,56 @@
 //!
 //! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 
-use crate::{
-    cloth::{
-        Cloth, ClothAir, ClothForces, ClothFrozen, ClothGrab, ClothGravity, ClothGravityOverride,
-        ClothHung, ClothInertia, ClothInterpolation, ClothMaterial, ClothPins, ClothSettings,
-        ClothSimulation, ClothSleep, ClothTeleport, ClothWeights, RestCache,
-        attachment::{apply_pins, gather_pins},
-        events::tell_ready,
-        following::{ask_for_reset, ask_for_teleport},
-        grab::apply_grabs,
-        hung::{cancel_hanging, hang_cloths},
-        push::ask_for_push,
-        rest::choose_steps,
-        setup::{apply_changes, set_up_cloths},
-        state::{ClothState, restore_cloths},
-    },
-    collider::{
-        BakeSdf, ColliderImpulse, ColliderSnapshot, ColliderState, DistanceFieldLoader,
-        Disturbances, SdfCollider, cancel_bake, finish_bakes, forget_collider, forget_states,
-        gather_colliders, note_disturbances, restore_collider, start_bakes, sum_impulses,
-    },
-    error::{Blame, Failures},
-    mesh::{ClothMesh, draw_cloths},
-    sdf::DistanceField,
-    step::{
-        ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide,
-        correct, finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged,
-        note_poses, refuse_variable_step, run_substeps, solve_fused,
-    },
-    wind::{
-        ClothWind, ClothWindOverride, WindZone, WindZones, forget_zone, gather_air, gather_zones,
-    },
+use bevy::app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy::asset::AssetEventSystems;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy::prelude::*;
+
+use crate::cloth::Cloth;
+use crate::cloth::air::ClothAir;
+use crate::cloth::forces::ClothForces;
+use crate::cloth::grab::ClothGrab;
+use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::hung::ClothHung;
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::{ClothInterpolation, ClothSettings};
+use crate::cloth::sleep::{ClothFrozen, ClothSleep};
+use crate::cloth::teleport::{ClothInertia, ClothTeleport};
+use crate::cloth::weights::ClothWeights;
+use crate::cloth::wind::{ClothWind, ClothWindOverride};
+use crate::collider::SdfCollider;
+use crate::collider::bake::{BakeSdf, cancel_bake, finish_bakes, start_bakes};
+use crate::collider::disturbance::{Disturbances, note_disturbances};
+use crate::collider::impulse::ColliderImpulse;
+use crate::collider::load::DistanceFieldLoader;
+use crate::collider::snapshot::{ColliderSnapshot, forget_collider, gather_colliders};
+use crate::collider::state::{ColliderState, forget_states, restore_collider};
+use crate::drawing::draw_cloths;
+use crate::error::failures::{Blame, Failures};
+use crate::mesh::drawn::ClothMesh;
+use crate::mesh::rest_cache::RestCache;
+use crate::schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
+use crate::sdf::DistanceField;
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::{apply_pins, gather_pins};
+use crate::simulation::grabbing::apply_grabs;
+use crate::simulation::hanging::{cancel_hanging, hang_cloths};
+use crate::simulation::pushing::ask_for_push;
+use crate::simulation::ready::tell_ready;
+use crate::simulation::reference_frame::{ask_for_reset, ask_for_teleport};
+use crate::simulation::setup::{apply_changes, set_up_cloths};
+use crate::simulation::sleeping::choose_steps;
+use crate::simulation::snapshot::{ClothState, restore_cloths};
+use crate::step::impulses::sum_impulses;
+use crate::step::{
+    ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
+    finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged, note_poses,
+    refuse_variable_step, run_substeps, solve_fused,
 };
-use bevy::{
-    app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems},
-    asset::AssetEventSystems,
-    ecs::{
-        intern::Interned,
-        schedule::{ScheduleLabel, SingleThreadedExecutor},
-    },
-    prelude::*,
-};
+use crate::wind::gather_air;
+use crate::wind::zone::{WindZone, WindZones, forget_zone, gather_zones};
 
 /// Cloth for an app: registers the components, the systems and their sets.
 ///
@@ -85,50 +94,6 @@ impl Default for ClothPlugin {
     fn default() -> Self {
         Self::new(FixedPostUpdate)
     }
-}
-
-/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a
-/// tick.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ClothSystems {
-    /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what
-    /// moves once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
-    NotePoses,
-    /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
-    /// so that a cloth is seen in the frame that spawned it.
-    Setup,
-    /// Poses of colliders and pins through the tick, gravity and wind; teleports and resets; who takes
-    /// the tick.
-    Gather,
-    /// The substeps.
-    Solve,
-    /// Errors are told, statistics kept.
-    Finish,
-    /// In `PostUpdate`, after transforms are propagated: meshes are baked to fields.
-    Bake,
-    /// In `PostUpdate`, after `Setup`: meshes are written, if anything has moved.
-    Draw,
-}
-
-/// The schedule of one substep, run serially as often as the tick has substeps.
-///
-/// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them;
-/// as soon as there are any, this schedule is run in place of the fused form. See
-/// [`ClothExecution`].
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ClothSubstep;
-
-/// The stages of a substep, in this order.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ClothSubstepSystems {
-    /// Springs, bending, damping, gravity, air.
-    Forces,
-    /// Verlet; pins move to where they are to be.
-    Integrate,
-    /// Threads or Provot's correction, tethers.
-    Correct,
-    /// Particles leave the colliders; friction.
-    Collide,
 }
 
 impl Plugin for ClothPlugin {

@@ -3,7 +3,8 @@
 //! Bevy's own feature for it would compile all of Bevy anew; these few lines do not.
 
 use bevy::prelude::*;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An entity, as the number that Bevy makes of it.
 pub(crate) mod entity {

@@ -1,7 +1,8 @@
 //! The air that a cloth moves through.
 
-use crate::solver::Air;
 use bevy::prelude::*;
+
+use crate::solver::Air;
 
 /// Lets a cloth feel the air: drag and lift on each face of it, against the wind. Without it there is
 /// neither. May be added, changed and removed at any time.

@@ -1,13 +1,13 @@
 //! What becomes of a cloth, told on its entity: for observers.
 
-use super::ClothSimulation;
-use crate::solver::SolverError;
 use bevy::prelude::*;
 
+use crate::solver::SolverError;
+
 /// A cloth is set up, in the shape in which it starts, and will take the next tick: its
-/// [`ClothSimulation`] is there. One with [`ClothHung`](super::ClothHung) is so when it hangs at rest.
+/// [`ClothSimulation`] is there. One with [`ClothHung`](crate::ClothHung) is so when it hangs at rest.
 ///
-/// Told once; and once more where the cloth starts anew, as its [`Cloth`](super::Cloth) or its mesh was
+/// Told once; and once more where the cloth starts anew, as its [`Cloth`](crate::Cloth) or its mesh was
 /// changed, or its [`ClothSimulation`] was taken away.
 ///
 /// ```
@@ -29,7 +29,7 @@ pub struct ClothReady {
     pub entity: Entity,
 }
 
-/// A cloth has come to rest and sleeps, see [`ClothSleep`](super::ClothSleep). Told in the first tick that
+/// A cloth has come to rest and sleeps, see [`ClothSleep`](crate::ClothSleep). Told in the first tick that
 /// it does not take.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClothSlept {
@@ -52,17 +52,4 @@ pub struct ClothDiverged {
     pub entity: Entity,
     /// What the solver says.
     pub problem: SolverError,
-}
-
-/// Tells of cloths that are ready now.
-pub(crate) fn tell_ready(
-    mut cloths: Query<(Entity, &mut ClothSimulation)>,
-    mut commands: Commands,
-) {
-    for (entity, mut cloth) in &mut cloths {
-        if !cloth.told_ready && !cloth.is_hanging() {
-            cloth.told_ready = true;
-            commands.trigger(ClothReady { entity });
-        }
-    }
 }

@@ -24,7 +24,7 @@
 //! Friction and the strain limit are a modeller's choice: 10 % is more than any of these cloths is
 //! stretched in use, and five times its length what such rubber bears.
 
-use super::ClothMaterial;
+use crate::cloth::material::ClothMaterial;
 
 impl ClothMaterial {
     /// Habotai silk, 60 g/m2: falls in many small folds.

@@ -1,17 +1,17 @@
 //! A cloth in a world that has no plugin does not move, and nothing else would say why.
 
-use super::RestCache;
-use bevy::{
-    ecs::{lifecycle::HookContext, world::DeferredWorld},
-    prelude::*,
-};
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
+use bevy::prelude::*;
+
+use crate::mesh::rest_cache::RestCache;
 
 /// The world was told.
 #[derive(Resource)]
 struct Told;
 
 /// Says, once a world, that a cloth wants the plugin.
-pub(super) fn ask_for_plugin(mut world: DeferredWorld, context: HookContext) {
+pub(crate) fn ask_for_plugin(mut world: DeferredWorld, context: HookContext) {
     if world.contains_resource::<RestCache>() {
         return;
     }

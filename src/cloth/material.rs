@@ -1,7 +1,8 @@
 //! What a cloth is made of.
 
-use crate::solver::{DampingForm, Material};
 use bevy::prelude::*;
+
+use crate::solver::{DampingForm, Material};
 
 /// What a cloth is made of. May be changed at any time.
 ///
@@ -41,7 +42,7 @@ pub struct ClothMaterial {
 
 impl ClothMaterial {
     /// The default.
-    pub(super) const USUAL: Self = Self {
+    pub(crate) const USUAL: Self = Self {
         area_density: Material::USUAL.area_density,
         thread_stiffness: Material::USUAL.thread_stiffness,
         shear_stiffness: Material::USUAL.shear_stiffness,

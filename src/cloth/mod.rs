@@ -1,48 +1,27 @@
 //! What users spawn and tune: [`Cloth`] and the components beside it.
 
-mod air;
-pub(crate) mod attachment;
+pub(crate) mod air;
 pub(crate) mod events;
-mod fabrics;
-pub(crate) mod following;
-mod forgotten;
+pub(crate) mod fabrics;
+pub(crate) mod forces;
+pub(crate) mod forgotten;
 pub(crate) mod grab;
-mod gravity;
-pub(crate) mod grid;
+pub(crate) mod gravity;
 pub(crate) mod hung;
-mod material;
-mod pins;
-pub(crate) mod pose;
-pub(crate) mod push;
-mod quality;
-pub(crate) mod rest;
-mod rest_cache;
-mod settings;
-pub(crate) mod setup;
-mod simulation;
-pub(crate) mod state;
+pub(crate) mod material;
+pub(crate) mod pins;
+pub(crate) mod quality;
+pub(crate) mod settings;
+pub(crate) mod sleep;
+pub(crate) mod teleport;
 pub(crate) mod weights;
-
-pub use air::ClothAir;
-pub use events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
-pub use following::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
-pub use grab::{ClothGrab, GrabHold, GrabProblem};
-pub use gravity::{ClothGravity, ClothGravityOverride};
-pub use grid::GridProblem;
-pub use hung::{ClothHung, HangProblem, HangingPlaces};
-pub use material::ClothMaterial;
-pub use pins::{ClothPins, Pin, PinHold, PinProblem, PinSelection};
-pub use push::{ClothForce, ClothForces, PushCloth};
-pub use quality::ClothQuality;
-pub use rest::{ClothFrozen, ClothSleep};
-pub use settings::{ClothInterpolation, ClothSettings};
-pub use simulation::ClothSimulation;
-pub use state::ClothState;
-pub use weights::{ClothWeights, ColorChannel, VertexFactor, WeightProblem};
-
-pub(crate) use rest_cache::RestCache;
+pub(crate) mod wind;
 
 use bevy::prelude::*;
+
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 
 /// A piece of cloth.
 ///

@@ -1,11 +1,12 @@
 //! Which particles are held, and by what: data, not closures.
 
-use super::ColorChannel;
-use crate::{
-    mesh::RestShape,
-    solver::{ParameterError, SoftPin},
-};
-use bevy::{ecs::entity::MapEntities, prelude::*};
+use bevy::ecs::entity::MapEntities;
+use bevy::prelude::*;
+
+use crate::cloth::weights::ColorChannel;
+use crate::error::problems::PinProblem;
+use crate::mesh::rest_shape::RestShape;
+use crate::solver::SoftPin;
 
 /// The particles of a cloth that are held. May be changed at any time.
 ///
@@ -164,42 +165,6 @@ pub(crate) struct Choices<'a> {
     pub rest: &'a [Vec3],
     /// Factor from rest positions to the cloth's own frame.
     pub inverse_scale: f32,
-}
-
-/// Why a [`Pin`] holds nothing.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PinProblem {
-    /// There is no such vertex.
-    #[error("there is no vertex {vertex}; choose from 0 to {}", count.saturating_sub(1))]
-    NoSuchVertex {
-        /// The vertex asked for.
-        vertex: u32,
-        /// Vertices of the cloth.
-        count: usize,
-    },
-    /// No triangle of the cloth uses the vertex.
-    #[error("no triangle of the cloth uses vertex {0}; choose another, or pins `within` a box")]
-    UnusedVertex(u32),
-    /// The box or the colours choose nothing.
-    #[error(
-        "no particle is chosen; compare the box with the mesh's positions in its own frame, or the threshold with its colours"
-    )]
-    Empty,
-    /// The mesh has no colours.
-    #[error("its mesh has no vertex colours; paint it, or choose vertices or a box")]
-    NoColors,
-    /// The mesh has no rows and columns.
-    #[error("its mesh is no grid of rows and columns; choose vertices, a box or a colour")]
-    NotAGrid,
-    /// The anchor does not exist, or has no `Transform`.
-    #[error("its anchor {0} is not there or has no Transform; its particles are released")]
-    NoAnchor(Entity),
-    /// The anchor is scaled differently along its axes.
-    #[error("its anchor {0} has a scale that is not uniform and positive; use a child of scale 1")]
-    AnchorScale(Entity),
-    /// A number of a soft pin is out of its range.
-    #[error("{0}; change its `hold`")]
-    Hold(ParameterError),
 }
 
 impl PinHold {

@@ -1,8 +1,9 @@
 //! Settings by what they are for, read off the report of speed against error.
 
-use super::ClothSettings;
-use crate::solver::{FormChoice, Substeps};
 use bevy::prelude::*;
+
+use crate::cloth::settings::ClothSettings;
+use crate::solver::{FormChoice, Substeps};
 
 /// How much time an error is worth: three settings beside the default, read off the report of speed against
 /// error (`assets/report/report.md`).

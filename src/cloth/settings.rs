@@ -1,7 +1,8 @@
 //! How a cloth is solved and drawn.
 
-use crate::solver::{Bending, FormChoice, Integrator, MassLumping, Settings, Substeps};
 use bevy::prelude::*;
+
+use crate::solver::{Bending, FormChoice, Integrator, MassLumping, Settings, Substeps};
 
 /// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,11 @@
 //! Mass and stiffness that vary over a cloth, by vertex colour or by a list.
 
-use crate::mesh::RestShape;
+
 use bevy::prelude::*;
-use std::hash::{DefaultHasher, Hasher};
+
+use crate::error::problems::WeightProblem;
+use crate::mesh::factors::Factors;
+use crate::mesh::rest_shape::RestShape;
 
 /// Mass and stiffness that vary over a cloth: heavier at the hem, stiffer at the collar. Without
 /// it, a cloth is the same everywhere. May be changed at any time.
@@ -71,44 +74,6 @@ pub enum ColorChannel {
     Alpha,
 }
 
-/// Why [`ClothWeights`] cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum WeightProblem {
-    /// The mesh has no colours.
-    #[error("`{field}` goes by vertex colour, but its mesh has none; use `VertexFactor::Data`")]
-    NoColors {
-        /// The field of `ClothWeights`.
-        field: &'static str,
-    },
-    /// The list has not one number a vertex.
-    #[error("`{field}` has {got} numbers, but there are {expected} vertices; give one for each")]
-    WrongLength {
-        /// The field of `ClothWeights`.
-        field: &'static str,
-        /// Vertices of the cloth.
-        expected: usize,
-        /// Numbers given.
-        got: usize,
-    },
-    /// A factor is NaN or out of range.
-    #[error("`{field}` of vertex {vertex} is {value}, but must be from 0.001 to 1000")]
-    OutOfRange {
-        /// The field of `ClothWeights`.
-        field: &'static str,
-        /// The vertex.
-        vertex: usize,
-        /// Its factor.
-        value: f32,
-    },
-}
-
-/// Factors of all particles.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Factors {
-    pub mass: Vec<f32>,
-    pub stiffness: Vec<f32>,
-}
-
 impl ClothWeights {
     /// The factors of the particles of a rest shape; `None` where all are one.
     pub(crate) fn factors(&self, rest: &RestShape) -> Result<Option<Factors>, WeightProblem> {
@@ -162,14 +127,4 @@ fn means(
         *count += 1.0;
     }
     Ok(sums.into_iter().map(|(sum, count)| sum / count).collect())
-}
-
-impl Factors {
-    /// Tells these factors from others.
-    pub fn fingerprint(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        hasher.write(bytemuck::cast_slice(&self.mass));
-        hasher.write(bytemuck::cast_slice(&self.stiffness));
-        hasher.finish()
-    }
 }

@@ -1,15 +1,15 @@
 //! Bakes an entity's mesh to a distance field, off the main thread.
 
-use super::{SdfCollider, SdfShape};
-use crate::{
-    error::{Blame, ClothError, Failures},
-    mesh::MeshSource,
-    sdf::{BakeError, BakeSettings, DistanceField},
-};
-use bevy::{
-    prelude::*,
-    tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, futures_lite::future::poll_once},
-};
+use bevy::prelude::*;
+use bevy::tasks::futures_lite::future::poll_once;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
+
+use crate::collider::SdfCollider;
+use crate::collider::shape::SdfShape;
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::mesh::source::MeshSource;
+use crate::sdf::{BakeError, BakeSettings, DistanceField};
 
 /// Makes the entity an [`SdfCollider`] of its own mesh, or of another, by baking it to a
 /// [`DistanceField`] in a background task.

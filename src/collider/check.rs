@@ -1,15 +1,18 @@
 //! Which colliders can be used: their numbers, checked at the door.
 
-use super::{SdfCollider, SdfShape};
-use crate::{sdf::SignedDistance, solver::ParameterError};
 use bevy::prelude::*;
+
+use crate::collider::SdfCollider;
+use crate::collider::shape::SdfShape;
+use crate::sdf::SignedDistance;
+use crate::solver::ParameterError;
 
 /// Smallest and largest length of a solid \[m\]: squares of both are well within `f32`.
 const LENGTHS: core::ops::RangeInclusive<f32> = 1e-6..=1e7;
 
 impl SdfCollider {
     /// Checks every number.
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let usable = (0.0..=1e3).contains(&self.friction);
         check("friction", self.friction, usable, "from 0 to 1000")?;
         self.shape.check()

@@ -1,12 +1,14 @@
 //! What has changed among the colliders since the last tick: where a sleeping cloth has to wake.
 
-use super::{ColliderSnapshot, ColliderState, SdfCollider, snapshot::Gathered};
-use crate::{sdf::DistanceField, solver::Pose};
-use bevy::{
-    ecs::message::MessageCursor,
-    math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume},
-    prelude::*,
-};
+use bevy::ecs::message::MessageCursor;
+use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume};
+use bevy::prelude::*;
+
+use crate::collider::SdfCollider;
+use crate::collider::snapshot::{ColliderSnapshot, Gathered};
+use crate::collider::state::ColliderState;
+use crate::sdf::DistanceField;
+use crate::solver::Pose;
 
 /// Where colliders moved, came, went or changed in this tick, and what they were like in it.
 #[derive(Resource, Default)]

@@ -1,16 +1,16 @@
 //! Loads saved distance fields, and says which will never come.
 
-use super::SdfShape;
-use crate::{
-    error::ClothError,
-    sdf::{DistanceField, SavedFieldError},
-};
-use bevy::{
-    asset::{AssetLoadError, AssetLoader, LoadContext, LoadState, io::Reader},
-    ecs::system::SystemParam,
-    prelude::*,
-};
 use std::io;
+
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetLoadError, AssetLoader, LoadContext, LoadState};
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::collider::shape::SdfShape;
+use crate::error::ClothError;
+use crate::error::problems::FieldProblem;
+use crate::sdf::{DistanceField, SavedFieldError};
 
 /// Loads `.sdf` files, which [`DistanceField::to_bytes`] makes; [`ClothPlugin`](crate::ClothPlugin)
 /// registers it.
@@ -56,34 +56,6 @@ impl AssetLoader for DistanceFieldLoader {
     fn extensions(&self) -> &[&str] {
         &["sdf"]
     }
-}
-
-/// Why a collider's distance field is not there.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FieldProblem {
-    /// Its file holds no field.
-    #[error("the distance field `{path}` cannot be used: {problem}")]
-    Content {
-        /// The file, as it was asked for.
-        path: String,
-        /// What is wrong with it.
-        problem: SavedFieldError,
-    },
-    /// Its file cannot be loaded.
-    #[error("the distance field `{path}` cannot be loaded: {reason}")]
-    LoadFailed {
-        /// The file, as it was asked for.
-        path: String,
-        /// What the asset server says.
-        reason: String,
-    },
-    /// Nothing loads it, and it is not among the app's assets.
-    #[error(
-        "its distance field is not among `Assets<DistanceField>`, and nothing loads it: add it there, or load it \
-         with the `AssetServer`"
-    )]
-    Missing,
 }
 
 /// The app's distance fields, where it has any.

@@ -1,13 +1,14 @@
 //! The solids that a collider can be.
 
-use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
-use bevy::{
-    math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus},
-    prelude::*,
-};
 use std::sync::Arc;
 
-/// The solid of an [`SdfCollider`](super::SdfCollider), in its entity's frame.
+use bevy::math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus};
+use bevy::prelude::*;
+
+use crate::sdf::shapes::CapsuleBetween;
+use crate::sdf::{DistanceField, SignedDistance};
+
+/// The solid of an [`SdfCollider`](crate::SdfCollider), in its entity's frame.
 ///
 /// With the feature `serialize`, fields and solids of one's own are refused by serde: the one is an asset, of
 /// which to save the path, the other code.

@@ -1,20 +1,19 @@
 //! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
 //! of them has changed.
 
-use super::{ColliderImpulse, FieldSource, JUMP, SdfCollider, SdfShape};
-use crate::{
-    cloth::{
-        pose::{MovingPose, pose_now},
-        setup::pose_error,
-    },
-    error::{Blame, ClothError, Failures},
-    sdf::DistanceField,
-    solver::{self, ColliderMotion, Pose},
-};
-use bevy::{
-    ecs::{query::QueryData, system::SystemParam},
-    prelude::*,
-};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::collider::impulse::ColliderImpulse;
+use crate::collider::load::FieldSource;
+use crate::collider::shape::SdfShape;
+use crate::collider::{JUMP, SdfCollider};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::pose::{MovingPose, pose_error, pose_now};
+use crate::sdf::DistanceField;
+use crate::solver::{self, ColliderMotion, Pose};
 
 /// Where a collider was, is and goes.
 #[derive(Component, Default)]
@@ -29,12 +28,12 @@ pub(crate) struct ColliderPose {
 
 impl ColliderPose {
     /// Its way so far, if a tick has seen it.
-    pub(super) fn moving(&self) -> Option<&MovingPose> {
+    pub(crate) fn moving(&self) -> Option<&MovingPose> {
         self.moving.as_deref()
     }
 
     /// It goes on from there.
-    pub(super) fn come_from(&mut self, pose: MovingPose) {
+    pub(crate) fn come_from(&mut self, pose: MovingPose) {
         self.moving = Some(Box::new(pose));
         self.still = false;
     }
@@ -43,13 +42,13 @@ impl ColliderPose {
 /// All colliders of a tick, in the order of their entities.
 #[derive(Resource, Default)]
 pub(crate) struct ColliderSnapshot {
-    pub(super) colliders: Vec<Gathered>,
+    pub(crate) colliders: Vec<Gathered>,
     /// Counts the changes: as long as it stays, all stand still and are what they were.
-    pub(super) version: u64,
+    pub(crate) version: u64,
 }
 
 /// A collider as it is in the tick.
-pub(super) struct Gathered {
+pub(crate) struct Gathered {
     pub entity: Entity,
     pub shape: SdfShape,
     /// `None` while its field is not there.
@@ -82,7 +81,7 @@ impl ColliderSnapshot {
     }
 
     /// Those that are there, in the order in which the solver takes them.
-    pub(super) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
+    pub(crate) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
         self.colliders.iter().filter_map(|collider| Some((collider, collider.motion?)))
     }
 

@@ -1,13 +1,14 @@
 //! Where a collider came from, taken out and put back with the cloths that it meets.
 
-use super::ColliderPose;
-use crate::cloth::pose::MovingPose;
 use bevy::prelude::*;
+
+use crate::collider::snapshot::ColliderPose;
+use crate::pose::MovingPose;
 
 /// The way of a moving collider so far, which the next tick starts from: what
 /// [`ClothState`](crate::ClothState) is to a cloth.
 ///
-/// It is taken by [`ColliderState::of`]. Put on an entity with an [`SdfCollider`](super::SdfCollider) it is
+/// It is taken by [`ColliderState::of`]. Put on an entity with an [`SdfCollider`](crate::SdfCollider) it is
 /// taken over, and is gone after the next tick. A collider that is loaded without it has not moved, and wakes
 /// cloths that sleep near it.
 ///

@@ -1,13 +1,13 @@
 //! Where cloths touch colliders.
 
-use super::ClothGizmos;
-use crate::{
-    cloth::ClothSimulation,
-    collider::{ColliderRoom, ColliderSnapshot},
-    near::for_each_near,
-    sdf::DistanceField,
-};
-use bevy::{color::palettes::css, prelude::*};
+use bevy::color::palettes::css;
+use bevy::prelude::*;
+
+use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot};
+use crate::gizmos::ClothGizmos;
+use crate::proximity::for_each_near;
+use crate::sdf::DistanceField;
+use crate::simulation::ClothSimulation;
 
 /// Distance beyond the cloth's thickness at which a particle still counts as touching \[m\]: what holds it
 /// there is rounded.

@@ -6,13 +6,12 @@ mod slice;
 mod threads;
 mod wind;
 
-pub use slice::SdfSlice;
+use bevy::gizmos::{AppGizmoBuilder, GizmoPlugin};
+use bevy::prelude::*;
 
-use crate::plugin::ClothSystems;
-use bevy::{
-    gizmos::{AppGizmoBuilder, GizmoPlugin},
-    prelude::*,
-};
+pub use crate::gizmos::slice::SdfSlice;
+
+use crate::schedule::ClothSystems;
 
 /// Draws [`ClothGizmos`] of all cloths, and every [`SdfSlice`]. Nothing is drawn, and nothing costs, without
 /// it; and of what is switched off nothing is worked out.

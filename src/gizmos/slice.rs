@@ -1,13 +1,13 @@
 //! Slices of distance fields: lines of equal distance in a plane.
 
-use super::ClothGizmos;
-use crate::{
-    cloth::pose::{pose_of, to_world},
-    collider::SdfCollider,
-    sdf::{DistanceField, SignedDistance},
-    solver::Pose,
-};
-use bevy::{color::palettes::css, prelude::*};
+use bevy::color::palettes::css;
+use bevy::prelude::*;
+
+use crate::collider::SdfCollider;
+use crate::gizmos::ClothGizmos;
+use crate::pose::{pose_of, to_world};
+use crate::sdf::{DistanceField, SignedDistance};
+use crate::solver::Pose;
 
 /// Cells a side of a slice.
 const CELLS: usize = 64;
@@ -15,7 +15,7 @@ const CELLS: usize = 64;
 /// Most lines of equal distance, to each side of the surface.
 const MOST_LINES: i32 = 64;
 
-/// Lets [`ClothGizmosPlugin`](super::ClothGizmosPlugin) draw a slice through the
+/// Lets [`ClothGizmosPlugin`](crate::ClothGizmosPlugin) draw a slice through the
 /// [`SdfCollider`] beside it: lines of equal distance in a square, white on the surface, blue outside, red
 /// inside. So one sees what a mesh was baked to.
 ///

@@ -1,8 +1,13 @@
 //! The cloth itself: its threads, what holds it, its box.
 
-use super::ClothGizmos;
-use crate::cloth::{ClothGrab, ClothSimulation, pose::to_world};
-use bevy::{color::palettes::css, math::bounding::Aabb3d, prelude::*};
+use bevy::color::palettes::css;
+use bevy::math::bounding::Aabb3d;
+use bevy::prelude::*;
+
+use crate::cloth::grab::ClothGrab;
+use crate::gizmos::ClothGizmos;
+use crate::pose::to_world;
+use crate::simulation::ClothSimulation;
 
 /// Threads, coloured by their strain.
 pub(super) fn draw_threads(cloths: Query<&ClothSimulation>, mut gizmos: Gizmos<ClothGizmos>) {

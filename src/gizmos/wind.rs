@@ -1,12 +1,14 @@
 //! The wind at cloths, and its zones.
 
-use super::ClothGizmos;
-use crate::{
-    cloth::{ClothAir, ClothSimulation},
-    solver::{WindFlow, WindShape, Zone},
-    wind::{ClothWind, ClothWindOverride, WindZones},
-};
-use bevy::{color::palettes::css, prelude::*};
+use bevy::color::palettes::css;
+use bevy::prelude::*;
+
+use crate::cloth::air::ClothAir;
+use crate::cloth::wind::{ClothWind, ClothWindOverride};
+use crate::gizmos::ClothGizmos;
+use crate::simulation::ClothSimulation;
+use crate::solver::{WindFlow, WindShape, Zone};
+use crate::wind::zone::WindZones;
 
 /// Arrows at a cloth, at most.
 const MOST_ARROWS: usize = 64;

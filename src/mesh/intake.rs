@@ -1,16 +1,12 @@
 //! Any triangle mesh becomes the rest shape of a cloth.
 
-use super::{
-    MeshProblem,
-    raw::RawMesh,
-    surface::{SkippedTriangles, Surface, follow},
-};
-use crate::cloth::{
-    GridProblem,
-    grid::{GridTopology, recognize},
-};
 use bevy::math::{UVec2, Vec3};
 use bevy_drape_core::surface::NormalGroups;
+
+use crate::error::problems::{GridProblem, MeshProblem};
+use crate::mesh::grid::{GridTopology, recognize};
+use crate::mesh::raw::RawMesh;
+use crate::mesh::surface::{SkippedTriangles, Surface, follow};
 
 /// What became of a mesh as it was made a cloth.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,7 +54,7 @@ pub(crate) struct MeshShape {
     /// By vertex.
     pub colors: Option<Box<[[f32; 4]]>>,
     pub intake: ClothIntake,
-    pub(super) normals: NormalPlan,
+    pub(crate) normals: NormalPlan,
 }
 
 /// How particles are connected.
@@ -72,7 +68,7 @@ pub(crate) enum Connection {
 
 /// How the normals of a mesh are worked out.
 #[derive(Debug)]
-pub(super) enum NormalPlan {
+pub(crate) enum NormalPlan {
     /// By rows and columns: a grid without seams. The vertex of each particle, `None` where they
     /// are the same.
     Grid { columns: usize, vertex_of_particle: Option<Box<[u32]>> },

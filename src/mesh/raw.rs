@@ -1,11 +1,11 @@
 //! What a cloth or a collider reads of a mesh asset: the door, where its data are checked.
 
-use super::MeshProblem;
-use bevy::{
-    math::Vec3,
-    mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues},
-};
 use std::hash::{DefaultHasher, Hasher};
+
+use bevy::math::Vec3;
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues};
+
+use crate::error::problems::MeshProblem;
 
 /// Largest coordinate of a mesh \[m\].
 const FURTHEST: f32 = 1e6;

@@ -1,10 +1,10 @@
 //! The triangles of a mesh as a surface of particles: welded, and rid of what is no triangle.
 
-use super::{
-    MeshProblem,
-    weld::{NONE, tolerance, weld},
-};
-use bevy::{math::Vec3, platform::collections::HashSet};
+use bevy::math::Vec3;
+use bevy::platform::collections::HashSet;
+
+use crate::error::problems::MeshProblem;
+use crate::mesh::weld::{NONE, tolerance, weld};
 
 /// Triangles of a mesh that are no part of its cloth. They are still drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ impl SkippedTriangles {
 
 /// A surface of at least two triangles.
 #[derive(Debug)]
-pub(super) struct Surface {
+pub(crate) struct Surface {
     /// The particle of each vertex; [`NONE`] where no triangle uses its place.
     pub particle_of_vertex: Vec<u32>,
     /// The first vertex of each particle, ascending.
@@ -149,7 +149,7 @@ fn is_line([a, b, c]: [Vec3; 3], tolerance: f32) -> bool {
 /// triangle that was skipped, which then stays without area, else with the first particle.
 ///
 /// Fills the gaps of `particle_of_vertex`, and returns the vertices that were gaps.
-pub(super) fn follow(
+pub(crate) fn follow(
     particle_of_vertex: &mut [u32],
     positions: &[Vec3],
     triangles: &[[u32; 3]],

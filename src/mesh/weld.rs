@@ -1,6 +1,7 @@
 //! Vertices at the same place become one: UV seams and hard edges are no cuts in the cloth.
 
-use bevy::{math::Vec3, platform::collections::HashMap};
+use bevy::math::Vec3;
+use bevy::platform::collections::HashMap;
 
 /// Distance at which two vertices are one place, as a part of the mesh's largest side. Far above
 /// what exporters round away, far below any edge that is meant.
@@ -12,10 +13,10 @@ const ROUNDING: f32 = 4.0 * f32::EPSILON;
 const CELL: f32 = 8.0;
 
 /// No vertex, or no particle.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Distance \[m\] at which vertices of a mesh are at one place. Only those that are used count.
-pub(super) fn tolerance(positions: &[Vec3], used: &[bool]) -> f32 {
+pub(crate) fn tolerance(positions: &[Vec3], used: &[bool]) -> f32 {
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for (position, _) in positions.iter().zip(used).filter(|(_, used)| **used) {
         min = min.min(*position);
@@ -31,7 +32,7 @@ pub(super) fn tolerance(positions: &[Vec3], used: &[bool]) -> f32 {
 ///
 /// A vertex joins the first one within the tolerance that has not itself joined another: the
 /// outcome depends on nothing but the order of the vertices.
-pub(super) fn weld(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
+pub(crate) fn weld(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let cell_of = |p: Vec3| (p / (CELL * tolerance)).floor().to_array().map(|x| x as i64);
     let mut first_of = vec![NONE; positions.len()];
     // The last first vertex in each cell, and the one before each.

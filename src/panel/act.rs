@@ -1,11 +1,15 @@
 //! Does what the panel was asked for, through the cloth's components.
 
-use super::{ClothPanel, PanelAction, load_material, save_material};
-use crate::{
-    cloth::{Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ResetCloth},
-    wind::ClothWindOverride,
-};
 use bevy::prelude::*;
+
+use crate::cloth::Cloth;
+use crate::cloth::air::ClothAir;
+use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::teleport::ResetCloth;
+use crate::cloth::wind::ClothWindOverride;
+use crate::panel::file::{load_material, save_material};
+use crate::panel::model::{ClothPanel, PanelAction};
 
 /// Does all that was asked, in that order.
 pub(super) fn act(

@@ -1,9 +1,7 @@
 //! What the solver chose and why, in words.
 
-use crate::{
-    cloth::ClothMaterial,
-    solver::{Form, Plan, PlanReason},
-};
+use crate::cloth::material::ClothMaterial;
+use crate::solver::{Form, Plan, PlanReason};
 
 /// What a plan means, a sentence a line: the form and its reason, the substeps, how near it is to the limit of
 /// stability, and which constants are lower than the material asks for.

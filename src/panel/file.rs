@@ -1,7 +1,9 @@
 //! Materials as files in RON, to be read and edited by hand.
 
-use crate::cloth::ClothMaterial;
-use std::{fs, io, path::Path, path::PathBuf};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use crate::cloth::material::ClothMaterial;
 
 /// Why a material was not saved or loaded.
 #[derive(Debug, thiserror::Error)]

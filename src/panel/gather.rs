@@ -1,23 +1,26 @@
 //! Looks at the chosen cloth.
 
-use super::{ClothPanel, PanelFacts, PanelSample};
-use crate::{
-    ClothDiagnosticsPlugin,
-    cloth::{
-        Cloth, ClothAir, ClothFrozen, ClothGravity, ClothGravityOverride, ClothMaterial, ClothPins,
-        ClothSettings, ClothSimulation,
-    },
-    collider::{ColliderRoom, ColliderSnapshot},
-    error::ClothFailure,
-    near::for_each_near,
-    sdf::DistanceField,
-    wind::{ClothWind, ClothWindOverride},
-};
-use bevy::{
-    diagnostic::{Diagnostic, DiagnosticsStore},
-    ecs::{query::QueryData, system::SystemParam},
-    prelude::*,
-};
+use bevy::diagnostic::{Diagnostic, DiagnosticsStore};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::ClothDiagnosticsPlugin;
+use crate::cloth::Cloth;
+use crate::cloth::air::ClothAir;
+use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::wind::{ClothWind, ClothWindOverride};
+use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot};
+use crate::error::ClothFailure;
+use crate::panel::history::PanelSample;
+use crate::panel::model::{ClothPanel, PanelFacts};
+use crate::proximity::for_each_near;
+use crate::sdf::DistanceField;
+use crate::simulation::ClothSimulation;
 
 /// A cloth and all that can be changed of it.
 #[derive(QueryData)]

@@ -18,14 +18,16 @@ mod model;
 mod plots;
 mod view;
 
-pub use explain::explain;
-pub use file::{MaterialFileError, load_material, save_material};
-pub use history::{PanelHistory, PanelSample};
-pub use model::{ClothPanel, PanelAction, PanelFacts};
-
-use crate::{ClothDiagnosticsPlugin, cloth::ClothSimulation};
 use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
+
+pub use crate::panel::explain::explain;
+pub use crate::panel::file::{MaterialFileError, load_material, save_material};
+pub use crate::panel::history::{PanelHistory, PanelSample};
+pub use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
+
+use crate::ClothDiagnosticsPlugin;
+use crate::simulation::ClothSimulation;
 
 /// A window to tune cloths by, and to see what they do: choose a cloth; change its material, pins, settings and
 /// air, the wind and gravity; pause it, step it, reset it; save its material and load another. Plots show its

@@ -1,13 +1,16 @@
 //! What the panel knows, and what it can ask for.
 
-use super::history::PanelHistory;
-use crate::{
-    cloth::{ClothAir, ClothMaterial, ClothPins, ClothSettings},
-    solver::Plan,
-    wind::ClothWind,
-};
-use bevy::prelude::*;
 use std::path::PathBuf;
+
+use bevy::prelude::*;
+
+use crate::cloth::air::ClothAir;
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::wind::ClothWind;
+use crate::panel::history::PanelHistory;
+use crate::solver::Plan;
 
 /// The panel: what it has gathered of the chosen cloth, and what it is asked to do.
 ///

@@ -1,8 +1,9 @@
 //! The plots.
 
-use super::{PanelHistory, PanelSample};
 use bevy_egui::egui::Ui;
 use egui_plot::{Legend, Line, Plot, PlotPoints};
+
+use crate::panel::history::{PanelHistory, PanelSample};
 
 type Curve = (&'static str, fn(&PanelSample) -> f64);
 

@@ -1,18 +1,20 @@
 //! The windows: drawn from the facts, it asks for actions and changes nothing itself.
 
-use super::{ClothPanel, PanelAction, PanelFacts, explain, explain::short, plots::draw_plots};
-use crate::{
-    cloth::{
-        ClothAir, ClothMaterial, ClothPins, ClothQuality, ClothSettings, PinHold, PinSelection,
-    },
-    solver::{Bending, FormChoice, Substeps},
-};
-use bevy::prelude::{ResMut, Vec3};
-use bevy_egui::{
-    EguiContexts,
-    egui::{self, DragValue, Slider, Ui},
-};
 use core::ops::RangeInclusive;
+
+use bevy::prelude::{ResMut, Vec3};
+use bevy_egui::EguiContexts;
+use bevy_egui::egui::{self, DragValue, Slider, Ui};
+
+use crate::cloth::air::ClothAir;
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::{ClothPins, PinHold, PinSelection};
+use crate::cloth::quality::ClothQuality;
+use crate::cloth::settings::ClothSettings;
+use crate::panel::explain::{explain, short};
+use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
+use crate::panel::plots::draw_plots;
+use crate::solver::{Bending, FormChoice, Substeps};
 
 /// Draws the windows.
 pub(super) fn draw_panel(mut contexts: EguiContexts, panel: Option<ResMut<ClothPanel>>) {

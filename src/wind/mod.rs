@@ -1,59 +1,16 @@
 //! The wind: one for the world, another for a cloth that wants it, and zones on top.
 
-mod zone;
+pub(crate) mod zone;
 
-pub use zone::WindZone;
-
-pub(crate) use zone::{WindZones, forget_zone, gather_zones};
-
-use crate::{
-    cloth::{ClothAir, ClothSimulation},
-    error::{Blame, ClothError, Failures},
-    solver::{Air, Gusts, ParameterError, Wind, Zone},
-};
 use bevy::prelude::*;
 
-/// The wind for all cloths that have [`ClothAir`]. Still air unless it is set.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_drape::prelude::*;
-/// let breeze = ClothWind::steady(Vec3::X * 4.0);
-/// let weather = breeze.with_gusts(Gusts { strength: 3.0, seed: 7, ..default() });
-/// # App::new().insert_resource(weather);
-/// ```
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Resource, Default, Debug, PartialEq, Clone)]
-pub struct ClothWind {
-    /// Velocity of the steady wind [m/s]. Longer blows harder.
-    pub velocity: Vec3,
-    /// What comes and goes, on top of it. The same seed in the same tick is the same to the bit.
-    pub gusts: Gusts,
-}
-
-impl ClothWind {
-    /// A wind without gusts [m/s].
-    pub fn steady(velocity: Vec3) -> Self {
-        Self { velocity, ..default() }
-    }
-
-    /// With these gusts.
-    pub fn with_gusts(self, gusts: Gusts) -> Self {
-        Self { gusts, ..self }
-    }
-
-    /// The wind at a time \[s\].
-    pub(crate) fn at<'a>(&self, time: f64, zones: &'a [Zone]) -> Wind<'a> {
-        Wind { velocity: self.velocity, gusts: self.gusts, time, zones }
-    }
-}
-
-/// The wind for this cloth, in place of [`ClothWind`]. Zones add to it all the same.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothWindOverride(pub ClothWind);
+use crate::cloth::air::ClothAir;
+use crate::cloth::wind::{ClothWind, ClothWindOverride};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::simulation::ClothSimulation;
+use crate::solver::{Air, ParameterError, Zone};
+use crate::wind::zone::WindZones;
 
 /// Takes the air of each cloth, and its wind.
 pub(crate) fn gather_air(

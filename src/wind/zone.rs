@@ -1,11 +1,11 @@
 //! Places with wind of their own.
 
-use crate::{
-    cloth::{pose::pose_now, setup::pose_error},
-    error::{Blame, ClothError, Failures},
-    solver::{ParameterError, WindFlow, WindShape, Zone},
-};
 use bevy::prelude::*;
+
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::pose::{pose_error, pose_now};
+use crate::solver::{ParameterError, WindFlow, WindShape, Zone};
 
 /// Wind in a box, a ball or a cone: a fan, an explosion, the draught of a door. It adds to the
 /// [`ClothWind`](crate::ClothWind), and zones that overlap add up. Cloths with

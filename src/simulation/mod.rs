@@ -1,22 +1,54 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `setup` | components become a running cloth; changed components change it |
+//! | `attachments` | pins and anchors through a tick |
+//! | `reference_frame` | teleports, resets, cloths that ride along |
+//! | `grabbing`, `pushing` | particles that something leads; forces and impulses |
+//! | `hanging` | cloths that are brought to rest where they hang, in the background |
+//! | `sleeping` | which cloths take a tick |
+//! | `snapshot` | the full state, taken out and put back |
+//! | `tick_input`, `stage_times` | what a tick is given, and what its stages take |
+//! | `ready` | tells that a cloth is there |
 
-use super::{
-    ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothWeights, attachment::Attachments,
-    following::Following, grab::Grabbed, hung::Hanging, pins::Choices, push::Pushing, rest::Rest,
-};
-use crate::{
-    diagnostics::StageTimes,
-    hang::RelaxReport,
-    mesh::{ClothIntake, RestShape},
-    solver::{
-        ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
-    },
-    step::ClothStep,
-};
-use bevy::prelude::*;
+pub(crate) mod attachments;
+pub(crate) mod grabbing;
+pub(crate) mod hanging;
+pub(crate) mod pushing;
+pub(crate) mod ready;
+pub(crate) mod reference_frame;
+pub(crate) mod setup;
+pub(crate) mod sleeping;
+pub(crate) mod snapshot;
+pub(crate) mod stage_times;
+pub(crate) mod tick_input;
+
 use std::sync::Arc;
 
-/// A cloth that is being simulated. The plugin adds it to every [`Cloth`](super::Cloth) as soon as
+use bevy::prelude::*;
+
+use crate::cloth::ClothShape;
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::{Choices, ClothPins};
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::weights::ClothWeights;
+use crate::hang::RelaxReport;
+use crate::mesh::intake::ClothIntake;
+use crate::mesh::rest_shape::RestShape;
+use crate::simulation::attachments::Attachments;
+use crate::simulation::grabbing::Grabbed;
+use crate::simulation::hanging::Hanging;
+use crate::simulation::pushing::Pushing;
+use crate::simulation::reference_frame::Following;
+use crate::simulation::sleeping::Rest;
+use crate::simulation::stage_times::StageTimes;
+use crate::simulation::tick_input::ClothStep;
+use crate::solver::{
+    ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
+};
+
+/// A cloth that is being simulated. The plugin adds it to every [`Cloth`](crate::Cloth) as soon as
 /// that has all it needs.
 ///
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
@@ -86,13 +118,13 @@ impl ClothSimulation {
         self.quarantined
     }
 
-    /// Whether the cloth sleeps, see [`ClothSleep`](super::ClothSleep).
+    /// Whether the cloth sleeps, see [`ClothSleep`](crate::ClothSleep).
     pub fn is_asleep(&self) -> bool {
         self.rest.is_asleep()
     }
 
     /// Whether the cloth stands still because it is being brought to rest where it hangs, in the
-    /// background. See [`ClothHung`](super::ClothHung).
+    /// background. See [`ClothHung`](crate::ClothHung).
     pub fn is_hanging(&self) -> bool {
         self.hanging.as_ref().is_some_and(|hanging| hanging.is_pending())
     }
@@ -108,13 +140,13 @@ impl ClothSimulation {
     }
 
     /// Lets the next tick carry the cloth along to where its entity and anchors are then, without a
-    /// velocity. See [`TeleportCloth`](super::TeleportCloth).
+    /// velocity. See [`TeleportCloth`](crate::TeleportCloth).
     pub fn teleport(&mut self) {
         self.following.teleport_asked = true;
     }
 
     /// Lets the next tick put the cloth back to its rest shape where its entity is then, at rest. See
-    /// [`ResetCloth`](super::ResetCloth).
+    /// [`ResetCloth`](crate::ResetCloth).
     pub fn reset(&mut self) {
         self.following.reset_asked = true;
     }

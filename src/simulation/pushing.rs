@@ -1,82 +1,12 @@
 //! Pushing a cloth from a game: forces that go on, and pushes of one tick.
 
-use super::ClothSimulation;
-use crate::{
-    error::{Blame, ClothError, Failures},
-    solver::{PushOn, PushWith, SolverError},
-};
 use bevy::prelude::*;
 
-/// Forces that act on a cloth in every tick, for as long as they are here: a thrust, a weight hung from a
-/// corner, the stream of a hose. May be changed at any time.
-///
-/// It is the same in the fixed schedule and in `Update`, at any frame rate. For what happens once there
-/// are [`ClothSimulation::push`] and [`PushCloth`]; for wind there is [`ClothAir`](super::ClothAir).
-///
-/// A force that cannot be used is told as a [`ClothError::Forces`] and left out; the others act.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_drape::prelude::*;
-/// # fn spawn(mut commands: Commands) {
-/// // A weight of 50 g on one corner.
-/// let weight = ClothForce { on: PushOn::Particle(0), force: Vec3::NEG_Y * 0.05 * 9.81 };
-/// commands.spawn((
-///     Cloth::sheet(Vec2::ONE, UVec2::splat(32)),
-///     ClothPins::from(PinSelection::LastRow),
-///     ClothForces::from(weight),
-/// ));
-/// # }
-/// ```
-#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothForces {
-    /// The forces. They add up.
-    pub forces: Vec<ClothForce>,
-}
-
-/// A force on some particles of a cloth.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Debug, PartialEq, Clone)]
-pub struct ClothForce {
-    /// What it acts on. A ball is looked at anew in each tick.
-    pub on: PushOn,
-    /// The force \[N\], in world axes, shared by all that it acts on. Longer pushes harder.
-    pub force: Vec3,
-}
-
-impl From<ClothForce> for ClothForces {
-    fn from(force: ClothForce) -> Self {
-        Self { forces: vec![force] }
-    }
-}
-
-/// Pushes a cloth in its next tick, once: [`ClothSimulation::push`] from where there are only `Commands`.
-///
-/// What cannot be used is told as a [`ClothError::Push`].
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_drape::prelude::*;
-/// fn explode(mut commands: Commands, cloths: Query<Entity, With<Cloth>>) {
-///     for entity in &cloths {
-///         let on = PushOn::Within { centre: Vec3::ZERO, radius: 2.0, falloff: 1.0 };
-///         commands.trigger(PushCloth { entity, on, with: PushWith::Velocity(Vec3::Y * 5.0) });
-///     }
-/// }
-/// # bevy::ecs::system::assert_is_system(explode);
-/// ```
-#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
-pub struct PushCloth {
-    /// The cloth.
-    pub entity: Entity,
-    /// The particles.
-    pub on: PushOn,
-    /// What they are pushed with.
-    pub with: PushWith,
-}
+use crate::cloth::forces::{ClothForce, ClothForces, PushCloth};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::simulation::ClothSimulation;
+use crate::solver::{PushOn, PushWith, SolverError};
 
 /// Passes a push on to the running cloth.
 pub(crate) fn ask_for_push(
@@ -110,7 +40,7 @@ impl ClothSimulation {
     ///
     /// May be called from any system. From one that runs once a frame, give impulses or velocities: a force
     /// that is to go on is a [`ClothForces`], at any frame rate. A cloth that takes no step in the next tick
-    /// (see [`ClothFrozen`](super::ClothFrozen)) is not pushed, nor later.
+    /// (see [`ClothFrozen`](crate::ClothFrozen)) is not pushed, nor later.
     ///
     /// # Errors
     /// [`SolverError::NoSuchParticle`], [`SolverError::Parameter`] for a radius or falloff that is out of its

@@ -1,12 +1,15 @@
 //! Rest shapes in use: equal cloths share one, and the last cloth takes it with it.
 
-use super::weights::Factors;
-use crate::{
-    mesh::{Connection, MeshProblem, MeshShape, RestShape},
-    solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights},
-};
-use bevy::{platform::collections::HashMap, prelude::*};
 use std::sync::{Arc, Weak};
+
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+
+use crate::error::problems::MeshProblem;
+use crate::mesh::factors::Factors;
+use crate::mesh::intake::{Connection, MeshShape};
+use crate::mesh::rest_shape::RestShape;
+use crate::solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights};
 
 /// Everything that the solver's view of a rest shape depends on.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]

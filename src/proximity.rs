@@ -1,13 +1,10 @@
 //! What of a cloth is near a collider: looked up by what looks at cloths, never in a tick.
 
-use crate::{
-    cloth::{
-        ClothSimulation,
-        pose::{to_local, to_world},
-    },
-    solver::Collider,
-};
 use bevy::prelude::*;
+
+use crate::pose::{to_local, to_world};
+use crate::simulation::ClothSimulation;
+use crate::solver::Collider;
 
 /// A particle beside a collider.
 pub(crate) struct Near {

@@ -4,8 +4,10 @@
 //! fixed loop, as animation is) would stand still through a frame's first tick and jump in the
 //! next: its way since the last frame is spread over the ticks of this one.
 
-use crate::solver::Pose;
 use bevy::prelude::*;
+
+use crate::error::ClothError;
+use crate::solver::Pose;
 
 /// A pose that moves from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,6 +112,13 @@ pub(crate) fn to_world(pose: &Pose, point: Vec3) -> Vec3 {
 #[inline]
 pub(crate) fn to_local(pose: &Pose, point: Vec3) -> Vec3 {
     pose.rotation.inverse() * (point - pose.translation) / pose.scale
+}
+
+pub(crate) fn pose_error(entity: Entity, error: PoseError) -> ClothError {
+    match error {
+        PoseError::Missing => ClothError::NoTransform { entity },
+        PoseError::Scale(scale) => ClothError::Scale { entity, scale },
+    }
 }
 
 #[cfg(test)]

@@ -1,79 +1,17 @@
 //! Which cloths take a tick: not those that are frozen, that sleep, or that have diverged.
 
-use super::{
-    ClothForces, ClothSimulation, ClothSlept, ClothWoke, attachment::gather_motions, push,
-};
-use crate::{
-    collider::Disturbances,
-    error::{Blame, ClothError, Failures},
-    solver::{ClothSolver, ParameterError},
-};
 use bevy::prelude::*;
 
-/// When a cloth goes to sleep: it then costs next to nothing until something could move it. A cloth
-/// without this component has the default.
-///
-/// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
-/// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
-/// [`ClothSimulation::wake`]. In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
-///
-/// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
-/// the end of a swing is not.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothSleep {
-    /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
-    /// sleeps sooner; 0 never. The default is 3 mm.
-    pub distance: f32,
-    /// Time for which all particles have to stay that near \[s\]. Higher sleeps later. The default is
-    /// 1 s, in which a small pendulum has been at both its ends.
-    pub time: f32,
-}
-
-impl Default for ClothSleep {
-    fn default() -> Self {
-        Self { distance: 0.003, time: 1.0 }
-    }
-}
-
-impl ClothSleep {
-    /// The cloth never sleeps.
-    pub const NEVER: Self = Self { distance: 0.0, time: 1.0 };
-
-    fn validate(&self) -> Result<(), ParameterError> {
-        if !(self.distance >= 0.0 && self.distance.is_finite()) {
-            let range = "at least 0 m, and finite";
-            return Err(ParameterError { name: "distance", value: self.distance, range });
-        }
-        if !(self.time >= 0.0 && self.time.is_finite()) {
-            let range = "at least 0 s, and finite";
-            return Err(ParameterError { name: "time", value: self.time, range });
-        }
-        Ok(())
-    }
-}
-
-/// Stops a cloth for as long as it is on the entity.
-///
-/// The cloth keeps its shape. Its entity, or the anchor that leads it, carries it along rigidly. When the
-/// component is removed the cloth goes on with the velocities that it had, turned with it.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_drape::prelude::*;
-/// fn step_once(mut frozen: Single<&mut ClothFrozen>) {
-///     frozen.steps += 1;
-/// }
-/// # bevy::ecs::system::assert_is_system(step_once);
-/// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothFrozen {
-    /// Ticks that the cloth is to take all the same; each takes one off.
-    pub steps: u32,
-}
+use crate::cloth::events::{ClothSlept, ClothWoke};
+use crate::cloth::forces::ClothForces;
+use crate::cloth::sleep::{ClothFrozen, ClothSleep};
+use crate::collider::disturbance::Disturbances;
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::gather_motions;
+use crate::simulation::pushing;
+use crate::solver::{ClothSolver, ParameterError};
 
 /// Whether a cloth has anything to do.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -165,7 +103,7 @@ pub(crate) fn choose_steps(
         if disturbances.reach(cloth.solver.bounds(), cloth.material.thickness) {
             cloth.rest.disturb();
         }
-        push::disturb(cloth, forces);
+        pushing::disturb(cloth, forces);
         let slept = cloth.rest.asleep;
         cloth.rest.choose(cloth.step.gravity);
         match (slept, cloth.rest.asleep) {
@@ -189,11 +127,11 @@ pub(crate) fn choose_steps(
             cloth.step.gravity = cloth.following.seen(cloth.step.gravity);
             cloth.step.wind.velocity = cloth.following.seen(cloth.step.wind.velocity);
             gather_motions(cloth);
-            push::push(entity, cloth, &mut failures);
+            pushing::push(entity, cloth, &mut failures);
         } else if cloth.rest.stepped {
             cloth.solver.stand_still();
         }
-        push::forget(cloth);
+        pushing::forget(cloth);
         cloth.step.runs = steps;
         cloth.rest.stepped = steps;
     }

@@ -1,33 +1,22 @@
 //! What cloths collide with, and where it is in each tick.
 
-mod bake;
-mod check;
-mod disturbance;
-mod impulse;
-mod load;
-mod shape;
-mod snapshot;
-mod state;
+pub(crate) mod bake;
+pub(crate) mod check;
+pub(crate) mod disturbance;
+pub(crate) mod impulse;
+pub(crate) mod load;
+pub(crate) mod shape;
+pub(crate) mod snapshot;
+pub(crate) mod state;
 
-pub use bake::{BakeSdf, SdfCells};
-pub use impulse::ColliderImpulse;
-pub use load::{DistanceFieldLoader, FieldProblem, LoadFieldError};
-pub use shape::{CustomSdf, SdfShape};
-pub use state::ColliderState;
-
-pub(crate) use bake::{cancel_bake, finish_bakes, start_bakes};
-pub(crate) use disturbance::{Disturbances, note_disturbances};
-pub(crate) use impulse::sum_impulses;
-pub(crate) use load::FieldSource;
-pub(crate) use snapshot::{
-    ColliderPose, ColliderRoom, ColliderSnapshot, Found, Moves, forget_collider, gather_colliders,
-    note_colliders,
-};
-pub(crate) use state::{forget_states, restore_collider};
-
-use crate::sdf::{DistanceField, SignedDistance, shapes::CapsuleBetween};
-use bevy::prelude::*;
 use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use crate::collider::shape::{CustomSdf, SdfShape};
+use crate::collider::snapshot::ColliderPose;
+use crate::sdf::shapes::CapsuleBetween;
+use crate::sdf::{DistanceField, SignedDistance};
 
 /// Way in a tick from which on a collider has been put elsewhere, and has not gone there \[m\].
 const JUMP: f32 = 10.0;

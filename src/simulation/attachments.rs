@@ -3,20 +3,18 @@
 //!
 //! Hard pins are given to the solver as places, soft ones as the targets of springs.
 
-use super::{
-    ClothFrozen, ClothInertia, ClothPins, ClothSimulation, ClothTeleport, PinProblem,
-    pins::{Pin, PinHold},
-    pose::{MovingPose, PoseError, pose_now, to_local, to_world},
-    setup::pose_error,
-};
-use crate::{
-    error::{Blame, ClothError, Failures},
-    solver::{ParameterError, PinMotion, Pose, SoftPin},
-};
-use bevy::{
-    ecs::entity::{EntityMapper, MapEntities},
-    prelude::*,
-};
+use bevy::ecs::entity::{EntityMapper, MapEntities};
+use bevy::prelude::*;
+
+use crate::cloth::pins::{ClothPins, Pin, PinHold};
+use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::teleport::{ClothInertia, ClothTeleport};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::error::problems::PinProblem;
+use crate::pose::{MovingPose, PoseError, pose_error, pose_now, to_local, to_world};
+use crate::simulation::ClothSimulation;
+use crate::solver::{ParameterError, PinMotion, Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -299,7 +297,7 @@ fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
 }
 
 /// Holds what is attached, and what is grabbed now.
-pub(super) fn hold_anew(cloth: &mut ClothSimulation) {
+pub(crate) fn hold_anew(cloth: &mut ClothSimulation) {
     let attachments = core::mem::take(&mut cloth.attachments);
     hold(cloth, attachments);
 }

@@ -1,82 +1,28 @@
 //! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
 
-use super::{MeshProblem, RestShape, intake::NormalPlan};
-use crate::{
-    cloth::{
-        ClothInterpolation, ClothSimulation,
-        attachment::Attachments,
-        pose::{pose_now, pose_of, to_world},
-    },
-    error::{Blame, ClothError, Failures},
-    solver::RigidMotion,
-};
-use bevy::{
-    camera::primitives::Aabb,
-    math::{Affine3A, Mat3A},
-    mesh::{Indices, PrimitiveTopology, VertexAttributeValues},
-    prelude::*,
-    time::Fixed,
-};
-use bevy_drape_core::surface::{GridNormals, Placing, Tangents, has_moved};
+use bevy::camera::primitives::Aabb;
+use bevy::math::Mat3A;
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
+use bevy::prelude::*;
+use bevy::time::Fixed;
+use bevy_drape_core::surface::{Placing, Tangents, has_moved};
+
+use crate::cloth::settings::ClothInterpolation;
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::error::problems::MeshProblem;
+use crate::mesh::drawn::{ClothMesh, Drawn};
+use crate::mesh::intake::NormalPlan;
+use crate::mesh::rest_shape::RestShape;
+use crate::pose::{pose_now, pose_of, to_world};
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::Attachments;
+use crate::solver::RigidMotion;
 
 /// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
 /// rounding noise of a cloth at rest, far below a pixel. It is taken from what was last written, so
 /// nothing drifts.
 const UNSEEN: f32 = 1e-5;
-
-/// The mesh that a cloth draws into, and what was last drawn.
-#[derive(Component)]
-pub(crate) struct ClothMesh {
-    pub handle: Handle<Mesh>,
-    /// The mesh that it is a copy of.
-    pub source: Option<Handle<Mesh>>,
-    /// What it draws: the particle and the normal of each vertex.
-    rest: RestShape,
-    /// Positions in the entity's frame, by particle.
-    points: Vec<Vec3>,
-    /// The same, as last written.
-    written: Vec<Vec3>,
-    /// Room to work out normals in, by rows or by groups.
-    cells: GridNormals,
-    sums: Vec<Vec3>,
-    /// Those of the mesh, once that has been looked at.
-    tangents: Option<Option<Box<Tangents>>>,
-    drawn: Option<Drawn>,
-}
-
-/// The state of things when the mesh was written.
-#[derive(Clone, Copy, PartialEq)]
-struct Drawn {
-    tick: u64,
-    blend: f32,
-    transform: Affine3A,
-    /// Nothing moved in the tick, so that it looks the same at any blend.
-    settled: bool,
-}
-
-impl ClothMesh {
-    pub fn new(handle: Handle<Mesh>, source: Option<Handle<Mesh>>, rest: RestShape) -> Self {
-        let count = rest.particle_count();
-        let columns = match &rest {
-            RestShape::Sheet { particles, .. } => particles.x as usize,
-            RestShape::Mesh(shape) => match shape.normals {
-                NormalPlan::Grid { columns, .. } => columns,
-                NormalPlan::Groups(_) => 0,
-            },
-        };
-        Self {
-            handle,
-            source,
-            rest,
-            points: vec![Vec3::ZERO; count],
-            written: vec![Vec3::ZERO; count],
-            cells: GridNormals::new(columns),
-            sums: Vec::new(),
-            tangents: None,
-            drawn: None,
-        }
-    }
-}
 
 /// Draws all cloths that have moved.
 pub(crate) fn draw_cloths(

@@ -7,6 +7,8 @@
 
 use bevy::platform::collections::HashMap;
 
+use crate::error::problems::GridProblem;
+
 /// An open grid of quads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct GridTopology {
@@ -15,31 +17,6 @@ pub(crate) struct GridTopology {
     /// The vertex of every particle, row by row. Rows, columns and the triangles' front make the
     /// same right-handed frame as +z, +x and +y.
     pub vertex_of_particle: Vec<u32>,
-}
-
-/// Why triangles are no open grid of quads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GridProblem {
-    /// An index is beyond the vertices.
-    #[error("an index is beyond the last vertex")]
-    BadIndex,
-    /// An edge has more than two triangles, or two that face opposite sides.
-    #[error("an edge has more than two triangles, or triangles that face opposite sides")]
-    NotASurface,
-    /// The border is not one closed line: the mesh is wrapped (a cylinder, a sphere), in pieces or
-    /// has holes.
-    #[error("its border is not one closed line (it is wrapped, in pieces, or has holes)")]
-    Border,
-    /// The counts or the connections fit no grid.
-    #[error(
-        "{vertices} vertices and {triangles} triangles, connected as they are, make no rows and columns"
-    )]
-    NotRectangular {
-        /// Vertices of the mesh.
-        vertices: usize,
-        /// Triangles of the mesh.
-        triangles: usize,
-    },
 }
 
 /// The third vertex of the triangle on the left of each directed edge.

@@ -1,21 +1,30 @@
 //! From components to a running cloth, and from changed components to a changed cloth.
 
-use super::{
-    Cloth, ClothMaterial, ClothPins, ClothSettings, ClothShape, ClothSimulation, ClothWeights,
-    RestCache,
-    attachment::Attachments,
-    following::Following,
-    pose::{PoseError, pose_now, to_world},
-    push::Pushing,
-    rest::Rest,
-};
-use crate::{
-    error::{Blame, ClothError, ClothFailure, Failures},
-    mesh::{self, ClothMesh, MeshProblem, MeshSource, RestShape, SkippedTriangles},
-    solver::{ClothSolver, MassLumping, Pose, SolverError, Topology},
-    step::ClothStep,
-};
-use bevy::{mesh::skinning::SkinnedMesh, prelude::*, reflect::Typed};
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy::reflect::Typed;
+
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::weights::ClothWeights;
+use crate::cloth::{Cloth, ClothShape};
+use crate::error::failures::{Blame, Failures};
+use crate::error::problems::MeshProblem;
+use crate::error::{ClothError, ClothFailure};
+use crate::mesh::drawn::ClothMesh;
+use crate::mesh::rest_cache::RestCache;
+use crate::mesh::rest_shape::RestShape;
+use crate::mesh::source::{MeshSource, source_of};
+use crate::mesh::surface::SkippedTriangles;
+use crate::pose::{pose_error, pose_now, to_world};
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::Attachments;
+use crate::simulation::pushing::Pushing;
+use crate::simulation::reference_frame::Following;
+use crate::simulation::sleeping::Rest;
+use crate::simulation::tick_input::ClothStep;
+use crate::solver::{ClothSolver, MassLumping, Pose, SolverError, Topology};
 
 /// What a cloth is set up from.
 type Ingredients = (
@@ -41,7 +50,7 @@ pub(crate) fn set_up_cloths(
 ) {
     meshes.note_changes(!failures.are_none());
     for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
-        let source = mesh::source_of(mesh3d.as_deref(), own);
+        let source = source_of(mesh3d.as_deref(), own);
         let same =
             |running: &&ClothSimulation| !needs_setup(running, &cloth, mesh3d.as_deref(), own);
         let same = simulation.filter(same);
@@ -163,7 +172,7 @@ fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
 }
 
 /// The rest shape as the solver has it.
-pub(super) fn topology(
+pub(crate) fn topology(
     entity: Entity,
     rest: &RestShape,
     scale: f32,
@@ -207,13 +216,6 @@ fn moved_before_its_first_tick(
     running.tick_count == 0
         && !begun
         && pose_now(transforms, entity).is_ok_and(|pose| pose != running.placed)
-}
-
-pub(crate) fn pose_error(entity: Entity, error: PoseError) -> ClothError {
-    match error {
-        PoseError::Missing => ClothError::NoTransform { entity },
-        PoseError::Scale(scale) => ClothError::Scale { entity, scale },
-    }
 }
 
 /// The rest shape in the entity's frame; `None` while the mesh is still loading.

@@ -1,24 +1,24 @@
 //! One tick: gather -> solve -> finish. The solver does the work; here it meets the world.
 
-use crate::{
-    cloth::{
-        ClothDiverged, ClothGravity, ClothGravityOverride, ClothSimulation,
-        attachment::{Attachments, note_pins},
-        setup::solver_error,
-    },
-    collider::{ColliderRoom, ColliderSnapshot, Found, Moves, note_colliders},
-    diagnostics,
-    error::{Blame, ClothError, Failures},
-    plugin::{ClothSubstep, ClothSubstepSystems},
-    sdf::DistanceField,
-    solver::{ClothSolver, Collider, SolverError, StepInput, Zone},
-    wind::{ClothWind, WindZones},
-};
-use bevy::{
-    ecs::system::SystemParam,
-    prelude::*,
-    time::{Fixed, Virtual},
-};
+pub(crate) mod impulses;
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy::time::{Fixed, Virtual};
+
+use crate::cloth::events::ClothDiverged;
+use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot, Found, Moves, note_colliders};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::schedule::{ClothSubstep, ClothSubstepSystems};
+use crate::sdf::DistanceField;
+use crate::simulation::attachments::note_pins;
+use crate::simulation::setup::solver_error;
+use crate::simulation::tick_input::{ClothStep, input};
+use crate::simulation::{ClothSimulation, stage_times};
+use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
+use crate::wind::zone::WindZones;
 
 /// Which form of the substeps runs. Both give the same bits.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,38 +157,6 @@ impl Surroundings<'_, '_> {
     }
 }
 
-/// What a cloth takes of the world, fixed for a tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct ClothStep {
-    pub(crate) dt: f32,
-    pub(crate) gravity: Vec3,
-    pub(crate) wind: ClothWind,
-    /// The time that its gusts are of \[s\].
-    time: f64,
-    /// Substeps still to go, in the staged form.
-    rounds: u32,
-    /// The cloth takes this tick.
-    pub(crate) runs: bool,
-}
-
-impl ClothStep {
-    /// Takes the wind at a time \[s\].
-    pub fn set_wind(&mut self, wind: ClothWind, time: f64) {
-        (self.wind, self.time) = (wind, time);
-    }
-}
-
-/// The solver's input. A function of fields, so that the solver beside them can be borrowed.
-fn input<'a>(
-    step: ClothStep,
-    attachments: &'a Attachments,
-    colliders: &'a [Collider<'a>],
-    zones: &'a [Zone],
-) -> StepInput<'a> {
-    let wind = step.wind.at(step.time, zones);
-    StepInput { dt: step.dt, gravity: step.gravity, pins: &attachments.motions, colliders, wind }
-}
-
 /// Takes the tick's length, and the gravity of each cloth.
 pub(crate) fn gather_step(
     mut cloths: Query<(&mut ClothSimulation, Option<&ClothGravityOverride>)>,
@@ -218,7 +186,7 @@ pub(crate) fn solve_fused(
             if step.runs {
                 *outcome = Some(following.with_colliders(colliders, |colliders| {
                     let input = input(*step, attachments, colliders, zones.get());
-                    diagnostics::tick(times, solver, &input)
+                    stage_times::tick(times, solver, &input)
                 }));
                 following.end_ride(solver, outcome);
             }
@@ -288,7 +256,7 @@ fn for_each_stepping(
         let ClothSimulation { solver, attachments, step, times, .. } = &mut *cloth;
         if step.rounds > 0 {
             let input = input(*step, attachments, &[], &[]);
-            diagnostics::stage(times, stage, || act(solver, &input));
+            stage_times::stage(times, stage, || act(solver, &input));
         }
     }
 }
@@ -303,7 +271,7 @@ pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings:
                 following.with_colliders(colliders, |colliders| {
                     let input = input(*step, attachments, colliders, &[]);
                     let stage = ClothSubstepSystems::Collide;
-                    diagnostics::stage(times, stage, || solver.collide(&input));
+                    stage_times::stage(times, stage, || solver.collide(&input));
                 });
                 step.rounds -= 1;
                 if step.rounds == 0 {

@@ -1,23 +1,27 @@
 //! The full state of a running cloth, taken out and put back: for saved games, checkpoints and rewinding.
 
-use super::{
-    ClothInertia, ClothPins, ClothSimulation, ClothTeleport, RestCache, attachment::Attachments,
-    following::Following, grab::Grabbed, push::Pushing, rest::Rest, setup::topology,
-};
-use crate::{
-    error::{Blame, ClothError, Failures},
-    solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, TickReport},
-};
-use bevy::{
-    ecs::entity::{EntityMapper, MapEntities},
-    prelude::*,
-};
+use bevy::ecs::entity::{EntityMapper, MapEntities};
+use bevy::prelude::*;
+
+use crate::cloth::pins::ClothPins;
+use crate::cloth::teleport::{ClothInertia, ClothTeleport};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::mesh::rest_cache::RestCache;
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::Attachments;
+use crate::simulation::grabbing::Grabbed;
+use crate::simulation::pushing::Pushing;
+use crate::simulation::reference_frame::Following;
+use crate::simulation::setup::topology;
+use crate::simulation::sleeping::Rest;
+use crate::solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, TickReport};
 
 /// All that a running cloth's later ticks depend on, besides the components beside it: with these and this, a
 /// scene saved in mid-fall goes on with the same bits.
 ///
 /// It is taken by [`ClothState::of`] or [`ClothSimulation::save`], between ticks. Put on an entity with a
-/// [`Cloth`](super::Cloth), it is taken over as soon as the cloth is set up, or at once by one that runs, and
+/// [`Cloth`](crate::Cloth), it is taken over as soon as the cloth is set up, or at once by one that runs, and
 /// is gone then. One that is another cloth's, or damaged, is told as a [`ClothError::State`], and the cloth
 /// stays as it was.
 ///

@@ -1,166 +1,19 @@
 //! Reads the rest shape from a mesh, and makes the mesh that a cloth draws into.
 
-use super::{
-    ClothMesh,
-    intake::{ClothIntake, MeshShape},
-    raw::{RawMesh, fingerprint},
-};
-use crate::cloth::RestCache;
-use bevy::{
-    asset::{LoadState, RenderAssetUsages},
-    camera::{primitives::Aabb, visibility::NoAutoAabb},
-    ecs::{message::MessageCursor, system::SystemParam},
-    mesh::{Indices, MeshAccessError, PrimitiveTopology},
-    prelude::*,
-};
-use std::sync::Arc;
+use bevy::asset::{LoadState, RenderAssetUsages};
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::ecs::message::MessageCursor;
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
 
-/// Why a mesh cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MeshProblem {
-    /// The entity has no mesh.
-    #[error("the entity has no `Mesh3d`; insert one")]
-    NoMesh,
-    /// The app has no mesh assets.
-    #[error("the app has no mesh assets; add `AssetPlugin` and `MeshPlugin`")]
-    NoMeshAssets,
-    /// Nothing loads the mesh, and it is not among the app's assets.
-    #[error(
-        "its mesh is not among `Assets<Mesh>`, and nothing loads it: add it there, or load it with the `AssetServer`"
-    )]
-    Missing,
-    /// The asset server gave up loading it.
-    #[error(
-        "its mesh failed to load: {0}; mend its path or file, or add what loads such files (Bevy's feature `bevy_gltf`), then \
-         give the entity its `Mesh3d` anew"
-    )]
-    LoadFailed(String),
-    /// Its data went to the GPU and is no longer here.
-    #[error(
-        "its mesh's data was moved to the render world; load it with \
-         `RenderAssetUsages::MAIN_WORLD | RenderAssetUsages::RENDER_WORLD`"
-    )]
-    TakenToGpu,
-    /// It has no positions of three floats.
-    #[error("its mesh has no `Mesh::ATTRIBUTE_POSITION` of three floats; insert it")]
-    NoPositions,
-    /// It is made of points or lines.
-    #[error("its mesh is made of points or lines; use a triangle list or strip")]
-    NotTriangles,
-    /// The indices of a triangle list (or, without indices, its vertices) are no multiple of three.
-    #[error(
-        "its mesh is a triangle list of {0} corners, which is no multiple of three; leave out the rest"
-    )]
-    LooseIndices(usize),
-    /// It has no triangle.
-    #[error("its mesh has no triangles; give it two or more")]
-    Empty,
-    /// An index is beyond the vertices.
-    #[error("its mesh has the index {index}, but only {vertices} vertices; mend its indices")]
-    BadIndex {
-        /// The index.
-        index: u32,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
-    /// A position is NaN, infinite or beyond 1e6 m.
-    #[error(
-        "the position of vertex {0} of its mesh is not finite, or beyond 1e6 m; mend its positions"
-    )]
-    NonFinite(usize),
-    /// No triangle has an area.
-    #[error(
-        "none of the {triangles} triangles of its mesh has an area: corners repeat, coincide or lie \
-         on a line; look at the export's scale and welding"
-    )]
-    AllDegenerate {
-        /// Triangles of the mesh.
-        triangles: usize,
-    },
-    /// Only one triangle is left.
-    #[error(
-        "one triangle makes no cloth ({skipped} others were skipped); use a mesh of two or more"
-    )]
-    OneTriangle {
-        /// Triangles that are the same, or have no area.
-        skipped: usize,
-    },
-    /// It is skinned: the skeleton would move the cloth a second time.
-    #[error(
-        "the entity has a `SkinnedMesh`, which would move the cloth a second time; remove it, and \
-         let pins follow the bones (`ClothPins::anchored_to`)"
-    )]
-    Skinned,
-    /// Somebody removed the cloth's own mesh, or changed its vertices.
-    #[error("its own mesh was removed or given other vertices; give the entity another `Mesh3d`")]
-    Changed,
-}
-
-impl From<MeshAccessError> for MeshProblem {
-    fn from(error: MeshAccessError) -> Self {
-        match error {
-            MeshAccessError::ExtractedToRenderWorld => Self::TakenToGpu,
-            MeshAccessError::NotFound => Self::Changed,
-        }
-    }
-}
-
-/// The shape of a cloth at rest, in its entity's frame.
-#[derive(Clone, Debug)]
-pub(crate) enum RestShape {
-    Sheet { size: Vec2, particles: UVec2 },
-    Mesh(Arc<MeshShape>),
-}
-
-impl RestShape {
-    pub fn particle_count(&self) -> usize {
-        match self {
-            Self::Sheet { particles, .. } => particles.x as usize * particles.y as usize,
-            Self::Mesh(shape) => shape.positions.len(),
-        }
-    }
-
-    pub fn vertex_count(&self) -> usize {
-        match self {
-            Self::Sheet { .. } => self.particle_count(),
-            Self::Mesh(shape) => shape.particle_of_vertex.len(),
-        }
-    }
-
-    /// The particle of a vertex; `None` where there is no such vertex, or no triangle uses it.
-    pub fn particle_of(&self, vertex: u32) -> Option<u32> {
-        match self {
-            Self::Sheet { .. } => ((vertex as usize) < self.particle_count()).then_some(vertex),
-            Self::Mesh(shape) => shape.particle_of(vertex),
-        }
-    }
-
-    /// The vertices that triangles use, and their particles.
-    pub fn used_vertices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let (same, shape) = match self {
-            Self::Sheet { .. } => (self.particle_count(), None),
-            Self::Mesh(shape) => (0, Some(shape)),
-        };
-        let mapped = shape.into_iter().flat_map(|shape| shape.used_vertices());
-        (0..same).map(|i| (i, i)).chain(mapped)
-    }
-
-    /// Vertex colours, where the mesh has any.
-    pub fn colors(&self) -> Option<&[[f32; 4]]> {
-        match self {
-            Self::Sheet { .. } => None,
-            Self::Mesh(shape) => shape.colors.as_deref(),
-        }
-    }
-
-    /// What became of the mesh.
-    pub fn intake(&self) -> Option<&ClothIntake> {
-        match self {
-            Self::Sheet { .. } => None,
-            Self::Mesh(shape) => Some(&shape.intake),
-        }
-    }
-}
+use crate::error::problems::MeshProblem;
+use crate::mesh::drawn::ClothMesh;
+use crate::mesh::intake::MeshShape;
+use crate::mesh::raw::{RawMesh, fingerprint};
+use crate::mesh::rest_cache::RestCache;
+use crate::mesh::rest_shape::RestShape;
 
 /// The mesh that a cloth's rest shape comes from: not the one that it draws into.
 pub(crate) fn source_of<'a>(

@@ -1,0 +1,62 @@
+//! The mesh that a cloth draws into.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use bevy_drape_core::surface::{GridNormals, Tangents};
+
+use crate::mesh::intake::NormalPlan;
+use crate::mesh::rest_shape::RestShape;
+
+/// The mesh that a cloth draws into, and what was last drawn.
+#[derive(Component)]
+pub(crate) struct ClothMesh {
+    pub handle: Handle<Mesh>,
+    /// The mesh that it is a copy of.
+    pub source: Option<Handle<Mesh>>,
+    /// What it draws: the particle and the normal of each vertex.
+    pub rest: RestShape,
+    /// Positions in the entity's frame, by particle.
+    pub points: Vec<Vec3>,
+    /// The same, as last written.
+    pub written: Vec<Vec3>,
+    /// Room to work out normals in, by rows or by groups.
+    pub cells: GridNormals,
+    pub sums: Vec<Vec3>,
+    /// Those of the mesh, once that has been looked at.
+    pub tangents: Option<Option<Box<Tangents>>>,
+    pub drawn: Option<Drawn>,
+}
+
+/// The state of things when the mesh was written.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Drawn {
+    pub tick: u64,
+    pub blend: f32,
+    pub transform: Affine3A,
+    /// Nothing moved in the tick, so that it looks the same at any blend.
+    pub settled: bool,
+}
+
+impl ClothMesh {
+    pub fn new(handle: Handle<Mesh>, source: Option<Handle<Mesh>>, rest: RestShape) -> Self {
+        let count = rest.particle_count();
+        let columns = match &rest {
+            RestShape::Sheet { particles, .. } => particles.x as usize,
+            RestShape::Mesh(shape) => match shape.normals {
+                NormalPlan::Grid { columns, .. } => columns,
+                NormalPlan::Groups(_) => 0,
+            },
+        };
+        Self {
+            handle,
+            source,
+            rest,
+            points: vec![Vec3::ZERO; count],
+            written: vec![Vec3::ZERO; count],
+            cells: GridNormals::new(columns),
+            sums: Vec::new(),
+            tangents: None,
+            drawn: None,
+        }
+    }
+}

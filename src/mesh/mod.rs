@@ -1,0 +1,22 @@
+//! The rest mesh in.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `source` | finds a cloth's mesh asset, waits for it, makes the copy that is drawn into |
+//! | `raw` | reads the asset's data: the door, where they are checked |
+//! | `weld`, `surface` | vertices at one place become one; triangles without area are left out |
+//! | `grid`, `intake` | the surface becomes rows and columns, or stays triangles |
+//! | `rest_shape`, `factors` | the shape at rest; factors of mass and stiffness |
+//! | `drawn` | the mesh that a cloth draws into, and what was last drawn |
+//! | `rest_cache` | equal rest shapes are shared |
+
+pub(crate) mod drawn;
+pub(crate) mod factors;
+pub(crate) mod grid;
+pub(crate) mod intake;
+pub(crate) mod raw;
+pub(crate) mod rest_cache;
+pub(crate) mod rest_shape;
+pub(crate) mod source;
+pub(crate) mod surface;
+pub(crate) mod weld;

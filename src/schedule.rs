@@ -1,0 +1,48 @@
+//! The sets and the schedule that cloths are stepped in.
+
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+
+/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a
+/// tick.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSystems {
+    /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what
+    /// moves once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
+    NotePoses,
+    /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
+    /// so that a cloth is seen in the frame that spawned it.
+    Setup,
+    /// Poses of colliders and pins through the tick, gravity and wind; teleports and resets; who takes
+    /// the tick.
+    Gather,
+    /// The substeps.
+    Solve,
+    /// Errors are told, statistics kept.
+    Finish,
+    /// In `PostUpdate`, after transforms are propagated: meshes are baked to fields.
+    Bake,
+    /// In `PostUpdate`, after `Setup`: meshes are written, if anything has moved.
+    Draw,
+}
+
+/// The schedule of one substep, run serially as often as the tick has substeps.
+///
+/// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them;
+/// as soon as there are any, this schedule is run in place of the fused form. See
+/// [`ClothExecution`].
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ClothSubstep;
+
+/// The stages of a substep, in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSubstepSystems {
+    /// Springs, bending, damping, gravity, air.
+    Forces,
+    /// Verlet; pins move to where they are to be.
+    Integrate,
+    /// Threads or Provot's correction, tethers.
+    Correct,
+    /// Particles leave the colliders; friction.
+    Collide,
+}

@@ -1,0 +1,19 @@
+//! Tells that cloths are there.
+
+use bevy::prelude::*;
+
+use crate::cloth::events::ClothReady;
+use crate::simulation::ClothSimulation;
+
+/// Tells of cloths that are ready now.
+pub(crate) fn tell_ready(
+    mut cloths: Query<(Entity, &mut ClothSimulation)>,
+    mut commands: Commands,
+) {
+    for (entity, mut cloth) in &mut cloths {
+        if !cloth.told_ready && !cloth.is_hanging() {
+            cloth.told_ready = true;
+            commands.trigger(ClothReady { entity });
+        }
+    }
+}

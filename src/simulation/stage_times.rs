@@ -1,0 +1,77 @@
+//! What the stages of a tick take, where that is asked for.
+
+use core::time::Duration;
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+
+use crate::schedule::ClothSubstepSystems;
+use crate::solver::{ClothSolver, SolverError, Stage, StepInput, TickReport};
+
+/// What the stages of a tick's substeps took, in the order of [`ClothSubstepSystems`].
+#[derive(Clone, Copy, Default)]
+pub(crate) struct StageTimes(pub [Duration; 4]);
+
+impl StageTimes {
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (sum, time) in self.0.iter_mut().zip(other.0) {
+            *sum += time;
+        }
+    }
+
+    /// Takes a tick, and the times of its stages.
+    fn tick(
+        &mut self,
+        solver: &mut ClothSolver,
+        input: &StepInput<'_>,
+    ) -> Result<TickReport, SolverError> {
+        use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
+        let mut begun = Instant::now();
+        solver.tick_observed(input, |stage| {
+            let now = Instant::now();
+            let spent = now - begun;
+            begun = now;
+            match stage {
+                Stage::Begin => {}
+                Stage::Forces => self.add_to(Forces, spent),
+                Stage::Integrate => self.add_to(Integrate, spent),
+                Stage::Correct => self.add_to(Correct, spent),
+                Stage::Collide => self.add_to(Collide, spent),
+            }
+        })
+    }
+
+    fn time(&mut self, stage: ClothSubstepSystems, act: impl FnOnce()) {
+        let start = Instant::now();
+        act();
+        self.add_to(stage, start.elapsed());
+    }
+
+    fn add_to(&mut self, stage: ClothSubstepSystems, time: Duration) {
+        self.0[stage as usize] += time;
+    }
+}
+
+/// Takes a tick, and its times where they are asked for.
+pub(crate) fn tick(
+    times: &mut Option<Box<StageTimes>>,
+    solver: &mut ClothSolver,
+    input: &StepInput<'_>,
+) -> Result<TickReport, SolverError> {
+    match times {
+        None => solver.tick(input),
+        Some(times) => times.tick(solver, input),
+    }
+}
+
+/// Does a stage, and takes its time where that is asked for.
+pub(crate) fn stage(
+    times: &mut Option<Box<StageTimes>>,
+    stage: ClothSubstepSystems,
+    act: impl FnOnce(),
+) {
+    match times {
+        None => act(),
+        Some(times) => times.time(stage, act),
+    }
+}
