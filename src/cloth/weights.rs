@@ -1,6 +1,5 @@
 //! Mass and stiffness that vary over a cloth, by vertex colour or by a list.
 
-
 use bevy::prelude::*;
 
 use crate::error::problems::WeightProblem;

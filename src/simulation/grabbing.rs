@@ -8,7 +8,7 @@ use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::GrabProblem;
 use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::hold_anew;
+use crate::simulation::pinning::hold_anew;
 use crate::solver::{ClothSolver, SoftPin};
 
 /// What is grabbed of a running cloth.

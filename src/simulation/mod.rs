@@ -2,8 +2,8 @@
 //!
 //! | file | what it does |
 //! | --- | --- |
-//! | `setup` | components become a running cloth; changed components change it |
-//! | `attachments` | pins and anchors through a tick |
+//! | `setup`, `changes` | components become a running cloth; changed components change it |
+//! | `attachments`, `pinning`, `anchors` | what is held, by what; anchors through a tick |
 //! | `reference_frame` | teleports, resets, cloths that ride along |
 //! | `grabbing`, `pushing` | particles that something leads; forces and impulses |
 //! | `hanging` | cloths that are brought to rest where they hang, in the background |
@@ -12,9 +12,12 @@
 //! | `tick_input`, `stage_times` | what a tick is given, and what its stages take |
 //! | `ready` | tells that a cloth is there |
 
+pub(crate) mod anchors;
 pub(crate) mod attachments;
+pub(crate) mod changes;
 pub(crate) mod grabbing;
 pub(crate) mod hanging;
+pub(crate) mod pinning;
 pub(crate) mod pushing;
 pub(crate) mod ready;
 pub(crate) mod reference_frame;

@@ -8,9 +8,8 @@ use crate::cloth::sleep::{ClothFrozen, ClothSleep};
 use crate::collider::disturbance::Disturbances;
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
-use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::gather_motions;
-use crate::simulation::pushing;
+use crate::simulation::anchors::gather_motions;
+use crate::simulation::{ClothSimulation, pushing};
 use crate::solver::{ClothSolver, ParameterError};
 
 /// Whether a cloth has anything to do.

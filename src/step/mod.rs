@@ -13,7 +13,7 @@ use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
-use crate::simulation::attachments::note_pins;
+use crate::simulation::anchors::note_pins;
 use crate::simulation::setup::solver_error;
 use crate::simulation::tick_input::{ClothStep, input};
 use crate::simulation::{ClothSimulation, stage_times};

@@ -1,0 +1,125 @@
+//! Changed components change a running cloth.
+
+use bevy::prelude::*;
+
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::weights::ClothWeights;
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::mesh::rest_cache::RestCache;
+use crate::simulation::ClothSimulation;
+use crate::simulation::setup::{in_force, solver_error, tell, topology};
+use crate::solver::{ClothSolver, SolverError};
+
+/// Applies changed materials, settings and weights. Numbers out of range are refused, the last good
+/// ones stay.
+pub(crate) fn apply_changes(
+    mut cloths: Query<(
+        Entity,
+        Option<Ref<ClothMaterial>>,
+        Option<Ref<ClothSettings>>,
+        Option<Ref<ClothWeights>>,
+        &mut ClothSimulation,
+    )>,
+    mut cache: ResMut<RestCache>,
+    mut failures: Failures,
+) {
+    for (entity, material, settings, weights, mut cloth) in &mut cloths {
+        // What was taken away is looked at until it has no effect any more.
+        let gone = |differs: bool, blame| differs || failures.blames(entity, blame);
+        let material_changed = match &material {
+            Some(material) => material.is_changed(),
+            None => gone(cloth.material != ClothMaterial::default(), Blame::Material),
+        };
+        let settings_changed = match &settings {
+            Some(settings) => settings.is_changed(),
+            None => gone(cloth.settings != ClothSettings::default(), Blame::Settings),
+        };
+        let weights_changed = match &weights {
+            Some(weights) => weights.is_changed(),
+            None => gone(cloth.weights.is_some(), Blame::Weights),
+        };
+        if !(material_changed || settings_changed || weights_changed) {
+            continue;
+        }
+        let (material, settings) = (in_force(&material), in_force(&settings));
+        let cloth = &mut *cloth;
+        let mut changed = false;
+        let outcome = apply_material(cloth, material, &mut changed)
+            .map_err(|problem| solver_error(entity, problem));
+        tell(entity, Blame::Material, outcome, &mut failures);
+        let outcome = apply_settings(entity, cloth, settings, &mut cache, &mut changed);
+        tell(entity, Blame::Settings, outcome, &mut failures);
+        let outcome = apply_weights(entity, cloth, weights.as_deref(), &mut cache, &mut changed);
+        tell(entity, Blame::Weights, outcome, &mut failures);
+        if changed {
+            cloth.wake();
+        }
+        if changed && cloth.quarantined {
+            cloth.quarantined = false;
+            failures.clear(entity, Blame::Motion);
+        }
+    }
+}
+
+fn apply_material(
+    cloth: &mut ClothSimulation,
+    material: ClothMaterial,
+    changed: &mut bool,
+) -> Result<(), SolverError> {
+    if material != cloth.material {
+        cloth.solver.set_material(material.into())?;
+        cloth.material = material;
+        *changed = true;
+    }
+    Ok(())
+}
+
+fn apply_settings(
+    entity: Entity,
+    cloth: &mut ClothSimulation,
+    settings: ClothSettings,
+    cache: &mut RestCache,
+    changed: &mut bool,
+) -> Result<(), ClothError> {
+    if settings != cloth.settings {
+        if settings.masses == cloth.settings.masses {
+            cloth.solver.set_settings(settings.into()).map_err(|e| solver_error(entity, e))?;
+        } else {
+            let weights = cloth.weights.as_ref();
+            cloth.solver = remade(entity, cloth, settings, weights, cache)?;
+        }
+        cloth.settings = settings;
+        *changed = true;
+    }
+    Ok(())
+}
+
+fn apply_weights(
+    entity: Entity,
+    cloth: &mut ClothSimulation,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+    changed: &mut bool,
+) -> Result<(), ClothError> {
+    if weights != cloth.weights.as_ref() {
+        cloth.solver = remade(entity, cloth, cloth.settings, weights, cache)?;
+        cloth.weights = weights.cloned();
+        *changed = true;
+    }
+    Ok(())
+}
+
+/// The solver over a rest shape of other masses or weights, in the same place and motion.
+fn remade(
+    entity: Entity,
+    cloth: &ClothSimulation,
+    settings: ClothSettings,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+) -> Result<ClothSolver, ClothError> {
+    let scale = cloth.placed.scale;
+    let topology = topology(entity, &cloth.rest_shape, scale, settings.masses, weights, cache)?;
+    cloth.solver.remade(topology, settings.into()).map_err(|problem| solver_error(entity, problem))
+}

@@ -1,0 +1,173 @@
+//! Particles become pinned: what holds each, and where.
+
+use bevy::prelude::*;
+
+use crate::cloth::pins::{ClothPins, Pin};
+use crate::error::ClothError;
+use crate::error::failures::{Blame, Failures};
+use crate::error::problems::PinProblem;
+use crate::pose::{PoseError, pose_now, to_local};
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::{Anchor, Attached, Attachments};
+use crate::solver::Pose;
+
+/// Applies changed pins: takes hold of what is newly pinned, releases what no longer is.
+pub(crate) fn apply_pins(
+    mut cloths: Query<(Entity, Option<Ref<ClothPins>>, &mut ClothSimulation)>,
+    transforms: TransformHelper,
+    mut failures: Failures,
+) {
+    let none = ClothPins::none();
+    for (entity, pins, mut cloth) in &mut cloths {
+        let changed = pins.as_ref().map_or(cloth.pins != none, DetectChanges::is_changed);
+        let pins = pins.as_deref().unwrap_or(&none);
+        // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
+        // One that is being hung is carried along from then on.
+        let begun = cloth.hanging.as_ref().is_some_and(|hanging| hanging.has_begun());
+        let fresh = cloth.tick_count == 0 && !begun;
+        let awaited = cloth.attachments.awaited;
+        let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
+        if !(fresh || found || changed) {
+            continue;
+        }
+        if fresh {
+            cloth.attachments = Attachments::default();
+        } else if cloth.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
+            continue;
+        }
+        cloth.pins.clone_from(pins);
+        let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
+        hold(&mut cloth, attachments);
+        match problem {
+            None => {
+                failures.clear(entity, Blame::Pins);
+                if found {
+                    failures.clear(entity, Blame::Pose);
+                }
+            }
+            Some((pin, problem)) => {
+                failures.report(entity, ClothError::Pin { entity, pin, problem });
+            }
+        }
+    }
+}
+
+/// Makes the solver hold exactly what is attached.
+pub(crate) fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
+    let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
+    let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    if let Some(grab) = &mut cloth.grab {
+        grab.take_hold(|particle| {
+            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
+            let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
+            held.is_ok() || pulled.is_ok()
+        });
+        springs.extend(grab.springs());
+    }
+    // Room for every motion now, so that no tick needs any.
+    attachments.motions.clear();
+    attachments.motions.reserve_exact(particles.len() + springs.len());
+    // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
+    // has no reason to refuse them.
+    if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
+        if let Some(grab) = &cloth.grab {
+            for spring in grab.springs() {
+                cloth.solver.limit_soft_pin(spring.particle, grab.most_force());
+            }
+        }
+        cloth.rest.disturb();
+        cloth.attachments = attachments;
+        cloth.stale = true;
+    }
+}
+
+/// Holds what is attached, and what is grabbed now.
+pub(crate) fn hold_anew(cloth: &mut ClothSimulation) {
+    let attachments = core::mem::take(&mut cloth.attachments);
+    hold(cloth, attachments);
+}
+
+/// What the pins hold now, and the first pin that holds nothing.
+fn attach(
+    cloth: &ClothSimulation,
+    entity: Entity,
+    pins: &[Pin],
+    transforms: &TransformHelper,
+) -> (Attachments, Option<(usize, PinProblem)>) {
+    let mut holder_of = vec![None; cloth.particle_count()];
+    let mut problem = None;
+    for (index, pin) in pins.iter().enumerate() {
+        let anchor = pin.anchor.unwrap_or(entity);
+        let usable = pin.hold.validate().and_then(|()| anchor_now(anchor, transforms));
+        let held = usable.and_then(|_| {
+            let hold = |particle: u32| holder_of[particle as usize] = Some((anchor, index));
+            pin.selection.for_each(&cloth.choices(), hold)
+        });
+        if let Err(error) = held {
+            problem.get_or_insert((index, error));
+        }
+    }
+    let mut shares = vec![0_u32; pins.len()];
+    for (_, pin) in holder_of.iter().flatten() {
+        shares[*pin] += 1;
+    }
+    let awaited = match problem {
+        Some((_, PinProblem::AnchorScale(anchor))) => Some(anchor),
+        _ => None,
+    };
+    let mut out = Attachments { own_entity: Some(entity), awaited, ..default() };
+    if let Some(own) = anchor(cloth, entity, entity, transforms) {
+        out.slot(own);
+    }
+    for (particle, holder) in holder_of.iter().enumerate() {
+        if let Some((anchor, pin)) = *holder
+            && let Some(at) = attach_one(cloth, entity, particle, anchor, transforms, &mut out)
+        {
+            out.add(at, pins[pin].hold, shares[pin]);
+        }
+    }
+    (out, problem)
+}
+
+/// Where a newly held particle goes in its anchor's frame. What the same anchor held before stays.
+fn attach_one(
+    cloth: &ClothSimulation,
+    entity: Entity,
+    particle: usize,
+    anchor: Entity,
+    transforms: &TransformHelper,
+    out: &mut Attachments,
+) -> Option<Attached> {
+    let known = self::anchor(cloth, entity, anchor, transforms)?;
+    let before = cloth.attachments.find(particle as u32, anchor);
+    let local = match before {
+        Some(before) => before.local,
+        None if anchor == entity => {
+            cloth.solver.topology().rest_positions()[particle] / cloth.placed.scale
+        }
+        None => to_local(&known.pose.end(), cloth.solver.position(particle)),
+    };
+    let fresh = before.is_none_or(|before| before.fresh);
+    Some(Attached { particle: particle as u32, anchor: out.slot(known), local, fresh })
+}
+
+/// An anchor as it is known, or as it is now; it holds nothing yet.
+fn anchor(
+    cloth: &ClothSimulation,
+    entity: Entity,
+    anchor: Entity,
+    transforms: &TransformHelper,
+) -> Option<Anchor> {
+    if let Some(known) = cloth.attachments.anchors.iter().find(|a| a.entity == anchor) {
+        return Some(Anchor { holds: 0, pulls: 0, ..*known });
+    }
+    let own = pose_now(transforms, entity).unwrap_or(cloth.placed);
+    Some(Anchor::new(anchor, anchor_now(anchor, transforms).ok()?, &own))
+}
+
+fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinProblem> {
+    pose_now(transforms, anchor).map_err(|error| match error {
+        PoseError::Missing => PinProblem::NoAnchor(anchor),
+        PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
+    })
+}
