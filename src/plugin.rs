@@ -1,17 +1,42 @@
 //! The whole data flow on one page.
 //!
-//! What is simulated is in `core`, a crate of its own without an ECS; here is what brings it into Bevy. Where does
-//! something new go?
+//! The simulation itself is in `core`, a crate of its own without an ECS. The plugin brings it into Bevy.
+//!
+//! # Rooms
+//!
+//! Each knows only the ones above it in this table. A test keeps it so (`tests/architecture.rs`).
+//!
+//! | room | what it holds |
+//! | --- | --- |
+//! | `serialize` | entities and versioned states through serde |
+//! | `error` | [`ClothError`](crate::ClothError), what can be wrong, and who is told |
+//! | `pose` | poses of entities, now and through a tick |
+//! | `schedule` | the sets and the schedule that cloths are stepped in |
+//! | `mesh` | the rest mesh in: read, welded, made a grid or triangles, shared |
+//! | `cloth` | the components and events of a cloth, and nothing that runs |
+//! | `collider` | the components of colliders, their shapes and fields, and where they are in a tick |
+//! | `simulation` | the running cloth: set-up, changes, pins, anchors, grabs, pushes, hanging, sleep, snapshots |
+//! | `wind` | the wind of a tick, and its zones |
+//! | `step` | one tick: gather, solve fused or staged, finish |
+//! | `drawing` | writes a cloth's mesh, once a frame |
+//! | `plugin` | what runs when |
+//! | `diagnostics` | measurements, where they are asked for |
+//! | `proximity` | what of a cloth is near a collider, for those below |
+//! | `gizmos` | debug drawing |
+//! | `panel` | a tuning panel |
+//! | `picking` | cloths that the mouse pulls at |
+//!
+//! # Where does something new go?
 //!
 //! | new | goes to | and |
 //! | --- | --- | --- |
 //! | a force of a game's own | nowhere: `ClothForces`, `PushCloth`, or a system between two stages of [`ClothSubstep`] | |
-//! | a force | `core/solver`: see *A new force* there | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
+//! | a force | `core/solver/forces`: see *A new force* in `core/solver/mod.rs` | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
 //! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
-//! | a setting, a number of the material | `core/solver/parameters.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan.rs` if substeps depend on it |
+//! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
-//! | a component | its file in `cloth`, `register_type` and its system in `build` below, `lib.rs` | `ClothError` and its `Blame` in `error.rs`, for numbers that are out of range |
+//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothError` in `error/mod.rs` and its `Blame` in `error/failures.rs`, for numbers that are out of range |
 //!
 //! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 

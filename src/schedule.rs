@@ -30,7 +30,7 @@ pub enum ClothSystems {
 ///
 /// The plugin's four stages are in [`ClothSubstepSystems`]. A game's own systems go between them;
 /// as soon as there are any, this schedule is run in place of the fused form. See
-/// [`ClothExecution`].
+/// [`ClothExecution`](crate::ClothExecution).
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClothSubstep;
 

@@ -5,10 +5,10 @@ use bevy::prelude::*;
 use crate::solver::SolverError;
 
 /// A cloth is set up, in the shape in which it starts, and will take the next tick: its
-/// [`ClothSimulation`] is there. One with [`ClothHung`](crate::ClothHung) is so when it hangs at rest.
+/// [`ClothSimulation`](crate::ClothSimulation) is there. One with [`ClothHung`](crate::ClothHung) is so when it hangs at rest.
 ///
 /// Told once; and once more where the cloth starts anew, as its [`Cloth`](crate::Cloth) or its mesh was
-/// changed, or its [`ClothSimulation`] was taken away.
+/// changed, or its [`ClothSimulation`](crate::ClothSimulation) was taken away.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -8,9 +8,9 @@ use crate::solver::{PushOn, PushWith};
 /// corner, the stream of a hose. May be changed at any time.
 ///
 /// It is the same in the fixed schedule and in `Update`, at any frame rate. For what happens once there
-/// are [`ClothSimulation::push`] and [`PushCloth`]; for wind there is [`ClothAir`](crate::ClothAir).
+/// are [`ClothSimulation::push`](crate::ClothSimulation::push) and [`PushCloth`]; for wind there is [`ClothAir`](crate::ClothAir).
 ///
-/// A force that cannot be used is told as a [`ClothError::Forces`] and left out; the others act.
+/// A force that cannot be used is told as a [`ClothError::Forces`](crate::ClothError::Forces) and left out; the others act.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -50,9 +50,9 @@ impl From<ClothForce> for ClothForces {
     }
 }
 
-/// Pushes a cloth in its next tick, once: [`ClothSimulation::push`] from where there are only `Commands`.
+/// Pushes a cloth in its next tick, once: [`ClothSimulation::push`](crate::ClothSimulation::push) from where there are only `Commands`.
 ///
-/// What cannot be used is told as a [`ClothError::Push`].
+/// What cannot be used is told as a [`ClothError::Push`](crate::ClothError::Push).
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -26,7 +26,7 @@ use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 /// A piece of cloth.
 ///
 /// Spawning it is enough: the components beside it come with their defaults (and count as such when they
-/// are taken away), and the plugin adds a [`ClothSimulation`] as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
+/// are taken away), and the plugin adds a [`ClothSimulation`](crate::ClothSimulation) as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
 /// the app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
 /// (`double_sided: true, cull_mode: None`).
 ///
@@ -44,7 +44,7 @@ use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 ///
 /// The cloth is simulated in world space. It starts where the entity's transform puts its rest
 /// shape; afterwards moving the entity moves only the pins that follow it, unless it jumps
-/// ([`ClothTeleport`]) or the cloth is to ride along ([`ClothInertia`]). The entity may be scaled
+/// ([`ClothTeleport`](crate::ClothTeleport)) or the cloth is to ride along ([`ClothInertia`](crate::ClothInertia)). The entity may be scaled
 /// alike along all axes: the cloth is that much larger when it is set up. Another scale is refused
 /// with a [`ClothError`](crate::ClothError).
 ///
@@ -89,7 +89,7 @@ impl Cloth {
     ///
     /// Vertices at the same place (within 1e-5 of the mesh's largest side) are one particle: seams
     /// of the texture do not open, and hard edges stay hard. Triangles without area are left out,
-    /// and counted in [`ClothSimulation::intake`]. An open grid of rows x columns quads, the
+    /// and counted in [`ClothSimulation::intake`](crate::ClothSimulation::intake). An open grid of rows x columns quads, the
     /// vertices in any order, is solved faster than other meshes.
     ///
     /// The mesh may still be loading. The cloth draws into a copy of its own: the asset is never

@@ -9,7 +9,7 @@ use crate::solver::ParameterError;
 ///
 /// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
 /// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
-/// [`ClothSimulation::wake`]. In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
+/// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
 /// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
 /// the end of a swing is not.

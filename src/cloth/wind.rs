@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::solver::{Gusts, Wind, Zone};
 
-/// The wind for all cloths that have [`ClothAir`]. Still air unless it is set.
+/// The wind for all cloths that have [`ClothAir`](crate::ClothAir). Still air unless it is set.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -59,7 +59,7 @@ impl SdfCollider {
         Self { shape: shape.into(), friction: 0.5, enabled: true, layers: u32::MAX }
     }
 
-    /// A collider of a field that is baked (see also [`BakeSdf`]) or loaded from an `.sdf` file. It is
+    /// A collider of a field that is baked (see also [`BakeSdf`](crate::BakeSdf)) or loaded from an `.sdf` file. It is
     /// waited for as long as it loads.
     pub fn field(field: Handle<DistanceField>) -> Self {
         Self::new(field)

@@ -122,7 +122,7 @@ pub enum GridProblem {
     },
 }
 
-/// Why a [`ClothGrab`] holds nothing.
+/// Why a [`ClothGrab`](crate::ClothGrab) holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GrabProblem {
     /// There is no such particle.
@@ -155,7 +155,7 @@ pub enum HangProblem {
     Relaxing(#[from] SolverError),
 }
 
-/// Why a [`Pin`] holds nothing.
+/// Why a [`Pin`](crate::Pin) holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PinProblem {
     /// There is no such vertex.
@@ -191,7 +191,7 @@ pub enum PinProblem {
     Hold(ParameterError),
 }
 
-/// Why [`ClothWeights`] cannot be used.
+/// Why [`ClothWeights`](crate::ClothWeights) cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WeightProblem {
     /// The mesh has no colours.

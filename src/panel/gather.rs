@@ -5,7 +5,6 @@ use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::ClothDiagnosticsPlugin;
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
@@ -15,6 +14,7 @@ use crate::cloth::settings::ClothSettings;
 use crate::cloth::sleep::ClothFrozen;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
 use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot};
+use crate::diagnostics::ClothDiagnosticsPlugin;
 use crate::error::ClothFailure;
 use crate::panel::history::PanelSample;
 use crate::panel::model::{ClothPanel, PanelFacts};

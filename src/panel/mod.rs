@@ -26,7 +26,7 @@ pub use crate::panel::file::{MaterialFileError, load_material, save_material};
 pub use crate::panel::history::{PanelHistory, PanelSample};
 pub use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
 
-use crate::ClothDiagnosticsPlugin;
+use crate::diagnostics::ClothDiagnosticsPlugin;
 use crate::simulation::ClothSimulation;
 
 /// A window to tune cloths by, and to see what they do: choose a cloth; change its material, pins, settings and
