@@ -9,7 +9,7 @@
 //! ```
 //! commands.entity(upper_arm).insert(SdfCollider::capsule_between(Vec3::ZERO, elbow, 0.045));
 //! commands.spawn((
-//!     Cloth::from_mesh(),
+//!     Cloth::of_mesh3d(),
 //!     Mesh3d(cape),
 //!     ClothPins::vertices(0..32).anchored_to(chest),
 //!     // A character that is moved in the fixed schedule is drawn where the last tick took it.

@@ -8,7 +8,7 @@
 mod common;
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothGrab, ClothPaused, ClothWindOverride, prelude::*};
 use clap::{Parser, ValueEnum};
 use common::{headless, scene::Scene};
 use std::{fs, process::ExitCode, time::Instant};
@@ -106,7 +106,7 @@ fn disturb(world: &mut World, particles: u32, chance: &mut Chance, extra: &mut V
             let wind = ClothWind::steady(8.0 * chance.ball());
             world.entity_mut(cloth).insert((ClothAir::default(), ClothWindOverride(wind)));
         }
-        7 => drop(world.entity_mut(cloth).remove::<(ClothAir, ClothGrab, ClothFrozen)>()),
+        7 => drop(world.entity_mut(cloth).remove::<(ClothAir, ClothGrab, ClothPaused)>()),
         8 => {
             let target = place;
             world.entity_mut(cloth).insert(ClothGrab::particle(3, target));
@@ -115,7 +115,7 @@ fn disturb(world: &mut World, particles: u32, chance: &mut Chance, extra: &mut V
             if let Some(mut simulation) = world.get_mut::<ClothSimulation>(cloth) {
                 simulation.set_velocities(|_| 3.0 * chance.now());
             }
-            world.entity_mut(cloth).insert(ClothFrozen { steps: 20 });
+            world.entity_mut(cloth).insert(ClothPaused { steps: 20 });
         }
     }
 }

@@ -11,7 +11,7 @@ use bevy::{
     diagnostic::{Diagnostic, DiagnosticsStore},
     gizmos::AppGizmoBuilder,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothDiagnosticsPlugin, prelude::*};
 use clap::Parser;
 use common::{Options, light::View, scene::Scene, window};
 

@@ -22,6 +22,7 @@ use crate::step::in_fixed_step;
 /// ```
 /// # use bevy::{diagnostic::DiagnosticsStore, prelude::*};
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::ClothDiagnosticsPlugin;
 /// # let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, ClothPlugin::default(), ClothDiagnosticsPlugin));
 ///
@@ -102,7 +103,7 @@ impl Plugin for ClothDiagnosticsPlugin {
             tracing::warn!("`ClothDiagnosticsPlugin` measures nothing without `ClothPlugin`");
             return;
         };
-        use ClothSystems::{Draw, Finish, Gather, Setup, Solve};
+        use ClothSystems::{Finish, Gather, LateSetup, Setup, Solve, WriteMeshes};
         app.add_systems(
             schedule,
             (
@@ -114,7 +115,10 @@ impl Plugin for ClothDiagnosticsPlugin {
             )
                 .run_if(in_fixed_step),
         )
-        .add_systems(PostUpdate, (mark_draw.after(Setup).before(Draw), end_draw.after(Draw)));
+        .add_systems(
+            PostUpdate,
+            (mark_draw.after(LateSetup).before(WriteMeshes), end_draw.after(WriteMeshes)),
+        );
     }
 }
 

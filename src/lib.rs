@@ -37,15 +37,15 @@
 //! # How a tick goes
 //!
 //! - **Set up**: a [`Cloth`] with its [`ClothMaterial`], [`ClothPins`] and [`ClothSettings`] becomes a
-//!   [`ClothSimulation`]; changed components change it. With [`ClothHung`] it starts where it hangs, at
+//!   [`ClothSimulation`]; changed components change it. With [`HangOnStart`] it starts where it hangs, at
 //!   rest.
 //! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind. A
 //!   cloth whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen
-//!   ([`ClothFrozen`]) or sleeps ([`ClothSleep`]) sits the tick out.
+//!   ([`ClothPaused`]) or sleeps ([`ClothSleepThreshold`]) sits the tick out.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
-//! - **Draw**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
+//! - **WriteMeshes**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
 //!
 //! # Units
 //!
@@ -127,12 +127,12 @@ pub use cloth::events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
 pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
 pub use cloth::grab::{ClothGrab, GrabHold};
 pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
-pub use cloth::hung::{ClothHung, HangingPlaces};
+pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
 pub use cloth::quality::ClothQuality;
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
-pub use cloth::sleep::{ClothFrozen, ClothSleep};
+pub use cloth::sleep::{ClothPaused, ClothSleepThreshold};
 pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use cloth::weights::{ClothWeights, ColorChannel, VertexFactor};
 pub use cloth::wind::{ClothWind, ClothWindOverride};
@@ -142,7 +142,7 @@ pub use collider::bake::{BakeSdf, SdfCells};
 pub use collider::impulse::ColliderImpulse;
 pub use collider::load::{DistanceFieldLoader, LoadFieldError};
 pub use collider::shape::{CustomSdf, SdfShape};
-pub use collider::state::ColliderState;
+pub use collider::snapshot::SdfColliderSnapshot;
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
@@ -171,27 +171,17 @@ pub use picking::{ClothPicking, ClothPickingPlugin};
 pub use plugin::ClothPlugin;
 pub use schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
 pub use simulation::ClothSimulation;
-pub use simulation::snapshot::ClothState;
+pub use simulation::snapshot::ClothSnapshot;
 pub use step::ClothExecution;
 pub use wind::zone::WindZone;
 
-/// What a game needs: `use bevy_drape::prelude::*`.
+/// What most games need: `use bevy_drape::prelude::*`. All else is in the crate itself and in its modules.
 pub mod prelude {
     pub use crate::{
-        BakeSdf, Cloth, ClothAir, ClothDiagnosticsPlugin, ClothDiverged, ClothError,
-        ClothExecution, ClothFailure, ClothForce, ClothForces, ClothFrozen, ClothGrab,
-        ClothGravity, ClothGravityOverride, ClothHung, ClothInertia, ClothInterpolation,
-        ClothMaterial, ClothPins, ClothPlugin, ClothQuality, ClothReady, ClothSettings, ClothShape,
-        ClothSimulation, ClothSleep, ClothSlept, ClothState, ClothSubstep, ClothSubstepSystems,
-        ClothSystems, ClothTeleport, ClothWeights, ClothWind, ClothWindOverride, ClothWoke,
-        ColliderImpulse, ColliderState, ColorChannel, GrabHold, HangingPlaces, Pin, PinHold,
-        PinSelection, PushCloth, ResetCloth, SdfCells, SdfCollider, SdfShape, TeleportCloth,
-        VertexFactor, WindZone,
-        sdf::{DistanceField, SignedDistance},
-        solver::{
-            Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, PushOn, PushWith,
-            Substeps, WindFlow, WindShape,
-        },
+        BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,
+        ClothPlugin, ClothQuality, ClothReady, ClothSettings, ClothSimulation, ClothSystems,
+        ClothWind, HangOnStart, PinSelection, ResetCloth, SdfCollider, SdfShape, TeleportCloth,
+        WindZone,
     };
 }
 

@@ -51,11 +51,11 @@ use crate::cloth::air::ClothAir;
 use crate::cloth::forces::ClothForces;
 use crate::cloth::grab::ClothGrab;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
-use crate::cloth::hung::ClothHung;
+use crate::cloth::hang_on_start::HangOnStart;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::settings::{ClothInterpolation, ClothSettings};
-use crate::cloth::sleep::{ClothFrozen, ClothSleep};
+use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
@@ -64,8 +64,8 @@ use crate::collider::bake::{BakeSdf, cancel_bake, finish_bakes, start_bakes};
 use crate::collider::disturbance::{Disturbances, note_disturbances};
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
-use crate::collider::snapshot::{ColliderSnapshot, forget_collider, gather_colliders};
-use crate::collider::state::{ColliderState, forget_states, restore_collider};
+use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
+use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
 use crate::drawing::draw_cloths;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::drawn::ClothMesh;
@@ -83,7 +83,7 @@ use crate::simulation::ready::tell_ready;
 use crate::simulation::reference_frame::{ask_for_reset, ask_for_teleport};
 use crate::simulation::setup::set_up_cloths;
 use crate::simulation::sleeping::choose_steps;
-use crate::simulation::snapshot::{ClothState, restore_cloths};
+use crate::simulation::snapshot::{ClothSnapshot, restore_cloths};
 use crate::step::impulses::sum_impulses;
 use crate::step::{
     ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
@@ -140,22 +140,22 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothExecution>()
             .register_type::<ClothTeleport>()
             .register_type::<ClothInertia>()
-            .register_type::<ClothHung>()
-            .register_type::<ClothSleep>()
-            .register_type::<ClothFrozen>()
+            .register_type::<HangOnStart>()
+            .register_type::<ClothSleepThreshold>()
+            .register_type::<ClothPaused>()
             .register_type::<ClothForces>()
             .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
             .register_type::<ColliderImpulse>()
-            .register_type::<ClothState>()
-            .register_type::<ColliderState>()
+            .register_type::<ClothSnapshot>()
+            .register_type::<SdfColliderSnapshot>()
             .register_type::<BakeSdf>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothWind>()
             .init_resource::<WindZones>()
             .init_resource::<ClothExecution>()
             .init_resource::<RestCache>()
-            .init_resource::<ColliderSnapshot>()
+            .init_resource::<TickColliders>()
             .init_resource::<Disturbances>()
             .init_resource::<Runner>()
             .add_observer(tear_down)
@@ -173,13 +173,13 @@ impl Plugin for ClothPlugin {
         app.add_systems(
             RunFixedMainLoop,
             note_poses
-                .in_set(ClothSystems::NotePoses)
+                .in_set(ClothSystems::TrackPoses)
                 .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
                 .before(RunFixedMainLoopSystems::FixedMainLoop),
         );
 
         // Each tick: set up -> gather -> solve -> finish.
-        use ClothSystems::{Bake, Draw, Finish, Gather, Setup, Solve};
+        use ClothSystems::{Bake, Finish, Gather, LateSetup, Setup, Solve, WriteMeshes};
         app.configure_sets(self.schedule, (Setup, Gather, Solve, Finish).chain())
             .configure_sets(self.schedule, (Gather, Solve, Finish).run_if(in_fixed_step))
             .add_systems(
@@ -241,7 +241,7 @@ impl Plugin for ClothPlugin {
         // Once a frame: show it.
         app.configure_sets(
             PostUpdate,
-            (Bake, Setup, Draw)
+            (Bake, LateSetup, WriteMeshes)
                 .chain()
                 .after(TransformSystems::Propagate)
                 .before(AssetEventSystems),
@@ -262,8 +262,8 @@ impl Plugin for ClothPlugin {
                     tell_ready,
                 )
                     .chain()
-                    .in_set(Setup),
-                draw_cloths.in_set(Draw),
+                    .in_set(LateSetup),
+                draw_cloths.in_set(WriteMeshes),
             ),
         );
     }

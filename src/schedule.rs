@@ -9,9 +9,8 @@ use bevy::prelude::*;
 pub enum ClothSystems {
     /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what
     /// moves once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
-    NotePoses,
-    /// Components become running cloths, and changed components change them. Also in `PostUpdate`,
-    /// so that a cloth is seen in the frame that spawned it.
+    TrackPoses,
+    /// Components become running cloths, and changed components change them.
     Setup,
     /// Poses of colliders and pins through the tick, gravity and wind; teleports and resets; who takes
     /// the tick.
@@ -22,8 +21,10 @@ pub enum ClothSystems {
     Finish,
     /// In `PostUpdate`, after transforms are propagated: meshes are baked to fields.
     Bake,
-    /// In `PostUpdate`, after `Setup`: meshes are written, if anything has moved.
-    Draw,
+    /// In `PostUpdate`, after `Bake`: the same as `Setup`, so that a cloth is seen in the frame that spawned it.
+    LateSetup,
+    /// In `PostUpdate`, after `LateSetup`: meshes are written, if anything has moved.
+    WriteMeshes,
 }
 
 /// The schedule of one substep, run serially as often as the tick has substeps.

@@ -9,7 +9,10 @@ mod bake;
 mod common;
 
 use bevy::prelude::*;
-use bevy_drape::{prelude::*, sdf::BakeSettings};
+use bevy_drape::{
+    prelude::*,
+    sdf::{BakeSettings, DistanceField, SignedDistance},
+};
 use clap::Parser;
 use common::{check::check, headless, report::Report, repository::repository, scene::Scene};
 use std::{fs, path::Path};

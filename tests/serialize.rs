@@ -10,9 +10,16 @@ mod saved_scene;
 
 use bevy::prelude::*;
 use bevy_drape::{
+    ClothError, ClothExecution, ClothForce, ClothForces, ClothGrab, ClothGravityOverride,
+    ClothInertia, ClothInterpolation, ClothPaused, ClothSleepThreshold, ClothSnapshot,
+    ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces,
+    SdfColliderSnapshot, VertexFactor,
     prelude::*,
     sdf::shapes::CapsuleBetween,
-    solver::{Gusts, StateError, WindFlow, WindShape},
+    solver::{
+        Bending, FormChoice, Gusts, Integrator, MassLumping, PushOn, StateError, Substeps,
+        WindFlow, WindShape,
+    },
 };
 use common::*;
 use core::fmt::Debug;
@@ -37,7 +44,7 @@ fn comes_back<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: T) {
 
 #[test]
 fn settings_come_back() {
-    comes_back(Cloth::from_mesh());
+    comes_back(Cloth::of_mesh3d());
     comes_back(Cloth::sheet(Vec2::new(1.5, 0.1), UVec2::new(7, 9)));
     for (_, fabric) in ClothMaterial::FABRICS {
         comes_back(fabric);
@@ -62,9 +69,9 @@ fn settings_come_back() {
     comes_back(ClothWindOverride(wind));
     comes_back(ClothTeleport::NEVER);
     comes_back(ClothInertia::new(0.3));
-    comes_back(ClothSleep::default());
-    comes_back(ClothFrozen { steps: 2 });
-    comes_back(ClothHung { places: HangingPlaces::Rest, ..default() });
+    comes_back(ClothSleepThreshold::default());
+    comes_back(ClothPaused { steps: 2 });
+    comes_back(HangOnStart { places: HangingPlaces::Rest, ..default() });
     comes_back(ClothExecution::Staged);
     comes_back(ColliderImpulse(Vec3::Z));
     comes_back(ClothWeights {
@@ -149,7 +156,7 @@ fn states_come_back_to_the_bit() {
         assert_eq!(postcard::to_allocvec(&through_ron(&state)).unwrap(), bytes);
         assert_eq!(postcard::to_allocvec(&through_postcard(&state)).unwrap(), bytes);
         comes_back(state);
-        comes_back(ColliderState::of(scene.app.world().entity(scene.balls[0])).unwrap());
+        comes_back(SdfColliderSnapshot::of(scene.app.world().entity(scene.balls[0])).unwrap());
     }
 }
 
@@ -161,12 +168,12 @@ fn another_version_is_an_error() {
     let text = ron::to_string(&state).unwrap();
     assert!(text.starts_with("V1("), "{}", &text[..20]);
     let newer = text.replacen("V1", "V2", 1);
-    let problem = ron::from_str::<ClothState>(&newer).unwrap_err().to_string();
+    let problem = ron::from_str::<ClothSnapshot>(&newer).unwrap_err().to_string();
     assert!(problem.contains("V2") && problem.contains("V1"), "{problem}");
     let mut bytes = postcard::to_allocvec(&state).unwrap();
-    assert!(postcard::from_bytes::<ClothState>(&bytes[..bytes.len() / 2]).is_err(), "cut short");
+    assert!(postcard::from_bytes::<ClothSnapshot>(&bytes[..bytes.len() / 2]).is_err(), "cut short");
     bytes[0] = 1;
-    assert!(postcard::from_bytes::<ClothState>(&bytes).is_err());
+    assert!(postcard::from_bytes::<ClothSnapshot>(&bytes).is_err());
 }
 
 /// Replaces what stands between a place in the text and the next comma or bracket.
@@ -208,12 +215,13 @@ fn what_is_damaged_is_told_to_its_cloth_and_changes_nothing() {
         ("tick_count:", "18446744073709551615", "count of ticks"),
     ] {
         let damaged = edited(&text, after, by);
-        let state: ClothState = ron::from_str(&damaged).unwrap_or_else(|e| panic!("{after}: {e}"));
+        let state: ClothSnapshot =
+            ron::from_str(&damaged).unwrap_or_else(|e| panic!("{after}: {e}"));
         scene.app.world_mut().entity_mut(scene.cloth).insert(state);
         scene.app.update();
         twin.app.update();
         let told = failure(&scene.app, scene.cloth).unwrap_or_else(|| panic!("{after}{by}"));
-        assert!(matches!(told, ClothError::State { entity, .. } if entity == scene.cloth));
+        assert!(matches!(told, ClothError::Snapshot { entity, .. } if entity == scene.cloth));
         let told = told.to_string();
         assert!(told.contains(what) && told.contains("damaged"), "{after}{by}: {told}");
         assert_eq!(scene.bits(), twin.bits(), "{after}{by}");
@@ -222,11 +230,11 @@ fn what_is_damaged_is_told_to_its_cloth_and_changes_nothing() {
     let at = text.find("x:[(").unwrap() + 3;
     let end = text[at..].find(')').unwrap() + at + 2;
     let fewer = format!("{}{}", &text[..at], &text[end..]);
-    let state: ClothState = ron::from_str(&fewer).unwrap();
+    let state: ClothSnapshot = ron::from_str(&fewer).unwrap();
     scene.app.world_mut().entity_mut(scene.cloth).insert(state);
     scene.app.update();
     let problem = StateError::WrongParticleCount { expected: 64, got: 63 };
-    let told = ClothError::State { entity: scene.cloth, problem };
+    let told = ClothError::Snapshot { entity: scene.cloth, problem };
     assert_eq!(failure(&scene.app, scene.cloth), Some(told));
 }
 
@@ -244,7 +252,7 @@ fn no_damage_panics() {
             let at = (dice >> 33) as usize % damaged.len();
             damaged[at] ^= 1 << (dice >> 29 & 7);
         }
-        let Ok(state) = postcard::from_bytes::<ClothState>(&damaged) else {
+        let Ok(state) = postcard::from_bytes::<ClothSnapshot>(&damaged) else {
             refused += 1;
             continue;
         };

@@ -9,7 +9,7 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInterpolation, prelude::*};
 
 /// A thing that hops towards +z from where it was \[m\].
 #[derive(Component)]

@@ -9,7 +9,7 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInterpolation, prelude::*};
 
 /// Adds the figure and its cape.
 pub fn add_cape(world: &mut World, particles: u32) {
@@ -23,7 +23,7 @@ pub fn add_cape(world: &mut World, particles: u32) {
     let (mesh, collar) = cape(particles as usize);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
     world.spawn((
-        Cloth::from_mesh(),
+        Cloth::of_mesh3d(),
         Mesh3d(mesh),
         // Wool, heavy enough to stay near the back.
         ClothMaterial { area_density: 0.3, thickness: 0.01, friction: 0.2, ..default() },

@@ -2,7 +2,7 @@
 
 use super::scene::{BRASS, INDIGO, linen, metal, spawn_thing};
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInterpolation, prelude::*};
 
 const RAIL_HEIGHT: f32 = 2.2;
 /// Width and height of the cloth \[m\].

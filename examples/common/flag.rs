@@ -2,7 +2,10 @@
 
 use super::scene::{BRASS, CORAL, linen, metal, spawn_thing};
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    prelude::*,
+    solver::{Gusts, Substeps},
+};
 
 /// Adds the mast, the flag and the wind.
 pub fn add_flag(world: &mut World, particles: u32) {

@@ -13,7 +13,7 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothSleepThreshold, prelude::*};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{
     fs,
@@ -44,7 +44,7 @@ pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
     }
     // Every tick is to be measured.
     app.add_observer(|added: On<Add, Cloth>, mut commands: Commands| {
-        commands.entity(added.entity).insert(ClothSleep::NEVER);
+        commands.entity(added.entity).insert(ClothSleepThreshold::NEVER);
     });
     scene.add_to(&mut app, particles);
     watch(&mut app);

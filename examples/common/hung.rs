@@ -5,7 +5,7 @@ use super::{
     slide::Slide,
 };
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, solver::Substeps};
 
 const ROD_HEIGHT: f32 = 2.3;
 /// Side of both cloths \[m\].
@@ -15,7 +15,7 @@ const HALF_SPAN: f32 = 0.68;
 
 /// Adds both curtains; the one that starts hung is the first.
 pub fn add_hung(world: &mut World, particles: u32) {
-    add_curtain(world, particles, -1.0, TEAL, HALF_SPAN).insert(ClothHung::default());
+    add_curtain(world, particles, -1.0, TEAL, HALF_SPAN).insert(HangOnStart::default());
     add_curtain(world, particles, 1.0, INDIGO, 0.5 * SIDE);
 }
 

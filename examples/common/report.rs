@@ -1,7 +1,7 @@
 //! Watches a run without a window: time, strain, depth.
 
 use bevy::{math::bounding::BoundingSphere, prelude::*};
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, sdf::DistanceField};
 use std::{fmt, time::Instant};
 
 /// What has been seen so far of all cloths.

@@ -5,7 +5,7 @@ use super::{
     slide::Slide,
 };
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, solver::Substeps};
 
 /// Side of the sail, height of its middle \[m\].
 const SIDE: f32 = 1.8;

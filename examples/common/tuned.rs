@@ -4,7 +4,7 @@ use super::scene::{
     BRASS, CORAL, INDIGO, IVORY, clay, linen, metal, spawn_sheet, spawn_solid, spawn_thing,
 };
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{prelude::*, solver::Gusts};
 
 /// Adds both.
 pub fn add_tuned(world: &mut World, particles: u32) {

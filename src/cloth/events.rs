@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::solver::SolverError;
 
 /// A cloth is set up, in the shape in which it starts, and will take the next tick: its
-/// [`ClothSimulation`](crate::ClothSimulation) is there. One with [`ClothHung`](crate::ClothHung) is so when it hangs at rest.
+/// [`ClothSimulation`](crate::ClothSimulation) is there. One with [`HangOnStart`](crate::HangOnStart) is so when it hangs at rest.
 ///
 /// Told once; and once more where the cloth starts anew, as its [`Cloth`](crate::Cloth) or its mesh was
 /// changed, or its [`ClothSimulation`](crate::ClothSimulation) was taken away.
@@ -29,7 +29,7 @@ pub struct ClothReady {
     pub entity: Entity,
 }
 
-/// A cloth has come to rest and sleeps, see [`ClothSleep`](crate::ClothSleep). Told in the first tick that
+/// A cloth has come to rest and sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold). Told in the first tick that
 /// it does not take.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClothSlept {

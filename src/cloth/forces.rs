@@ -15,6 +15,9 @@ use crate::solver::{PushOn, PushWith};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::ClothForce;
+/// # use bevy_drape::ClothForces;
+/// # use bevy_drape::solver::PushOn;
 /// # fn spawn(mut commands: Commands) {
 /// // A weight of 50 g on one corner.
 /// let weight = ClothForce { on: PushOn::Particle(0), force: Vec3::NEG_Y * 0.05 * 9.81 };
@@ -57,6 +60,9 @@ impl From<ClothForce> for ClothForces {
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::PushCloth;
+/// # use bevy_drape::solver::PushOn;
+/// # use bevy_drape::solver::PushWith;
 /// fn explode(mut commands: Commands, cloths: Query<Entity, With<Cloth>>) {
 ///     for entity in &cloths {
 ///         let on = PushOn::Within { centre: Vec3::ZERO, radius: 2.0, falloff: 1.0 };

@@ -17,6 +17,7 @@ use crate::solver::{ParameterError, SoftPin};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::ClothGrab;
 /// fn pull(mut commands: Commands, cloth: Single<(Entity, &ClothSimulation)>) {
 ///     let (entity, simulation) = *cloth;
 ///     if let Some(place) = simulation.position(0) {

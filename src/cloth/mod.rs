@@ -7,7 +7,7 @@ pub(crate) mod forces;
 pub(crate) mod forgotten;
 pub(crate) mod grab;
 pub(crate) mod gravity;
-pub(crate) mod hung;
+pub(crate) mod hang_on_start;
 pub(crate) mod material;
 pub(crate) mod pins;
 pub(crate) mod quality;
@@ -94,7 +94,7 @@ impl Cloth {
     ///
     /// The mesh may still be loading. The cloth draws into a copy of its own: the asset is never
     /// written to, and any number of cloths can be made from it.
-    pub fn from_mesh() -> Self {
+    pub fn of_mesh3d() -> Self {
         Self { shape: ClothShape::Mesh }
     }
 }

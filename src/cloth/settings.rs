@@ -29,7 +29,7 @@ pub struct ClothSettings {
     pub max_speed: f32,
     /// Speed at which particles that are inside a collider are pushed out [m/s]. Higher frees a cloth
     /// sooner that was spawned inside one.
-    pub max_push_speed: f32,
+    pub max_depenetration_speed: f32,
     /// The layers of colliders that it meets, a bit each: those of which
     /// [`SdfCollider::layers`](crate::SdfCollider::layers) shares one.
     pub layers: u32,
@@ -55,7 +55,7 @@ impl From<Settings> for ClothSettings {
             integrator: settings.integrator,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
-            max_push_speed: settings.max_push_speed,
+            max_depenetration_speed: settings.max_depenetration_speed,
             layers: settings.layers,
             edges: settings.edges,
         }
@@ -73,7 +73,7 @@ impl From<ClothSettings> for Settings {
             integrator: settings.integrator,
             tethers: settings.tethers,
             max_speed: settings.max_speed,
-            max_push_speed: settings.max_push_speed,
+            max_depenetration_speed: settings.max_depenetration_speed,
             layers: settings.layers,
             edges: settings.edges,
         }

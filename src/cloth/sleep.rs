@@ -16,7 +16,7 @@ use crate::solver::ParameterError;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothSleep {
+pub struct ClothSleepThreshold {
     /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
     /// sleeps sooner; 0 never. The default is 3 mm.
     pub distance: f32,
@@ -25,13 +25,13 @@ pub struct ClothSleep {
     pub time: f32,
 }
 
-impl Default for ClothSleep {
+impl Default for ClothSleepThreshold {
     fn default() -> Self {
         Self { distance: 0.003, time: 1.0 }
     }
 }
 
-impl ClothSleep {
+impl ClothSleepThreshold {
     /// The cloth never sleeps.
     pub const NEVER: Self = Self { distance: 0.0, time: 1.0 };
 
@@ -56,7 +56,8 @@ impl ClothSleep {
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
-/// fn step_once(mut frozen: Single<&mut ClothFrozen>) {
+/// # use bevy_drape::ClothPaused;
+/// fn step_once(mut frozen: Single<&mut ClothPaused>) {
 ///     frozen.steps += 1;
 /// }
 /// # bevy::ecs::system::assert_is_system(step_once);
@@ -64,7 +65,7 @@ impl ClothSleep {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothFrozen {
+pub struct ClothPaused {
     /// Ticks that the cloth is to take all the same; each takes one off.
     pub steps: u32,
 }

@@ -12,9 +12,12 @@ use crate::mesh::rest_shape::RestShape;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::ClothWeights;
+/// # use bevy_drape::ColorChannel;
+/// # use bevy_drape::VertexFactor;
 /// # fn spawn(mut commands: Commands, mesh: Handle<Mesh>) {
 /// commands.spawn((
-///     Cloth::from_mesh(),
+///     Cloth::of_mesh3d(),
 ///     Mesh3d(mesh),
 ///     // Where the mesh is painted red, it is up to five times as heavy.
 ///     ClothWeights {

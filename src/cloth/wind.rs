@@ -9,6 +9,7 @@ use crate::solver::{Gusts, Wind, Zone};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
+/// # use bevy_drape::solver::Gusts;
 /// let breeze = ClothWind::steady(Vec3::X * 4.0);
 /// let weather = breeze.with_gusts(Gusts { strength: 3.0, seed: 7, ..default() });
 /// # App::new().insert_resource(weather);

@@ -5,8 +5,8 @@ use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume};
 use bevy::prelude::*;
 
 use crate::collider::SdfCollider;
-use crate::collider::snapshot::{ColliderSnapshot, Gathered};
-use crate::collider::state::ColliderState;
+use crate::collider::snapshot::SdfColliderSnapshot;
+use crate::collider::tick_colliders::{Gathered, TickColliders};
 use crate::sdf::DistanceField;
 use crate::solver::Pose;
 
@@ -65,9 +65,9 @@ impl Disturbances {
 
 /// Compares the tick's colliders with the last one's.
 pub(crate) fn note_disturbances(
-    snapshot: Res<ColliderSnapshot>,
+    snapshot: Res<TickColliders>,
     changed: Query<Entity, Changed<SdfCollider>>,
-    restored: Query<(), With<ColliderState>>,
+    restored: Query<(), With<SdfColliderSnapshot>>,
     fields: Option<Res<Assets<DistanceField>>>,
     events: Option<Res<Messages<AssetEvent<DistanceField>>>>,
     mut cursor: Local<MessageCursor<AssetEvent<DistanceField>>>,

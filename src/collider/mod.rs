@@ -7,14 +7,14 @@ pub(crate) mod impulse;
 pub(crate) mod load;
 pub(crate) mod shape;
 pub(crate) mod snapshot;
-pub(crate) mod state;
+pub(crate) mod tick_colliders;
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
 use crate::collider::shape::{CustomSdf, SdfShape};
-use crate::collider::snapshot::ColliderPose;
+use crate::collider::tick_colliders::ColliderPose;
 use crate::sdf::shapes::CapsuleBetween;
 use crate::sdf::{DistanceField, SignedDistance};
 

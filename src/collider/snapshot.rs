@@ -1,340 +1,55 @@
-//! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
-//! of them has changed.
+//! Where a collider came from, taken out and put back with the cloths that it meets.
 
-use bevy::ecs::query::QueryData;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::collider::impulse::ColliderImpulse;
-use crate::collider::load::FieldSource;
-use crate::collider::shape::SdfShape;
-use crate::collider::{JUMP, SdfCollider};
-use crate::error::ClothError;
-use crate::error::failures::{Blame, Failures};
-use crate::pose::{MovingPose, pose_error, pose_now};
-use crate::sdf::DistanceField;
-use crate::solver::{self, ColliderMotion, Pose};
+use crate::collider::tick_colliders::ColliderPose;
+use crate::pose::MovingPose;
 
-/// Where a collider was, is and goes.
-#[derive(Component, Default)]
-pub(crate) struct ColliderPose {
-    /// Boxed, so that looking over those that stand still passes through little memory.
-    moving: Option<Box<MovingPose>>,
-    /// It stood still in the last tick: as long as nothing of it changes there is nothing to do.
-    still: bool,
-    /// Whether its impulse was asked for.
-    measured: bool,
+/// The way of a moving collider so far, which the next tick starts from: what
+/// [`ClothSnapshot`](crate::ClothSnapshot) is to a cloth.
+///
+/// It is taken by [`SdfColliderSnapshot::of`]. Put on an entity with an [`SdfCollider`](crate::SdfCollider) it is
+/// taken over, and is gone after the next tick. A collider that is loaded without it has not moved, and wakes
+/// cloths that sleep near it.
+///
+/// With the feature `serialize` it is read and written by serde, in a form that has a version.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(opaque, Component, Debug, PartialEq, Clone)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[require(ColliderPose)]
+pub struct SdfColliderSnapshot {
+    pose: MovingPose,
 }
 
-impl ColliderPose {
-    /// Its way so far, if a tick has seen it.
-    pub(crate) fn moving(&self) -> Option<&MovingPose> {
-        self.moving.as_deref()
-    }
-
-    /// It goes on from there.
-    pub(crate) fn come_from(&mut self, pose: MovingPose) {
-        self.moving = Some(Box::new(pose));
-        self.still = false;
+impl SdfColliderSnapshot {
+    /// The state of a collider; `None` where there is none, or no tick has seen it.
+    pub fn of(collider: EntityRef) -> Option<Self> {
+        let pose = collider.get::<ColliderPose>()?;
+        Some(Self { pose: *pose.moving()? })
     }
 }
 
-/// All colliders of a tick, in the order of their entities.
-#[derive(Resource, Default)]
-pub(crate) struct ColliderSnapshot {
-    pub(crate) colliders: Vec<Gathered>,
-    /// Counts the changes: as long as it stays, all stand still and are what they were.
-    pub(crate) version: u64,
-}
+#[cfg(feature = "serialize")]
+crate::serialize::versioned!(SdfColliderSnapshot, pose: MovingPose);
 
-/// A collider as it is in the tick.
-pub(crate) struct Gathered {
-    pub entity: Entity,
-    pub shape: SdfShape,
-    /// `None` while its field is not there.
-    pub motion: Option<ColliderMotion>,
-    pub friction: f32,
-    pub layers: u32,
-    pub measured: bool,
-}
-
-impl ColliderSnapshot {
-    /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
-    /// left out.
-    pub fn colliders<'a>(
-        &'a self,
-        fields: Option<&'a Assets<DistanceField>>,
-        room: ColliderRoom,
-    ) -> Vec<solver::Collider<'a>> {
-        let mut colliders = room.reuse();
-        colliders.extend(self.present().filter_map(|(collider, motion)| {
-            Some(solver::Collider {
-                shape: collider.shape.get(fields)?,
-                motion,
-                friction: collider.friction,
-                layers: collider.layers,
-                key: collider.entity.to_bits(),
-                measured: collider.measured,
-            })
-        }));
-        colliders
-    }
-
-    /// Those that are there, in the order in which the solver takes them.
-    pub(crate) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
-        self.colliders.iter().filter_map(|collider| Some((collider, collider.motion?)))
-    }
-
-    /// Puts a collider in its place, in place of what was known of it; or takes it out. It is `same` where
-    /// its component has not changed.
-    fn put(&mut self, entity: Entity, gathered: Option<Gathered>, same: bool) {
-        let colliders = &mut self.colliders;
-        let place = colliders.binary_search_by_key(&entity, |collider| collider.entity);
-        match (place, gathered) {
-            (Ok(at), Some(gathered)) => {
-                let still = same && gathered.stands_as(&colliders[at]);
-                colliders[at] = gathered;
-                if still {
-                    return;
-                }
-            }
-            (Err(at), Some(gathered)) => colliders.insert(at, gathered),
-            (Ok(at), None) => drop(colliders.remove(at)),
-            (Err(_), None) => return,
-        }
-        self.version += 1;
-    }
-}
-
-impl Gathered {
-    /// Whether it stands still where it stood before.
-    fn stands_as(&self, before: &Self) -> bool {
-        self.motion == before.motion && self.motion.is_none_or(|it| it.start() == it.end())
-    }
-}
-
-/// Memory for the solver's colliders, kept from tick to tick.
-#[derive(Default)]
-pub(crate) struct ColliderRoom(Vec<solver::Collider<'static>>);
-
-impl ColliderRoom {
-    /// Empties `used` and keeps its memory.
-    pub fn keep(used: Vec<solver::Collider<'_>>) -> Self {
-        Self(retype(used))
-    }
-
-    /// Takes the memory.
-    pub fn reuse<'a>(self) -> Vec<solver::Collider<'a>> {
-        retype(self.0)
-    }
-}
-
-/// The same memory for another lifetime: collecting into equal elements is done in place.
-fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> {
-    used.clear();
-    used.into_iter().map_while(|_| None).collect()
-}
-
-/// A collider, and what tells at once whether anything of it has changed: most stand still, so that they
-/// are only passed over.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(crate) struct Found {
-    entity: Entity,
-    collider: Ref<'static, SdfCollider>,
-    place: Option<Ref<'static, Transform>>,
-    has_parent: Has<ChildOf>,
-    measured: Has<ColliderImpulse>,
-    pose: &'static mut ColliderPose,
-}
-
-/// Tells which entities may be elsewhere than when the system last ran.
-#[derive(SystemParam)]
-pub(crate) struct Moves<'w, 's> {
-    places: Query<'w, 's, (Ref<'static, Transform>, Option<Ref<'static, ChildOf>>)>,
-    orphans: RemovedComponents<'w, 's, ChildOf>,
-}
-
-impl Moves<'_, '_> {
-    /// Whether any entity has lost its parent, and may have moved by that.
-    fn any_orphan(&mut self) -> bool {
-        self.orphans.read().count() > 0
-    }
-
-    /// Whether a collider or an ancestor of it was changed. Inlined, as it is asked of all that stand still.
-    #[inline(always)]
-    fn moved_one(&self, entity: Entity, place: Option<&Ref<Transform>>, has_parent: bool) -> bool {
-        match place {
-            Some(place) if !has_parent => place.is_changed(),
-            _ => self.moved(entity),
-        }
-    }
-
-    /// Whether this entity or an ancestor was changed.
-    fn moved(&self, entity: Entity) -> bool {
-        let mut at = entity;
-        loop {
-            let Ok((place, parent)) = self.places.get(at) else {
-                return true;
-            };
-            if place.is_changed() {
-                return true;
-            }
-            match parent {
-                Some(parent) if parent.is_changed() => return true,
-                Some(parent) => at = parent.parent(),
-                None => return false,
-            }
-        }
-    }
-}
-
-/// Notes where colliders are before a frame's ticks.
-pub(crate) fn note_colliders(
-    colliders: &mut Query<Found>,
-    moves: &mut Moves,
-    transforms: &TransformHelper,
-    ticks: u32,
+/// Takes over a state as soon as it is there. One that is damaged is that of a collider that has not moved.
+pub(crate) fn restore_collider(
+    inserted: On<Insert, SdfColliderSnapshot>,
+    mut colliders: Query<(&SdfColliderSnapshot, &mut ColliderPose)>,
 ) {
-    let orphans = moves.any_orphan();
-    for FoundItem { entity, place, has_parent, mut pose, .. } in colliders {
-        if pose.still && !orphans && !moves.moved_one(entity, place.as_ref(), has_parent) {
-            continue;
-        }
-        pose.still = false;
-        if let Some(moving) = &mut pose.moving
-            && let Ok(now) = pose_now(transforms, entity)
-        {
-            let before = moving.end();
-            moving.begin_frame(now, ticks);
-            if has_jumped(&before, &now, ticks) {
-                moving.at_once();
-            }
-        }
+    if let Ok((state, mut pose)) = colliders.get_mut(inserted.entity)
+        && state.pose.is_sound()
+    {
+        pose.come_from(state.pose);
     }
 }
 
-/// Whether a collider has been put elsewhere; one that moves once a frame has as much room for each of
-/// its ticks, four at most.
-fn has_jumped(from: &Pose, to: &Pose, ticks: u32) -> bool {
-    let most = JUMP * ticks.clamp(1, 4) as f32;
-    from.translation.distance_squared(to.translation) > most * most
-}
-
-/// Takes the poses of all colliders through the tick.
-pub(crate) fn gather_colliders(
-    mut colliders: Query<Found>,
-    mut moves: Moves,
-    transforms: TransformHelper,
-    fields: FieldSource,
-    mut snapshot: ResMut<ColliderSnapshot>,
-    mut failures: Failures,
-) {
-    let orphans = moves.any_orphan();
-    for FoundItem { entity, collider, place, has_parent, measured, mut pose } in &mut colliders {
-        let same = !collider.is_changed();
-        let still = pose.still && pose.measured == measured && same && !orphans;
-        if still && !moves.moved_one(entity, place.as_ref(), has_parent) {
-            continue;
-        }
-        pose.measured = measured;
-        let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
-            Ok(gathered) => {
-                failures.clear(entity, Blame::Collider);
-                failures.clear(entity, Blame::Pose);
-                gathered.map(|gathered| Gathered { measured, ..gathered })
-            }
-            Err(error) => {
-                // What comes back later has not moved from where it was lost.
-                *pose = ColliderPose::default();
-                failures.report(entity, error);
-                None
-            }
-        };
-        snapshot.put(entity, gathered, same);
-    }
-}
-
-fn gather(
-    entity: Entity,
-    collider: &SdfCollider,
-    pose: &mut ColliderPose,
-    transforms: &TransformHelper,
-    fields: &FieldSource,
-) -> Result<Option<Gathered>, ClothError> {
-    let &SdfCollider { friction, layers, enabled, .. } = collider;
-    collider.check().map_err(|problem| ClothError::Parameter {
-        entity,
-        component: "SdfCollider",
-        problem,
-    })?;
-    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
-    let (start, end) =
-        pose.moving.get_or_insert_with(|| Box::new(MovingPose::new(now))).advance(now);
-    let start = if has_jumped(&start, &end, 1) { end } else { start };
-    // A field may yet come, or be changed.
-    pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
-    fields.check(entity, &collider.shape)?;
-    let motion =
-        collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));
-    let shape = collider.shape.clone();
-    let gathered = Gathered { entity, shape, motion, friction, layers, measured: false };
-    Ok(enabled.then_some(gathered))
-}
-
-/// What is a collider no longer is met no more, has no error as one, and has not moved if it becomes one
-/// again.
-pub(crate) fn forget_collider(
-    removed: On<Remove, SdfCollider>,
-    mut snapshot: ResMut<ColliderSnapshot>,
-    mut failures: Failures,
+/// By now it has been seen.
+pub(crate) fn forget_states(
+    states: Query<Entity, With<SdfColliderSnapshot>>,
     mut commands: Commands,
 ) {
-    snapshot.put(removed.entity, None, false);
-    failures.clear(removed.entity, Blame::Collider);
-    failures.clear(removed.entity, Blame::Pose);
-    commands.entity(removed.entity).try_remove::<ColliderPose>();
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::ecs::system::RunSystemOnce;
-
-    #[derive(Component)]
-    struct Other;
-
-    #[test]
-    fn colliders_are_in_the_order_of_their_entities() {
-        let mut world = World::new();
-        world.init_resource::<ColliderSnapshot>();
-        let entities: Vec<_> =
-            (0..6).map(|_| world.spawn(SdfCollider::from(Sphere::default())).id()).collect();
-        // Another archetype, which Bevy visits later.
-        for entity in &entities[2..4] {
-            world.entity_mut(*entity).insert(Other);
-        }
-        world.run_system_once(gather_colliders).unwrap();
-        let gathered: Vec<_> = world
-            .resource::<ColliderSnapshot>()
-            .colliders
-            .iter()
-            .map(|collider| collider.entity)
-            .collect();
-        let mut sorted = gathered.clone();
-        sorted.sort_unstable();
-        assert_eq!((gathered.len(), &gathered), (6, &sorted));
-    }
-
-    #[test]
-    fn the_room_for_colliders_is_kept() {
-        let sphere = Sphere::new(1.0);
-        let pose = Pose::IDENTITY;
-        let collider = solver::Collider::new(&sphere, pose);
-        let used = vec![collider; 10];
-        let at = used.as_ptr().addr();
-        let again = ColliderRoom::keep(used).reuse();
-        assert_eq!((again.len(), again.as_ptr().addr()), (0, at));
-        assert!(again.capacity() >= 10);
+    for entity in &states {
+        commands.entity(entity).try_remove::<SdfColliderSnapshot>();
     }
 }

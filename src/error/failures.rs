@@ -33,7 +33,7 @@ pub(crate) enum Blame {
     Push,
     Forces,
     Grab,
-    State,
+    Snapshot,
 }
 
 impl Blame {
@@ -57,7 +57,7 @@ impl Blame {
         Self::Push,
         Self::Forces,
         Self::Grab,
-        Self::State,
+        Self::Snapshot,
     ];
 }
 
@@ -143,7 +143,7 @@ impl ClothError {
             Self::Push { .. } => Blame::Push,
             Self::Forces { .. } => Blame::Forces,
             Self::Grab { .. } => Blame::Grab,
-            Self::State { .. } => Blame::State,
+            Self::Snapshot { .. } => Blame::Snapshot,
             Self::Weights { .. } => Blame::Weights,
             Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
             Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {
@@ -151,10 +151,10 @@ impl ClothError {
             }
             Self::Parameter { component: "ClothTeleport", .. } => Blame::Teleport,
             Self::Parameter { component: "ClothInertia", .. } => Blame::Inertia,
-            Self::Parameter { component: "ClothSleep", .. } => Blame::Sleep,
+            Self::Parameter { component: "ClothSleepThreshold", .. } => Blame::Sleep,
             Self::Parameter { component: "ClothAir", .. } => Blame::Air,
             Self::Parameter { component: "WindZone", .. } => Blame::Zone,
-            Self::Parameter { component: "ClothHung", .. } | Self::Hang { .. } => Blame::Hanging,
+            Self::Parameter { component: "HangOnStart", .. } | Self::Hang { .. } => Blame::Hanging,
             Self::Parameter { .. } => Blame::Settings,
             Self::Pin { .. } => Blame::Pins,
             Self::Solver { .. } => Blame::Motion,

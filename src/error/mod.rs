@@ -46,7 +46,7 @@ pub enum ClothError {
         /// What is wrong with its rest shape.
         problem: GraphError,
     },
-    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `ClothHung`, `SdfCollider` or `WindZone` is out of its
+    /// A number of `ClothMaterial`, `ClothSettings`, `ClothAir`, `HangOnStart`, `SdfCollider` or `WindZone` is out of its
     /// range. A running cloth keeps the last good ones, a collider or zone is left out.
     #[error("{entity}: {problem}; change `{component}`")]
     Parameter {
@@ -76,7 +76,7 @@ pub enum ClothError {
         problem: PinProblem,
     },
     /// The cloth does not start hung from its pins, but in its rest shape.
-    #[error("cloth {entity} starts in its rest shape: {problem} (it has `ClothHung`)")]
+    #[error("cloth {entity} starts in its rest shape: {problem} (it has `HangOnStart`)")]
     Hang {
         /// The cloth.
         entity: Entity,
@@ -109,9 +109,9 @@ pub enum ClothError {
         /// What is wrong with it.
         problem: GrabProblem,
     },
-    /// `ClothState` cannot be put back. The cloth stays as it was.
+    /// `ClothSnapshot` cannot be put back. The cloth stays as it was.
     #[error("cloth {entity}: {problem}")]
-    State {
+    Snapshot {
         /// The cloth.
         entity: Entity,
         /// What is wrong with the state.

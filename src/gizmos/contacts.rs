@@ -3,7 +3,7 @@
 use bevy::color::palettes::css;
 use bevy::prelude::*;
 
-use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot};
+use crate::collider::tick_colliders::{ColliderRoom, TickColliders};
 use crate::gizmos::ClothGizmos;
 use crate::proximity::for_each_near;
 use crate::sdf::DistanceField;
@@ -16,7 +16,7 @@ const ROUNDING: f32 = 1e-4;
 /// A line from each particle that touches a collider, along the normal there.
 pub(super) fn draw_contacts(
     cloths: Query<&ClothSimulation>,
-    snapshot: Option<Res<ColliderSnapshot>>,
+    snapshot: Option<Res<TickColliders>>,
     fields: Option<Res<Assets<DistanceField>>>,
     mut gizmos: Gizmos<ClothGizmos>,
 ) {

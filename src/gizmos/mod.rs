@@ -125,7 +125,7 @@ fn add_gizmos(app: &mut App) {
             wind::draw_wind.run_if(wanted(|gizmos| gizmos.wind)),
             slice::draw_slices.run_if(any_with_component::<SdfSlice>.and_then(wanted(|_| true))),
         )
-            .after(ClothSystems::Draw),
+            .after(ClothSystems::WriteMeshes),
     );
 }
 

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
-use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::ResetCloth;
 use crate::cloth::wind::ClothWindOverride;
 use crate::panel::file::{load_material, save_material};
@@ -15,7 +15,7 @@ use crate::panel::model::{ClothPanel, PanelAction};
 pub(super) fn act(
     mut panel: ResMut<ClothPanel>,
     cloths: Query<
-        (Option<&ClothFrozen>, Has<ClothGravityOverride>, Has<ClothWindOverride>),
+        (Option<&ClothPaused>, Has<ClothGravityOverride>, Has<ClothWindOverride>),
         With<Cloth>,
     >,
     mut commands: Commands,
@@ -49,11 +49,11 @@ pub(super) fn act(
                 cloth.try_insert(ClothWindOverride(wind));
             }
             PanelAction::SetWind(wind) => commands.insert_resource(wind),
-            PanelAction::Pause(true) => drop(cloth.try_insert_if_new(ClothFrozen::default())),
-            PanelAction::Pause(false) => drop(cloth.try_remove::<ClothFrozen>()),
+            PanelAction::Pause(true) => drop(cloth.try_insert_if_new(ClothPaused::default())),
+            PanelAction::Pause(false) => drop(cloth.try_remove::<ClothPaused>()),
             PanelAction::Step => {
                 let steps = frozen.map_or(0, |frozen| frozen.steps).saturating_add(1);
-                cloth.try_insert(ClothFrozen { steps });
+                cloth.try_insert(ClothPaused { steps });
             }
             PanelAction::Reset => commands.trigger(ResetCloth { entity: chosen }),
             PanelAction::Save(path) => {

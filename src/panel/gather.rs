@@ -11,9 +11,9 @@ use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::settings::ClothSettings;
-use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::sleep::ClothPaused;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
-use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot};
+use crate::collider::tick_colliders::{ColliderRoom, TickColliders};
 use crate::diagnostics::ClothDiagnosticsPlugin;
 use crate::error::ClothFailure;
 use crate::panel::history::PanelSample;
@@ -32,7 +32,7 @@ pub(super) struct Looked {
     air: Option<&'static ClothAir>,
     gravity: Option<&'static ClothGravityOverride>,
     wind: Option<&'static ClothWindOverride>,
-    frozen: Has<ClothFrozen>,
+    frozen: Has<ClothPaused>,
     failure: Option<&'static ClothFailure>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Looked {
 pub(super) struct Around<'w> {
     gravity: Option<Res<'w, ClothGravity>>,
     wind: Option<Res<'w, ClothWind>>,
-    snapshot: Option<Res<'w, ColliderSnapshot>>,
+    snapshot: Option<Res<'w, TickColliders>>,
     fields: Option<Res<'w, Assets<DistanceField>>>,
     store: Option<Res<'w, DiagnosticsStore>>,
     time: Res<'w, Time<Fixed>>,

@@ -189,7 +189,7 @@ fn edit_settings(ui: &mut Ui, was: ClothSettings, asked: &mut Vec<PanelAction>) 
     ui.checkbox(&mut to.tethers, "tethers");
     ui.checkbox(&mut to.edges, "edges collide");
     slide(ui, &mut to.max_speed, 1.0..=1000.0, "m/s at most");
-    slide(ui, &mut to.max_push_speed, 0.1..=100.0, "m/s out of colliders");
+    slide(ui, &mut to.max_depenetration_speed, 0.1..=100.0, "m/s out of colliders");
     if to != was {
         asked.push(PanelAction::SetSettings(to));
     }

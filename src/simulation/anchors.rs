@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::cloth::sleep::ClothFrozen;
+use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
@@ -35,7 +35,7 @@ pub(crate) fn gather_pins(
         &mut ClothSimulation,
         Option<&ClothTeleport>,
         Option<&ClothInertia>,
-        Option<&ClothFrozen>,
+        Option<&ClothPaused>,
     )>,
     transforms: TransformHelper,
     mut failures: Failures,

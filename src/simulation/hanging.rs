@@ -6,7 +6,7 @@ use bevy::tasks::futures_lite::future::poll_once;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
-use crate::cloth::hung::{ClothHung, HangingPlaces};
+use crate::cloth::hang_on_start::{HangOnStart, HangingPlaces};
 use crate::cloth::pins::ClothPins;
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
@@ -34,7 +34,7 @@ pub(crate) struct Hanging {
 /// All that a hung shape depends on, but for the cloth itself.
 #[derive(Clone, Debug, PartialEq)]
 struct Asked {
-    hung: ClothHung,
+    hung: HangOnStart,
     points: Vec<HangingPoint>,
     gravity: Vec3,
     dt: f32,
@@ -63,7 +63,7 @@ impl Hanging {
 
 /// Hangs cloths that have not started, and starts them when they are at rest.
 pub(crate) fn hang_cloths(
-    mut cloths: Query<(Entity, &ClothHung, &mut ClothSimulation, Option<&ClothGravityOverride>)>,
+    mut cloths: Query<(Entity, &HangOnStart, &mut ClothSimulation, Option<&ClothGravityOverride>)>,
     gravity: Option<Res<ClothGravity>>,
     fixed: Option<Res<Time<Fixed>>>,
     mut failures: Failures,
@@ -182,7 +182,7 @@ fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), 
     }));
     hung.validate().map_err(|problem| ClothError::Parameter {
         entity,
-        component: "ClothHung",
+        component: "HangOnStart",
         problem,
     })?;
     put(cloth, entity, &positions.map_err(|problem| hang_error(entity, problem))?);
@@ -248,7 +248,7 @@ fn settle(
 
 /// A cloth that is to be hung no longer starts from where it is.
 pub(crate) fn cancel_hanging(
-    removed: On<Remove, ClothHung>,
+    removed: On<Remove, HangOnStart>,
     mut cloths: Query<&mut ClothSimulation>,
     mut failures: Failures,
 ) {

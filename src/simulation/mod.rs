@@ -121,13 +121,13 @@ impl ClothSimulation {
         self.quarantined
     }
 
-    /// Whether the cloth sleeps, see [`ClothSleep`](crate::ClothSleep).
+    /// Whether the cloth sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold).
     pub fn is_asleep(&self) -> bool {
         self.rest.is_asleep()
     }
 
     /// Whether the cloth stands still because it is being brought to rest where it hangs, in the
-    /// background. See [`ClothHung`](crate::ClothHung).
+    /// background. See [`HangOnStart`](crate::HangOnStart).
     pub fn is_hanging(&self) -> bool {
         self.hanging.as_ref().is_some_and(|hanging| hanging.is_pending())
     }

@@ -40,7 +40,7 @@ impl ClothSimulation {
     ///
     /// May be called from any system. From one that runs once a frame, give impulses or velocities: a force
     /// that is to go on is a [`ClothForces`], at any frame rate. A cloth that takes no step in the next tick
-    /// (see [`ClothFrozen`](crate::ClothFrozen)) is not pushed, nor later.
+    /// (see [`ClothPaused`](crate::ClothPaused)) is not pushed, nor later.
     ///
     /// # Errors
     /// [`SolverError::NoSuchParticle`], [`SolverError::Parameter`] for a radius or falloff that is out of its

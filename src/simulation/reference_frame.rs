@@ -12,7 +12,7 @@ use bevy::math::ops;
 use bevy::prelude::*;
 
 use crate::cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
-use crate::collider::snapshot::ColliderRoom;
+use crate::collider::tick_colliders::ColliderRoom;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Anchor;
 use crate::solver::{

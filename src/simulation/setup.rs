@@ -95,7 +95,7 @@ pub(crate) fn set_up_cloths(
                 }
                 if mesh3d.is_some() && own.is_none() && cloth.shape != ClothShape::Mesh {
                     tracing::warn!(
-                        "cloth {entity}: its `Mesh3d` gives way to the sheet's own mesh; use `Cloth::from_mesh()` to \
+                        "cloth {entity}: its `Mesh3d` gives way to the sheet's own mesh; use `Cloth::of_mesh3d()` to \
                          make a cloth of it"
                     );
                 }

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::cloth::events::{ClothSlept, ClothWoke};
 use crate::cloth::forces::ClothForces;
-use crate::cloth::sleep::{ClothFrozen, ClothSleep};
+use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::collider::disturbance::Disturbances;
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
@@ -16,7 +16,7 @@ use crate::solver::{ClothSolver, ParameterError};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rest {
-    sleep: ClothSleep,
+    sleep: ClothSleepThreshold,
     /// How long all particles have been near where they were marked \[s\].
     still: f32,
     asleep: bool,
@@ -56,7 +56,7 @@ impl Rest {
         time && self.sleep.validate().is_ok() && self.gravity.is_none_or(Vec3::is_finite)
     }
 
-    fn set_sleep(&mut self, sleep: Option<&ClothSleep>) -> Result<(), ParameterError> {
+    fn set_sleep(&mut self, sleep: Option<&ClothSleepThreshold>) -> Result<(), ParameterError> {
         let sleep = sleep.copied().unwrap_or_default();
         sleep.validate()?;
         self.disturbed |= sleep != self.sleep;
@@ -82,8 +82,8 @@ pub(crate) fn choose_steps(
     mut cloths: Query<(
         Entity,
         &mut ClothSimulation,
-        Option<&ClothSleep>,
-        Option<&mut ClothFrozen>,
+        Option<&ClothSleepThreshold>,
+        Option<&mut ClothPaused>,
         Option<&ClothForces>,
     )>,
     disturbances: Res<Disturbances>,
@@ -95,7 +95,7 @@ pub(crate) fn choose_steps(
         match cloth.rest.set_sleep(sleep) {
             Ok(()) => failures.clear(entity, Blame::Sleep),
             Err(problem) => {
-                let component = "ClothSleep";
+                let component = "ClothSleepThreshold";
                 failures.report(entity, ClothError::Parameter { entity, component, problem });
             }
         }
@@ -113,7 +113,7 @@ pub(crate) fn choose_steps(
         if let Some(hanging) = &mut cloth.hanging {
             hanging.begin();
         }
-        let takes_no_step = |mut frozen: Mut<ClothFrozen>| {
+        let takes_no_step = |mut frozen: Mut<ClothPaused>| {
             let stands = frozen.steps == 0;
             if !stands {
                 frozen.steps -= 1;

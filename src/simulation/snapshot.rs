@@ -20,12 +20,12 @@ use crate::solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, Tic
 /// All that a running cloth's later ticks depend on, besides the components beside it: with these and this, a
 /// scene saved in mid-fall goes on with the same bits.
 ///
-/// It is taken by [`ClothState::of`] or [`ClothSimulation::save`], between ticks. Put on an entity with a
+/// It is taken by [`ClothSnapshot::of`] or [`ClothSimulation::save`], between ticks. Put on an entity with a
 /// [`Cloth`](crate::Cloth), it is taken over as soon as the cloth is set up, or at once by one that runs, and
-/// is gone then. One that is another cloth's, or damaged, is told as a [`ClothError::State`], and the cloth
+/// is gone then. One that is another cloth's, or damaged, is told as a [`ClothError::Snapshot`], and the cloth
 /// stays as it was.
 ///
-/// Colliders that move have a state as well, [`ColliderState`](crate::ColliderState), without which the first
+/// Colliders that move have a state as well, [`SdfColliderSnapshot`](crate::SdfColliderSnapshot), without which the first
 /// tick does not know where they came from, and wakes what sleeps near them. Colliders are met in the order of
 /// their entities, so that those of a loaded scene are to be spawned in that order. Time, wind and gravity are
 /// the game's. Anchors are entities: in another world, map them ([`MapEntities`]; Bevy's scenes do).
@@ -37,7 +37,8 @@ use crate::solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, Tic
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
-/// fn rewind(cloth: Single<(Entity, &ClothSimulation)>, mut commands: Commands, mut saved: Local<Option<ClothState>>) {
+/// # use bevy_drape::ClothSnapshot;
+/// fn rewind(cloth: Single<(Entity, &ClothSimulation)>, mut commands: Commands, mut saved: Local<Option<ClothSnapshot>>) {
 ///     match saved.take() {
 ///         None => *saved = Some(cloth.1.save()),
 ///         Some(state) => {
@@ -51,7 +52,7 @@ use crate::solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, Tic
 #[reflect(opaque, Component, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[component(map_entities)]
-pub struct ClothState {
+pub struct ClothSnapshot {
     content: Box<Content>,
 }
 
@@ -85,7 +86,7 @@ struct Followed {
     ride: Option<RigidMotion>,
 }
 
-impl ClothState {
+impl ClothSnapshot {
     /// The state of the cloth that runs on an entity.
     pub fn of(cloth: EntityRef) -> Option<Self> {
         cloth.get::<ClothSimulation>().map(ClothSimulation::save)
@@ -102,7 +103,7 @@ impl ClothState {
     }
 }
 
-impl MapEntities for ClothState {
+impl MapEntities for ClothSnapshot {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.content.attachments.map_entities(mapper);
         self.content.pins.map_entities(mapper);
@@ -110,11 +111,11 @@ impl MapEntities for ClothState {
 }
 
 #[cfg(feature = "serialize")]
-crate::serialize::versioned!(ClothState, content: Box<Content>);
+crate::serialize::versioned!(ClothSnapshot, content: Box<Content>);
 
 impl ClothSimulation {
-    /// All that its later ticks depend on. See [`ClothState`].
-    pub fn save(&self) -> ClothState {
+    /// All that its later ticks depend on. See [`ClothSnapshot`].
+    pub fn save(&self) -> ClothSnapshot {
         let Self {
             solver,
             attachments,
@@ -166,7 +167,7 @@ impl ClothSimulation {
             tick_count: *tick_count,
             quarantined: *quarantined,
         };
-        ClothState { content: Box::new(content) }
+        ClothSnapshot { content: Box::new(content) }
     }
 
     /// Takes over a state, with a solver that fits it.
@@ -231,16 +232,16 @@ impl Content {
 
 /// Puts states back, where cloths are set up by now.
 pub(crate) fn restore_cloths(
-    mut cloths: Query<(Entity, &ClothState, &mut ClothSimulation)>,
+    mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation)>,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
     for (entity, state, mut cloth) in &mut cloths {
-        commands.entity(entity).try_remove::<ClothState>();
+        commands.entity(entity).try_remove::<ClothSnapshot>();
         match restore(entity, &mut cloth, &state.content, &mut cache) {
             Ok(()) => {
-                for blame in [Blame::State, Blame::Motion] {
+                for blame in [Blame::Snapshot, Blame::Motion] {
                     failures.clear(entity, blame);
                 }
             }
@@ -255,7 +256,7 @@ fn restore(
     state: &Content,
     cache: &mut RestCache,
 ) -> Result<(), ClothError> {
-    let damaged = |problem| ClothError::State { entity, problem };
+    let damaged = |problem| ClothError::Snapshot { entity, problem };
     let (expected, got) = (cloth.particle_count(), state.solver.particle_count());
     if expected != got {
         return Err(damaged(StateError::WrongParticleCount { expected, got }));
@@ -283,5 +284,5 @@ fn scaled(
     let topology = topology(entity, shape, scale, masses, weights, cache)?;
     let start = topology.rest_positions().to_vec();
     let made = ClothSolver::new(topology, &start, cloth.material.into(), cloth.settings.into());
-    made.map_err(|problem| ClothError::State { entity, problem: problem.into() })
+    made.map_err(|problem| ClothError::Snapshot { entity, problem: problem.into() })
 }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::impulse::ColliderImpulse;
-use crate::collider::snapshot::ColliderSnapshot;
+use crate::collider::tick_colliders::TickColliders;
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
 
@@ -11,7 +11,7 @@ use crate::simulation::ClothSimulation;
 pub(crate) fn sum_impulses(
     cloths: Query<(Entity, &ClothSimulation)>,
     mut measured: Query<&mut ColliderImpulse>,
-    snapshot: Res<ColliderSnapshot>,
+    snapshot: Res<TickColliders>,
     fields: Option<Res<Assets<DistanceField>>>,
     mut order: Local<Vec<Entity>>,
 ) {

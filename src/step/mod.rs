@@ -8,7 +8,7 @@ use bevy::time::{Fixed, Virtual};
 
 use crate::cloth::events::ClothDiverged;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
-use crate::collider::snapshot::{ColliderRoom, ColliderSnapshot, Found, Moves, note_colliders};
+use crate::collider::tick_colliders::{ColliderRoom, Found, Moves, TickColliders, note_colliders};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
@@ -142,7 +142,7 @@ fn others_take_part(world: &mut World) -> bool {
 /// What all cloths share in a tick.
 #[derive(SystemParam)]
 pub(crate) struct Surroundings<'w, 's> {
-    snapshot: Res<'w, ColliderSnapshot>,
+    snapshot: Res<'w, TickColliders>,
     fields: Option<Res<'w, Assets<DistanceField>>>,
     room: Local<'s, ColliderRoom>,
 }

@@ -3,7 +3,9 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothError, ClothExecution, ClothInertia, ClothInterpolation, ClothSleepThreshold, prelude::*,
+};
 
 /// Turns once a frame, as an animated joint does.
 #[derive(Component, Clone, Copy)]
@@ -180,7 +182,7 @@ fn offset(particles: u32, stiffness: f32) -> f32 {
     let material = ClothMaterial { drag: 4.0, ..default() };
     let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(particles));
     let hanging = Transform::from_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
-    let cloth = spawn(&mut app, (cloth, pins, material, hanging, ClothSleep::NEVER));
+    let cloth = spawn(&mut app, (cloth, pins, material, hanging, ClothSleepThreshold::NEVER));
     app.world_mut().entity_mut(cloth).insert(ClothInterpolation::LastTick);
     updates(&mut app, 400);
     let columns = particles as usize;

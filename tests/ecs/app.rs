@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothDiagnosticsPlugin, ClothError, ClothExecution, ClothSubstep, prelude::*};
 use std::time::Duration;
 
 #[test]
@@ -16,7 +16,7 @@ fn bare_minimal_plugins_are_enough() {
     app.add_plugins((MinimalPlugins, ClothPlugin::default()));
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(0.0, 0.4, 0.0)));
-    let mesh = spawn(&mut app, Cloth::from_mesh());
+    let mesh = spawn(&mut app, Cloth::of_mesh3d());
     let solid = spawn(&mut app, BakeSdf::default());
     spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
     app.finish();
@@ -100,8 +100,8 @@ fn components_are_registered() {
         "ClothGravityOverride",
         "ClothTeleport",
         "ClothInertia",
-        "ClothSleep",
-        "ClothFrozen",
+        "ClothSleepThreshold",
+        "ClothPaused",
         "ClothForces",
         "ClothGrab",
         "SdfCollider",

@@ -4,9 +4,9 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
-    MeshProblem,
+    ClothError, MeshProblem,
     prelude::*,
-    sdf::{BakeError, SdfSample},
+    sdf::{BakeError, SdfSample, SignedDistance},
 };
 
 /// A world where a sheet falls on a ball, and whoever is in the ball's place disturbs it.

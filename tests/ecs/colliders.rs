@@ -3,9 +3,9 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    MeshProblem,
+    ClothError, ColliderImpulse, MeshProblem,
     prelude::*,
-    sdf::{BakeError, SdfSample},
+    sdf::{BakeError, SdfSample, SignedDistance},
 };
 
 fn lowest(app: &App, cloth: Entity) -> f32 {

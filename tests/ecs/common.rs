@@ -9,7 +9,7 @@ use bevy::{
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothError, ClothExecution, prelude::*};
 use std::{
     path::Path,
     process::Command,

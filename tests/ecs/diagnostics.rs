@@ -6,7 +6,10 @@ use bevy::{
     diagnostic::{DiagnosticPath, DiagnosticsStore},
     prelude::*,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothDiagnosticsPlugin, ClothExecution, ClothGravityOverride, ClothSleepThreshold, prelude::*,
+    solver::Substeps,
+};
 use std::time::Duration;
 
 type It = ClothDiagnosticsPlugin;
@@ -46,7 +49,7 @@ fn scene(app: &mut App) -> [Entity; 3] {
     let weightless = (
         sheet(),
         ClothGravityOverride(Vec3::ZERO),
-        ClothSleep { time: 0.1, ..default() },
+        ClothSleepThreshold { time: 0.1, ..default() },
         Transform::from_xyz(50.0, 0.0, 0.0),
     );
     [falling, hanging, spawn(app, weightless)]

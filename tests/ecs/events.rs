@@ -3,7 +3,13 @@
 
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
-use bevy_drape::{prelude::*, sdf::SdfSample, solver::SolverError};
+use bevy_drape::{
+    ClothDiverged, ClothExecution, ClothGravityOverride, ClothSleepThreshold, ClothSlept,
+    ClothWoke,
+    prelude::*,
+    sdf::{SdfSample, SignedDistance},
+    solver::SolverError,
+};
 
 /// What was told, in order: the event, its cloth, and the ticks that the cloth had taken.
 #[derive(Resource, Default)]
@@ -58,7 +64,7 @@ fn listening() -> App {
 fn a_cloth_is_ready_once_and_once_more_when_it_starts_anew() {
     let mut app = listening();
     let cloth = spawn(&mut app, sheet());
-    let later = spawn(&mut app, (Cloth::from_mesh(), Mesh3d::default()));
+    let later = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d::default()));
     app.update();
     assert_eq!(Told::of(&app, cloth), [("ready", 0)]);
     assert_eq!(Told::of(&app, later), [], "its mesh is not there yet");
@@ -103,7 +109,7 @@ fn what_is_hung_is_ready_when_it_hangs() {
     let (left, right) = (ring(-0.4), ring(0.4));
     let pins =
         ClothPins::vertices([0]).anchored_to(left).and(ClothPins::vertices([7]).anchored_to(right));
-    let cloth = spawn(&mut app, (sheet(), pins, ClothHung::default()));
+    let cloth = spawn(&mut app, (sheet(), pins, HangOnStart::default()));
     app.update();
     // As soon as it is told, it is at rest where it hangs.
     wait(&mut app, |app| !Told::of(app, cloth).is_empty());
@@ -115,7 +121,8 @@ fn what_is_hung_is_ready_when_it_hangs() {
 #[test]
 fn sleep_and_waking_are_told_in_turns() {
     let mut app = listening();
-    let still = (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleep { time: 0.1, ..default() });
+    let still =
+        (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleepThreshold { time: 0.1, ..default() });
     let cloth = spawn(&mut app, still);
     let other = spawn(&mut app, sheet());
     updates(&mut app, 30);
@@ -176,8 +183,11 @@ fn who_hears_of_it_may_despawn_the_cloth() {
         let mut app = app();
         app.insert_resource(staged);
         let other = spawn(&mut app, (sheet(), ClothSettings { layers: 0, ..default() }));
-        let still =
-            (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleep { time: 0.1, ..default() });
+        let still = (
+            sheet(),
+            ClothGravityOverride(Vec3::ZERO),
+            ClothSleepThreshold { time: 0.1, ..default() },
+        );
         let cloth = |app: &mut App| spawn(app, still);
         let ready = cloth(&mut app);
         app.world_mut().entity_mut(ready).observe(despawn::<ClothReady>);

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothExecution, ClothSubstep, ClothSubstepSystems, prelude::*, solver::Substeps};
 use std::process::Command;
 
 /// Cloths of several sizes, materials and substeps, that fall, hang and are moved: their positions

@@ -3,9 +3,9 @@
 use crate::common::*;
 use bevy::{asset::AssetLoadError, prelude::*, tasks::futures_lite::future::yield_now};
 use bevy_drape::{
-    FieldProblem,
+    ClothError, FieldProblem,
     prelude::*,
-    sdf::{BakeSettings, SavedFieldError},
+    sdf::{BakeSettings, DistanceField, SavedFieldError},
 };
 use std::{
     fs,

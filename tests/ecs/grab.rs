@@ -3,7 +3,10 @@
 
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::{GrabProblem, prelude::*};
+use bevy_drape::{
+    ClothError, ClothExecution, ClothGrab, ClothGravityOverride, ClothSleepThreshold, GrabProblem,
+    prelude::*, solver::MassLumping,
+};
 
 fn slow() -> ClothMaterial {
     ClothMaterial { drag: 3.0, ..default() }
@@ -85,7 +88,8 @@ fn a_target_is_followed_in_update_and_in_the_fixed_schedule() {
             app.add_systems(Update, drag);
         }
         let pins = ClothPins::vertices([63]);
-        let cloth = spawn(&mut app, (sheet(), slow(), ClothSleep { time: 0.2, ..default() }));
+        let cloth =
+            spawn(&mut app, (sheet(), slow(), ClothSleepThreshold { time: 0.2, ..default() }));
         updates(&mut app, 2);
         let start = position(&app, cloth, 0);
         grab(&mut app, cloth, ClothGrab::particle(0, start));
@@ -133,7 +137,8 @@ fn what_pins_hold_they_keep_hard_and_soft() {
 fn grabbing_wakes_and_letting_go_does() {
     let mut app = app();
     let thick = ClothMaterial { drag: 12.0, ..default() };
-    let still = (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleep { time: 0.1, ..default() });
+    let still =
+        (sheet(), ClothGravityOverride(Vec3::ZERO), ClothSleepThreshold { time: 0.1, ..default() });
     let cloth = spawn(&mut app, (still, thick));
     updates(&mut app, 20);
     let asleep = |app: &App| simulation(app, cloth).is_asleep();
@@ -228,7 +233,7 @@ fn what_is_hung_is_grabbed_when_it_hangs() {
     let pins =
         ClothPins::vertices([0]).anchored_to(left).and(ClothPins::vertices([7]).anchored_to(right));
     let hand = ClothGrab::particle(60, Vec3::new(0.0, 1.5, 0.5));
-    let cloth = spawn(&mut app, (sheet(), slow(), pins, ClothHung::default(), hand));
+    let cloth = spawn(&mut app, (sheet(), slow(), pins, HangOnStart::default(), hand));
     // Frames without ticks, in which it is hung anew as a ring moves.
     set_frame(&mut app, TICK / 16);
     for _ in 0..4 {

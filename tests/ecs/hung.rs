@@ -3,7 +3,10 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::{HangProblem, hang::HangError, prelude::*};
+use bevy_drape::{
+    ClothError, ClothGravityOverride, ClothSleepThreshold, HangProblem, HangingPlaces,
+    hang::HangError, prelude::*,
+};
 use std::{thread, time::Duration};
 
 fn anchor(app: &mut App, at: Vec3) -> Entity {
@@ -17,8 +20,8 @@ fn curtain(left: Entity, right: Entity) -> impl Bundle {
         ClothPins::vertices([0])
             .anchored_to(left)
             .and(ClothPins::vertices([15]).anchored_to(right)),
-        ClothHung::default(),
-        ClothSleep::NEVER,
+        HangOnStart::default(),
+        ClothSleepThreshold::NEVER,
         Transform::from_xyz(5.0, 5.0, 5.0),
     )
 }
@@ -94,7 +97,7 @@ fn nothing_is_hung_that_is_not_asked_to_be() {
     assert_eq!((cloth.is_hanging(), cloth.hung(), cloth.tick_count()), (false, None, 1));
     // Nor what runs already.
     let before = positions(&app, entity);
-    app.world_mut().entity_mut(entity).insert(ClothHung::default());
+    app.world_mut().entity_mut(entity).insert(HangOnStart::default());
     app.update();
     assert_eq!(simulation(&app, entity).tick_count(), 2);
     assert!(farthest(&before, &positions(&app, entity)) < 0.05);
@@ -115,7 +118,7 @@ fn what_cannot_be_hung_is_told_and_starts_in_its_rest_shape() {
         let mut app = app();
         let entity = spawn_curtain(&mut app, places[0], places[1]);
         let usual = spawn_curtain(&mut app, places[0], places[1]);
-        app.world_mut().entity_mut(usual).remove::<ClothHung>();
+        app.world_mut().entity_mut(usual).remove::<HangOnStart>();
         updates(&mut app, 3);
         let error = failure(&app, entity).expect("it is refused");
         assert!(error.to_string().contains(&entity.to_string()), "{error}");
@@ -126,21 +129,21 @@ fn what_cannot_be_hung_is_told_and_starts_in_its_rest_shape() {
         assert_eq!(simulation(&app, entity).tick_count(), 3);
         assert_eq!(bits(&app, entity), bits(&app, usual), "as if nothing had been asked");
         assert_eq!(failure(&app, usual), None);
-        app.world_mut().entity_mut(entity).remove::<ClothHung>();
+        app.world_mut().entity_mut(entity).remove::<HangOnStart>();
         app.update();
         assert_eq!(failure(&app, entity), None);
     }
     let mut app = app();
-    let one = spawn(&mut app, (sheet(), ClothPins::vertices([3]), ClothHung::default()));
-    let bad = ClothHung { longest: f32::NAN, ..default() };
+    let one = spawn(&mut app, (sheet(), ClothPins::vertices([3]), HangOnStart::default()));
+    let bad = HangOnStart { longest: f32::NAN, ..default() };
     let number = spawn(&mut app, (sheet(), ClothPins::vertices([0, 7]), bad));
-    let weightless = (sheet(), ClothPins::vertices([0, 7]), ClothHung::default());
+    let weightless = (sheet(), ClothPins::vertices([0, 7]), HangOnStart::default());
     let weightless = spawn(&mut app, (weightless, ClothGravityOverride(Vec3::ZERO)));
     updates(&mut app, 2);
     let problem = |problem| ClothError::Hang { entity: one, problem: HangProblem::Places(problem) };
     assert_eq!(failure(&app, one), Some(problem(HangError::TooFewPoints(1))));
     let told = failure(&app, number).expect("it is refused");
-    assert!(matches!(told, ClothError::Parameter { component: "ClothHung", .. }), "{told}");
+    assert!(matches!(told, ClothError::Parameter { component: "HangOnStart", .. }), "{told}");
     let told = failure(&app, weightless).expect("it is refused").to_string();
     assert!(told.contains("gravity"), "{told}");
     for entity in [one, number, weightless] {
@@ -215,7 +218,7 @@ fn what_one_anchor_holds_keeps_its_arrangement() {
     let entity = spawn(&mut app, curtain(left, right));
     app.world_mut().entity_mut(entity).insert(pins.clone());
     // Where they are at rest, asked for by name.
-    let at_rest = ClothHung { places: HangingPlaces::Rest, ..default() };
+    let at_rest = HangOnStart { places: HangingPlaces::Rest, ..default() };
     let other = spawn(&mut app, curtain(left, right));
     app.world_mut().entity_mut(other).insert((pins, at_rest));
     wait_for(&mut app, entity);
@@ -238,7 +241,7 @@ fn removed_while_it_waits_it_starts_from_where_it_is() {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     app.update();
     let hung = positions(&app, entity);
-    app.world_mut().entity_mut(entity).remove::<ClothHung>();
+    app.world_mut().entity_mut(entity).remove::<HangOnStart>();
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.update();
     assert_eq!(simulation(&app, entity).tick_count(), 1);
@@ -281,7 +284,7 @@ fn soft_pins_and_meshes_and_scales_hang_as_well() {
     let pins = ClothPins::vertices([0]).anchored_to(left);
     let pins = pins.and(ClothPins::vertices([8]).anchored_to(right));
     let scaled = Transform::from_scale(Vec3::splat(0.8));
-    let scaled = spawn(&mut app, (Cloth::from_mesh(), mesh, pins, ClothHung::default(), scaled));
+    let scaled = spawn(&mut app, (Cloth::of_mesh3d(), mesh, pins, HangOnStart::default(), scaled));
     wait_for(&mut app, soft);
     wait_for(&mut app, scaled);
     updates(&mut app, 10);

@@ -13,7 +13,9 @@ use bevy::{
     prelude::*,
 };
 use bevy_drape::{
-    ClothIntake, GridProblem, MeshProblem, PinProblem, SkippedTriangles, WeightProblem, prelude::*,
+    ClothError, ClothIntake, ClothInterpolation, ClothWeights, ColorChannel, GridProblem,
+    MeshProblem, PinProblem, SkippedTriangles, VertexFactor, WeightProblem, prelude::*,
+    solver::MassLumping,
 };
 
 fn flat(rows: u32, columns: u32) -> Mesh {
@@ -24,7 +26,7 @@ fn flat(rows: u32, columns: u32) -> Mesh {
 fn refused(mesh: Mesh) -> MeshProblem {
     let mut app = app();
     let mesh = Mesh3d(add_mesh(&mut app, mesh));
-    let entity = spawn(&mut app, (Cloth::from_mesh(), mesh));
+    let entity = spawn(&mut app, (Cloth::of_mesh3d(), mesh));
     let good = spawn(&mut app, sheet());
     updates(&mut app, 3);
     let error = failure(&app, entity).expect("it is refused");
@@ -41,7 +43,7 @@ fn refused(mesh: Mesh) -> MeshProblem {
 /// A cloth of a mesh, after its first frame.
 fn taken_in(app: &mut App, mesh: Mesh, more: impl Bundle) -> Entity {
     let mesh = Mesh3d(add_mesh(app, mesh));
-    let entity = spawn(app, (Cloth::from_mesh(), mesh, more));
+    let entity = spawn(app, (Cloth::of_mesh3d(), mesh, more));
     app.update();
     entity
 }
@@ -124,9 +126,9 @@ fn meshes_that_are_no_cloth_are_told_why() {
 fn what_loads_late_is_waited_for_and_what_fails_to_load_is_told() {
     let mut app = app();
     let never = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let waiting = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(never)));
+    let waiting = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(never)));
     let missing = app.world().resource::<AssetServer>().load("no such file.mesh");
-    let failing = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(missing)));
+    let failing = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(missing)));
     let failed = |app: &App| failure(app, failing).is_some();
     for _ in 0..2000 {
         if failed(&app) {
@@ -252,7 +254,7 @@ fn cloth_of_a_gltf_scene_works_as_loaded() {
         let node = spawn(&mut app, (Mesh3d(mesh.clone()), node, ChildOf(scene)));
         app.update();
         let pins = ClothPins::vertices(0..10);
-        app.world_mut().entity_mut(node).insert((Cloth::from_mesh(), pins));
+        app.world_mut().entity_mut(node).insert((Cloth::of_mesh3d(), pins));
         app.update();
         let told = intake(&app, node);
         assert_eq!((told.vertices, told.particles, told.welded_vertices()), (50, 45, 5));
@@ -292,7 +294,7 @@ fn mirrored_and_uneven_gltf_nodes_are_told() {
         let mut app = app();
         let scene = spawn(&mut app, Transform::from_scale(scale));
         let mesh = Mesh3d(add_mesh(&mut app, like_gltf(false)));
-        let node = spawn(&mut app, (mesh, Cloth::from_mesh(), ChildOf(scene)));
+        let node = spawn(&mut app, (mesh, Cloth::of_mesh3d(), ChildOf(scene)));
         updates(&mut app, 2);
         let error = failure(&app, node);
         assert!(matches!(error, Some(ClothError::Scale { .. })), "{scale}: {error:?}");
@@ -329,7 +331,7 @@ fn equal_meshes_share_their_rest_shape_as_long_as_it_is_in_use() {
     let other = add_mesh(&mut app, like_gltf(false));
     let spawn_at = |app: &mut App, handle: &Handle<Mesh>, x: f32, scale: f32| {
         let place = Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::splat(scale));
-        spawn(app, (Cloth::from_mesh(), Mesh3d(handle.clone()), place))
+        spawn(app, (Cloth::of_mesh3d(), Mesh3d(handle.clone()), place))
     };
     let cloths = [
         spawn_at(&mut app, &handle, 0.0, 1.0),

@@ -5,7 +5,7 @@ use bevy::{
     asset::RenderAssetUsages, camera::primitives::Aabb, mesh::VertexAttributeValues, prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::{MeshProblem, prelude::*};
+use bevy_drape::{ClothError, ClothInterpolation, MeshProblem, prelude::*};
 
 /// How often meshes were marked modified.
 #[derive(Resource, Default)]
@@ -176,7 +176,7 @@ fn all_else_of_the_mesh_stays() {
     let mut mesh = mesh;
     mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
     let mesh = Mesh3d(add_mesh(&mut app, mesh));
-    let cloth = spawn(&mut app, (Cloth::from_mesh(), mesh));
+    let cloth = spawn(&mut app, (Cloth::of_mesh3d(), mesh));
     updates(&mut app, 10);
     let mesh = drawn(&app, cloth);
     assert_eq!(mesh.indices().cloned(), indices);
@@ -234,7 +234,7 @@ fn tangents_turn_with_the_cloth() {
     let mesh = add_mesh(&mut app, mesh_with_tangents());
     let hand = spawn(&mut app, Transform::default());
     let pins = ClothPins::from(PinSelection::All).anchored_to(hand);
-    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins));
+    let cloth = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh), pins));
     updates(&mut app, 3);
     let turn = Quat::from_rotation_z(1.1);
     transform(&mut app, hand).rotation = turn;
@@ -253,7 +253,7 @@ fn tangents_of_a_cloth_that_hangs_hang_with_it() {
     let mesh = add_mesh(&mut app, mesh_with_tangents());
     let pins = ClothPins::from(PinSelection::FirstRow);
     let material = ClothMaterial { drag: 5.0, ..default() };
-    let cloth = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh), pins, material));
+    let cloth = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh), pins, material));
     updates(&mut app, 400);
     let drawn = drawn(&app, cloth);
     let normals = attribute(drawn, Mesh::ATTRIBUTE_NORMAL);

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::{PinProblem, prelude::*};
+use bevy_drape::{ClothError, PinProblem, prelude::*};
 
 /// Moves the entities that carry it, each time it runs.
 #[derive(Component, Clone, Copy)]

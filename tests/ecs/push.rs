@@ -3,12 +3,17 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::{prelude::*, solver::SolverError};
+use bevy_drape::{
+    ClothError, ClothExecution, ClothForce, ClothForces, ClothGravityOverride, ClothInertia,
+    ClothPaused, ClothSleepThreshold, PushCloth,
+    prelude::*,
+    solver::{PushOn, PushWith, SolverError},
+};
 
 /// Nothing but what pushes it moves it.
 fn adrift() -> impl Bundle {
     let material = ClothMaterial { drag: 0.0, ..default() };
-    (sheet(), material, ClothGravityOverride(Vec3::ZERO), ClothSleep::NEVER)
+    (sheet(), material, ClothGravityOverride(Vec3::ZERO), ClothSleepThreshold::NEVER)
 }
 
 fn mass(cloth: &ClothSimulation) -> f32 {
@@ -131,7 +136,7 @@ fn pushes_wake_and_pins_hold() {
     for (what, act) in acts {
         let mut app = app();
         let still = (sheet(), ClothGravityOverride(Vec3::ZERO), ClothPins::vertices([0, 7]));
-        let cloth = spawn(&mut app, (still, ClothSleep { time: 0.1, ..default() }));
+        let cloth = spawn(&mut app, (still, ClothSleepThreshold { time: 0.1, ..default() }));
         updates(&mut app, 20);
         assert!(simulation(&app, cloth).is_asleep());
         let (before, ticks) = (positions(&app, cloth), simulation(&app, cloth).tick_count());
@@ -175,15 +180,15 @@ fn what_stands_is_not_pushed_nor_later() {
     let cloth = spawn(&mut app, adrift());
     let twin = spawn(&mut app, adrift());
     updates(&mut app, 3);
-    app.world_mut().entity_mut(cloth).insert(ClothFrozen::default());
-    app.world_mut().entity_mut(twin).insert(ClothFrozen::default());
+    app.world_mut().entity_mut(cloth).insert(ClothPaused::default());
+    app.world_mut().entity_mut(twin).insert(ClothPaused::default());
     for _ in 0..10 {
         push(&mut app, cloth, PushOn::All, PushWith::Velocity(Vec3::X)).unwrap();
         push(&mut app, cloth, PushOn::All, PushWith::Force(Vec3::X)).unwrap();
         app.update();
     }
-    app.world_mut().entity_mut(cloth).remove::<ClothFrozen>();
-    app.world_mut().entity_mut(twin).remove::<ClothFrozen>();
+    app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
+    app.world_mut().entity_mut(twin).remove::<ClothPaused>();
     updates(&mut app, 5);
     assert_eq!(bits(&app, cloth), bits(&app, twin));
 }

@@ -2,7 +2,12 @@
 
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
-use bevy_drape::{MeshProblem, prelude::*, sdf::SdfSample, solver::SolverError};
+use bevy_drape::{
+    ClothError, MeshProblem,
+    prelude::*,
+    sdf::{SdfSample, SignedDistance},
+    solver::SolverError,
+};
 
 /// The entity's error names it; the other cloth runs and has none.
 fn check_told(app: &App, entity: Entity, good: Entity) -> ClothError {
@@ -21,7 +26,7 @@ fn flat(rows: u32, columns: u32) -> Mesh {
 fn a_refused_mesh_is_tried_again_when_it_is_replaced() {
     let mut app = app();
     let bad = Mesh3d(add_mesh(&mut app, triangle_mesh(vec![[0.0; 3]; 3], vec![0, 1, 2])));
-    let entity = spawn(&mut app, (Cloth::from_mesh(), bad));
+    let entity = spawn(&mut app, (Cloth::of_mesh3d(), bad));
     updates(&mut app, 2);
     assert!(failure(&app, entity).is_some());
     let good = Mesh3d(add_mesh(&mut app, flat(3, 4)));
@@ -34,7 +39,7 @@ fn a_refused_mesh_is_tried_again_when_it_is_replaced() {
 #[test]
 fn a_cloth_of_no_mesh_is_told_so_until_it_has_one() {
     let mut app = app();
-    let entity = spawn(&mut app, Cloth::from_mesh());
+    let entity = spawn(&mut app, Cloth::of_mesh3d());
     updates(&mut app, 2);
     assert!(matches!(
         failure(&app, entity),

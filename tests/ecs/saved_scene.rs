@@ -6,7 +6,11 @@ use bevy::{
     ecs::entity::{EntityHashMap, MapEntities},
     prelude::*,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothForce, ClothForces, ClothGrab, ClothInertia, ClothSnapshot, SdfColliderSnapshot,
+    prelude::*,
+    solver::{FormChoice, PushOn},
+};
 
 /// What is the cloth of a scene.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +62,8 @@ pub struct Saved {
     clock: Clock,
     /// Of the anchor, the balls and the cloth.
     transforms: [Transform; 4],
-    cloth: ClothState,
-    balls: [ColliderState; 2],
+    cloth: ClothSnapshot,
+    balls: [SdfColliderSnapshot; 2],
     anchor: Entity,
 }
 
@@ -86,7 +90,7 @@ impl Scene {
         let cloth = spawn(&mut app, (material, settings, place));
         if case.mesh {
             let mesh = add_mesh(&mut app, holed_mesh());
-            app.world_mut().entity_mut(cloth).insert((Cloth::from_mesh(), Mesh3d(mesh)));
+            app.world_mut().entity_mut(cloth).insert((Cloth::of_mesh3d(), Mesh3d(mesh)));
         } else {
             app.world_mut().entity_mut(cloth).insert(sheet());
         }
@@ -109,12 +113,13 @@ impl Scene {
 
     pub fn save(&self) -> Saved {
         let world = self.app.world();
-        let state = |ball: Entity| ColliderState::of(world.entity(ball)).expect("it was seen");
+        let state =
+            |ball: Entity| SdfColliderSnapshot::of(world.entity(ball)).expect("it was seen");
         let entities = [self.anchor, self.balls[0], self.balls[1], self.cloth];
         Saved {
             clock: *world.resource::<Clock>(),
             transforms: entities.map(|it| *world.get::<Transform>(it).expect("it has one")),
-            cloth: ClothState::of(world.entity(self.cloth)).expect("it runs"),
+            cloth: ClothSnapshot::of(world.entity(self.cloth)).expect("it runs"),
             balls: self.balls.map(state),
             anchor: self.anchor,
         }
@@ -124,8 +129,8 @@ impl Scene {
     pub fn load(
         &mut self,
         saved: Saved,
-        carry: impl Fn(ClothState) -> ClothState,
-        carry_ball: impl Fn(ColliderState) -> ColliderState,
+        carry: impl Fn(ClothSnapshot) -> ClothSnapshot,
+        carry_ball: impl Fn(SdfColliderSnapshot) -> SdfColliderSnapshot,
     ) {
         let mut state = carry(saved.cloth);
         let mut map = EntityHashMap::default();
@@ -152,8 +157,8 @@ impl Scene {
 pub fn goes_on(
     case: Case,
     ticks: usize,
-    carry: impl Fn(ClothState) -> ClothState,
-    carry_ball: impl Fn(ColliderState) -> ColliderState,
+    carry: impl Fn(ClothSnapshot) -> ClothSnapshot,
+    carry_ball: impl Fn(SdfColliderSnapshot) -> SdfColliderSnapshot,
 ) {
     let mut one = Scene::new(case, 0);
     updates(&mut one.app, ticks);

@@ -4,7 +4,12 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothExecution, ClothGravityOverride, ClothInertia, ClothPaused, ClothSleepThreshold,
+    ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel, VertexFactor,
+    prelude::*,
+    solver::{FormChoice, Gusts, MassLumping},
+};
 
 /// A metre of cloth, 8 x 8: the sheet, or a mesh of the same vertices with one cell cut out, its first
 /// row painted red.
@@ -16,7 +21,7 @@ fn cloth(app: &mut App, graph: bool) -> Entity {
     let red = |v: usize| [if v < 8 { 1.0 } else { 0.0 }, 0.0, 0.0, 1.0];
     mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, (0..64).map(red).collect::<Vec<_>>());
     let mesh = Mesh3d(add_mesh(app, mesh));
-    spawn(app, (Cloth::from_mesh(), mesh))
+    spawn(app, (Cloth::of_mesh3d(), mesh))
 }
 
 fn insert(app: &mut App, entity: Entity, bundle: impl Bundle) {
@@ -85,10 +90,10 @@ fn play(
             }
             18 => settings.get_mut(entity).unwrap().form = FormChoice::Threads,
             28 => {
-                commands.insert(ClothFrozen { steps: 1 });
+                commands.insert(ClothPaused { steps: 1 });
             }
             32 => {
-                commands.remove::<ClothFrozen>();
+                commands.remove::<ClothPaused>();
             }
             36 => {
                 commands.trigger(|entity| ResetCloth { entity });
@@ -161,7 +166,7 @@ fn resting(graph: bool) -> Resting {
     let thick = ClothAir { density: 12.0, ..default() };
     let place = Transform::from_xyz(0.0, 0.32, 0.0);
     // What quadratic drag alone slows swings a little for long.
-    let sleep = ClothSleep { distance: 0.05, time: 0.5 };
+    let sleep = ClothSleepThreshold { distance: 0.05, time: 0.5 };
     insert(&mut app, cloth, (pins, material, thick, sleep, place));
     for tick in 0.. {
         app.update();
@@ -311,7 +316,7 @@ fn velocities_are_those_in_the_world_in_a_ride_too() {
         let cloth = cloth(&mut app, graph);
         let still = ClothGravityOverride(Vec3::ZERO);
         let pins = ClothPins::vertices([0, 7]);
-        insert(&mut app, cloth, (ClothInertia::new(0.0), still, pins, ClothSleep::NEVER));
+        insert(&mut app, cloth, (ClothInertia::new(0.0), still, pins, ClothSleepThreshold::NEVER));
         updates(&mut app, 2);
         insert(&mut app, cloth, Rides(Vec3::new(0.1, 0.0, 0.05), 0.01));
         updates(&mut app, 10);
@@ -339,7 +344,7 @@ fn the_wind_keeps_its_direction_in_a_ride_that_turns() {
         let cloth = cloth(&mut app, graph);
         let air = ClothAir { lift: 0.0, ..default() };
         let still = ClothGravityOverride(Vec3::ZERO);
-        insert(&mut app, cloth, (air, still, ClothInertia::new(0.0), ClothSleep::NEVER));
+        insert(&mut app, cloth, (air, still, ClothInertia::new(0.0), ClothSleepThreshold::NEVER));
         updates(&mut app, 3);
         app.insert_resource(ClothWind::steady(Vec3::Y * 2.0));
         transform(&mut app, cloth).rotate_z(TURN);
@@ -361,7 +366,7 @@ fn impulses_are_in_the_worlds_axes_in_a_ride_that_turns() {
         let floor = spawn(&mut app, (floor, ColliderImpulse::default()));
         let cloth = cloth(&mut app, graph);
         let place = Transform::from_xyz(0.0, 0.006, 0.0);
-        insert(&mut app, cloth, (ClothInertia::new(0.0), ClothSleep::NEVER, place));
+        insert(&mut app, cloth, (ClothInertia::new(0.0), ClothSleepThreshold::NEVER, place));
         updates(&mut app, 4);
         insert(&mut app, cloth, Rides(Vec3::ZERO, TURN));
         let mut sum = Vec3::ZERO;
@@ -383,7 +388,7 @@ fn a_still_collider_is_met_by_what_rides_past_it() {
         spawn(&mut app, (ball, Transform::from_xyz(3.0, -0.5, 0.0)));
         let cloth = cloth(&mut app, graph);
         let pins = first_row();
-        insert(&mut app, cloth, (ClothInertia::new(0.0), pins, ClothSleep::NEVER));
+        insert(&mut app, cloth, (ClothInertia::new(0.0), pins, ClothSleepThreshold::NEVER));
         updates(&mut app, 40);
         insert(&mut app, cloth, Rides(Vec3::X * speed, 0.0));
         let mut nearest = f32::INFINITY;
@@ -469,7 +474,7 @@ fn painted_vertices_hold_softly_with_the_weight_over_the_stiffness() {
     let pins = ClothPins::color(ColorChannel::Red, 0.5).softly(40.0, 12.0);
     let hanging = Transform::from_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
     let material = ClothMaterial { drag: 4.0, ..default() };
-    insert(&mut app, cloth, (pins, hanging, material, ClothSleep::NEVER));
+    insert(&mut app, cloth, (pins, hanging, material, ClothSleepThreshold::NEVER));
     updates(&mut app, 500);
     let running = simulation(&app, cloth);
     let weight = 9.81 * (0..64).map(|i| running.mass(i).unwrap()).sum::<f32>();
@@ -488,9 +493,9 @@ fn freezing_keeps_soft_pins_air_and_a_ride_as_they_were() {
             insert(&mut app, cloth, (pins, ClothAir::default(), ClothInertia::new(0.5)));
             updates(&mut app, 15);
             if frozen {
-                insert(&mut app, cloth, ClothFrozen::default());
+                insert(&mut app, cloth, ClothPaused::default());
                 updates(&mut app, 20);
-                app.world_mut().entity_mut(cloth).remove::<ClothFrozen>();
+                app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
             }
             updates(&mut app, 10);
             bits(&app, cloth)

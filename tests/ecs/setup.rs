@@ -6,7 +6,7 @@ use bevy::{
     mesh::{Indices, VertexAttributeValues},
     prelude::*,
 };
-use bevy_drape::{prelude::*, solver::MassLumping};
+use bevy_drape::{ClothGravityOverride, prelude::*, solver::MassLumping};
 use std::sync::Arc;
 
 #[test]
@@ -62,7 +62,7 @@ fn a_curved_grid_in_any_vertex_order_is_a_cloth_that_keeps_its_shape() {
     let places = attribute(&mesh, Mesh::ATTRIBUTE_POSITION);
     let turned = Transform::from_xyz(0.0, 5.0, 1.0).with_rotation(Quat::from_rotation_x(0.5));
     let mesh = Mesh3d(add_mesh(&mut app, mesh));
-    let entity = spawn(&mut app, (Cloth::from_mesh(), mesh, turned));
+    let entity = spawn(&mut app, (Cloth::of_mesh3d(), mesh, turned));
     app.update();
     let running = simulation(&app, entity);
     assert_eq!(running.rows() * running.columns(), 45);
@@ -91,7 +91,7 @@ fn a_curved_grid_in_any_vertex_order_is_a_cloth_that_keeps_its_shape() {
 fn a_mesh_that_loads_late_is_waited_for() {
     let mut app = app();
     let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let entity = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(handle.clone())));
+    let entity = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(handle.clone())));
     updates(&mut app, 5);
     assert!(app.world().get::<ClothSimulation>(entity).is_none());
     let error = failure(&app, entity).expect("nothing loads it").to_string();
@@ -107,8 +107,8 @@ fn two_cloths_from_one_mesh_share_nothing() {
     let mut app = app();
     let handle = add_mesh(&mut app, tube().0);
     let high = Transform::from_xyz(0.0, 3.0, 0.0);
-    let free = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(handle.clone()), high));
-    let held = (Cloth::from_mesh(), Mesh3d(handle.clone()), ClothPins::from(PinSelection::All));
+    let free = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(handle.clone()), high));
+    let held = (Cloth::of_mesh3d(), Mesh3d(handle.clone()), ClothPins::from(PinSelection::All));
     let held = spawn(&mut app, held);
     updates(&mut app, 10);
     let original = attribute(&tube().0, Mesh::ATTRIBUTE_POSITION);
@@ -161,7 +161,7 @@ fn changing_the_shape_starts_anew() {
 fn removing_the_simulation_starts_a_mesh_anew_from_the_original() {
     let mut app = app();
     let handle = add_mesh(&mut app, tube().0);
-    let entity = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(handle)));
+    let entity = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(handle)));
     updates(&mut app, 30);
     app.world_mut().entity_mut(entity).remove::<ClothSimulation>();
     app.insert_resource(ClothGravity(Vec3::ZERO));

@@ -5,7 +5,9 @@
 
 use crate::common::*;
 use bevy::{math::ops, mesh::VertexAttributeValues, prelude::*};
-use bevy_drape::{ClothIntake, prelude::*};
+use bevy_drape::{
+    ClothIntake, ClothInterpolation, ClothSleepThreshold, prelude::*, solver::Substeps,
+};
 
 fn intake(app: &App, entity: Entity) -> ClothIntake {
     assert_eq!(failure(app, entity), None);
@@ -14,7 +16,7 @@ fn intake(app: &App, entity: Entity) -> ClothIntake {
 
 fn spawn_mesh(app: &mut App, mesh: &Mesh, more: impl Bundle) -> Entity {
     let handle = Mesh3d(add_mesh(app, mesh.clone()));
-    spawn(app, (Cloth::from_mesh(), handle, ClothInterpolation::LastTick, more))
+    spawn(app, (Cloth::of_mesh3d(), handle, ClothInterpolation::LastTick, more))
 }
 
 /// Pins whatever is at most `depth` below the highest vertex.
@@ -101,7 +103,7 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize, budget: u32) {
     let material = ClothMaterial { drag: 3.0, ..default() };
     let settings = ClothSettings { substeps: Substeps::Automatic { budget }, ..default() };
     // Nor asleep: it is looked at after so many ticks.
-    let entity = spawn_mesh(&mut app, mesh, (pins, material, settings, ClothSleep::NEVER));
+    let entity = spawn_mesh(&mut app, mesh, (pins, material, settings, ClothSleepThreshold::NEVER));
     updates(&mut app, ticks);
     assert_eq!(failure(&app, entity), None, "{what}");
     let running = simulation(&app, entity);

@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothGravityOverride, ClothPaused, ClothSleepThreshold, prelude::*};
 
 /// Air so thick that a cloth is soon at rest.
 fn thick() -> ClothMaterial {
@@ -228,7 +228,7 @@ fn sleep_does_not_depend_on_the_frame_rate() {
 #[test]
 fn a_cloth_that_is_never_to_sleep_does_not() {
     let mut scene = scene();
-    scene.app.world_mut().entity_mut(scene.cloth).insert(ClothSleep::NEVER);
+    scene.app.world_mut().entity_mut(scene.cloth).insert(ClothSleepThreshold::NEVER);
     updates(&mut scene.app, 600);
     assert_eq!(simulation(&scene.app, scene.cloth).tick_count(), 600);
 }
@@ -245,7 +245,7 @@ fn a_frozen_cloth_stands_and_goes_on_as_if_nothing_had_been() {
     let (cloth, twin) = (swinging(&mut app), swinging(&mut other));
     let before = bits(&app, cloth);
     assert_eq!(before, bits(&other, twin));
-    app.world_mut().entity_mut(cloth).insert(ClothFrozen::default());
+    app.world_mut().entity_mut(cloth).insert(ClothPaused::default());
     // Frames between ticks, so that a blend would show.
     set_frame(&mut app, TICK / 5 * 2);
     updates(&mut app, 5);
@@ -255,7 +255,7 @@ fn a_frozen_cloth_stands_and_goes_on_as_if_nothing_had_been() {
         assert_eq!(bits(&app, cloth), before);
         assert_eq!(drawn_positions(&app, cloth), drawn);
     }
-    app.world_mut().entity_mut(cloth).remove::<ClothFrozen>();
+    app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
     let count = simulation(&app, cloth).tick_count();
     while simulation(&app, cloth).tick_count() < count + 10 {
         app.update();
@@ -268,12 +268,12 @@ fn a_frozen_cloth_stands_and_goes_on_as_if_nothing_had_been() {
 fn a_frozen_cloth_takes_single_steps() {
     let (mut app, mut other) = (app(), app());
     let (cloth, twin) = (swinging(&mut app), swinging(&mut other));
-    app.world_mut().entity_mut(cloth).insert(ClothFrozen::default());
+    app.world_mut().entity_mut(cloth).insert(ClothPaused::default());
     updates(&mut app, 3);
     for steps in [1, 1, 3] {
-        app.world_mut().get_mut::<ClothFrozen>(cloth).unwrap().steps = steps;
+        app.world_mut().get_mut::<ClothPaused>(cloth).unwrap().steps = steps;
         updates(&mut app, 6);
-        assert_eq!(app.world().get::<ClothFrozen>(cloth).unwrap().steps, 0);
+        assert_eq!(app.world().get::<ClothPaused>(cloth).unwrap().steps, 0);
     }
     updates(&mut other, 5);
     assert_eq!(bits(&app, cloth), bits(&other, twin));
@@ -283,7 +283,7 @@ fn a_frozen_cloth_takes_single_steps() {
 fn a_frozen_cloth_is_carried_by_its_entity() {
     let mut app = app();
     let cloth = swinging(&mut app);
-    app.world_mut().entity_mut(cloth).insert(ClothFrozen::default());
+    app.world_mut().entity_mut(cloth).insert(ClothPaused::default());
     app.update();
     let before = positions(&app, cloth);
     let pose = Transform::from_xyz(1.0, 0.0, 0.5).with_rotation(Quat::from_rotation_y(0.8));
@@ -300,7 +300,7 @@ fn a_frozen_cloth_is_carried_by_its_entity() {
     for (drawn, place) in drawn_positions(&app, cloth).iter().zip(positions(&app, cloth)) {
         assert!(drawn.distance(place) < 1e-5);
     }
-    app.world_mut().entity_mut(cloth).remove::<ClothFrozen>();
+    app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
     app.update();
     let after = simulation(&app, cloth).velocity(60).unwrap();
     // As it would have gone on.

@@ -6,7 +6,12 @@ use crate::{
     saved_scene::{Case, Scene, goes_on},
 };
 use bevy::{math::bounding::Aabb3d, prelude::*};
-use bevy_drape::{prelude::*, sdf::SdfSample, solver::StateError};
+use bevy_drape::{
+    ClothError, ClothSnapshot, SdfColliderSnapshot,
+    prelude::*,
+    sdf::{SdfSample, SignedDistance},
+    solver::StateError,
+};
 
 #[test]
 fn a_scene_saved_in_mid_fall_goes_on_with_the_same_bits() {
@@ -33,7 +38,7 @@ fn a_running_cloth_is_rewound() {
         scene.app.update();
         assert_eq!(scene.bits(), at, "{case:?}");
         assert_eq!(simulation(&scene.app, scene.cloth).save(), state, "{case:?}");
-        assert!(scene.app.world().get::<ClothState>(scene.cloth).is_none(), "it is used up");
+        assert!(scene.app.world().get::<ClothSnapshot>(scene.cloth).is_none(), "it is used up");
     }
 }
 
@@ -58,10 +63,10 @@ fn sleep_goes_on_and_nothing_wakes_by_being_loaded() {
     let ticks = ticks.expect("it falls asleep") + 1;
     let load = |one: &App, remembers: bool| {
         let (mut other, other_ball, other_cloth) = build(3);
-        let state = ClothState::of(one.world().entity(cloth)).unwrap();
+        let state = ClothSnapshot::of(one.world().entity(cloth)).unwrap();
         other.world_mut().entity_mut(other_cloth).insert(state);
         if remembers {
-            let state = ColliderState::of(one.world().entity(ball)).unwrap();
+            let state = SdfColliderSnapshot::of(one.world().entity(ball)).unwrap();
             other.world_mut().entity_mut(other_ball).insert(state);
         }
         (other, other_ball, other_cloth)
@@ -75,7 +80,7 @@ fn sleep_goes_on_and_nothing_wakes_by_being_loaded() {
     }
     assert_eq!(simulation(&other, other_cloth).tick_count(), count);
     assert_eq!(bits(&other, other_cloth), bits(&one, cloth));
-    assert!(other.world().get::<ColliderState>(other_ball).is_none(), "it is used up");
+    assert!(other.world().get::<SdfColliderSnapshot>(other_ball).is_none(), "it is used up");
     transform(&mut other, other_ball).translation.y -= 0.01;
     other.update();
     assert!(!asleep(&other, other_cloth));
@@ -86,10 +91,10 @@ fn sleep_goes_on_and_nothing_wakes_by_being_loaded() {
     let (mut one, ball, cloth) = build(0);
     updates(&mut one, ticks - 20);
     assert!(!asleep(&one, cloth));
-    let state = ClothState::of(one.world().entity(cloth)).unwrap();
+    let state = ClothSnapshot::of(one.world().entity(cloth)).unwrap();
     let (mut other, other_ball, other_cloth) = build(1);
     other.world_mut().entity_mut(other_cloth).insert(state);
-    let state = ColliderState::of(one.world().entity(ball)).unwrap();
+    let state = SdfColliderSnapshot::of(one.world().entity(ball)).unwrap();
     other.world_mut().entity_mut(other_ball).insert(state);
     for _ in 0..25 {
         one.update();
@@ -111,7 +116,7 @@ fn the_size_is_that_of_the_cloth_that_was_saved() {
     updates(&mut one, 5);
     let mut other = app();
     let twin = spawn(&mut other, (sheet(), pins, scaled(3.0)));
-    let state = ClothState::of(one.world().entity(cloth)).unwrap();
+    let state = ClothSnapshot::of(one.world().entity(cloth)).unwrap();
     other.world_mut().entity_mut(twin).insert(state);
     for _ in 0..30 {
         one.update();
@@ -128,7 +133,7 @@ fn a_state_of_another_cloth_is_told_and_changes_nothing() {
     let (one, twin) = (cloth(&mut app, 8, 8), cloth(&mut app, 8, 8));
     let (fewer, longer) = (cloth(&mut app, 7, 8), cloth(&mut app, 16, 4));
     let mesh = add_mesh(&mut app, holed_mesh());
-    let holed = spawn(&mut app, (Cloth::from_mesh(), Mesh3d(mesh)));
+    let holed = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh)));
     updates(&mut app, 5);
     for (from, expected) in [
         (fewer, StateError::WrongParticleCount { expected: 64, got: 56 }),
@@ -138,9 +143,9 @@ fn a_state_of_another_cloth_is_told_and_changes_nothing() {
         let state = simulation(&app, from).save();
         app.world_mut().entity_mut(one).insert(state);
         app.update();
-        let told = ClothError::State { entity: one, problem: expected };
+        let told = ClothError::Snapshot { entity: one, problem: expected };
         assert_eq!(failure(&app, one), Some(told));
-        assert!(app.world().get::<ClothState>(one).is_none());
+        assert!(app.world().get::<ClothSnapshot>(one).is_none());
         assert_eq!(bits(&app, one), bits(&app, twin));
         assert_eq!(failure(&app, twin), None);
     }
@@ -155,13 +160,13 @@ fn a_state_of_another_cloth_is_told_and_changes_nothing() {
 fn what_waits_for_its_mesh_keeps_its_state_until_then() {
     let mut one = app();
     let mesh = add_mesh(&mut one, holed_mesh());
-    let cloth = spawn(&mut one, (Cloth::from_mesh(), Mesh3d(mesh)));
+    let cloth = spawn(&mut one, (Cloth::of_mesh3d(), Mesh3d(mesh)));
     updates(&mut one, 20);
     let state = simulation(&one, cloth).save();
     let mut other = app();
-    let twin = spawn(&mut other, (Cloth::from_mesh(), Mesh3d::default(), state));
+    let twin = spawn(&mut other, (Cloth::of_mesh3d(), Mesh3d::default(), state));
     updates(&mut other, 3);
-    assert!(other.world().get::<ClothState>(twin).is_some());
+    assert!(other.world().get::<ClothSnapshot>(twin).is_some());
     let mesh = add_mesh(&mut other, holed_mesh());
     other.world_mut().entity_mut(twin).insert(Mesh3d(mesh));
     for _ in 0..10 {

@@ -4,7 +4,7 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInertia, ClothSleepThreshold, ClothTeleport, prelude::*};
 
 /// Way of each teleport: no multiple of anything.
 const WAY: Vec3 = Vec3::new(8.03, 3.7, -5.1);
@@ -318,7 +318,7 @@ fn carriage(free: bool, rides: Option<Rides>, inertia: Option<ClothInertia>) -> 
         (-9.0, ClothPins::from(PinSelection::FirstRow))
     };
     spawn(&mut app, (floor, Transform::from_xyz(0.0, floor_at, 0.0), ChildOf(root)));
-    let cloth = spawn(&mut app, (sheet(), pins, ClothSleep::NEVER, ChildOf(root)));
+    let cloth = spawn(&mut app, (sheet(), pins, ClothSleepThreshold::NEVER, ChildOf(root)));
     updates(&mut app, 2);
     if let Some(rides) = rides {
         app.world_mut().entity_mut(root).insert(rides);

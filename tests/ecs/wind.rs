@@ -3,7 +3,11 @@
 
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothExecution, ClothGravityOverride, ClothWindOverride,
+    prelude::*,
+    solver::{Gusts, WindFlow},
+};
 use std::{f32::consts::FRAC_PI_2, time::Duration};
 
 /// A film so light that it goes with the wind, and nothing else acts.

@@ -93,7 +93,7 @@ pub fn settings() -> impl Strategy<Value = Settings> + Clone {
             integrator: Integrator::Verlet,
             tethers,
             max_speed: speeds.0.clamp(1e-3, 1e5),
-            max_push_speed: speeds.1.clamp(1e-3, 1e5),
+            max_depenetration_speed: speeds.1.clamp(1e-3, 1e5),
             layers: u32::MAX,
             edges,
         },

@@ -54,7 +54,7 @@ pub fn check_soup(app: &mut App, soup: &Soup) -> Result<bool, String> {
         .with_inserted_indices(Indices::U32(soup.indices.clone()));
     let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
     let pins = ClothPins::vertices([soup.pin % soup.positions.len().max(1) as u32]);
-    let bundle = (Cloth::from_mesh(), Mesh3d(handle.clone()), pins, soup.material);
+    let bundle = (Cloth::of_mesh3d(), Mesh3d(handle.clone()), pins, soup.material);
     let cloth = app.world_mut().spawn(bundle).id();
     let mut outcome = Ok(false);
     for _ in 0..TICKS {

@@ -4,9 +4,9 @@
 //! from five pins, and those laid over the edge of a table.
 
 use bevy::math::{Vec2, Vec3, primitives::Cuboid};
-use bevy_drape::sdf::SignedDistance;
-use bevy_drape::solver::{
-    ClothSolver, Collider, Form, FormChoice, MassLumping, Material, Pose, Settings,
+use bevy_drape::{
+    sdf::SignedDistance,
+    solver::{ClothSolver, Collider, Form, FormChoice, MassLumping, Material, Pose, Settings},
 };
 
 use super::common::*;

@@ -5,9 +5,12 @@ use bevy::math::{
     bounding::Aabb3d,
     primitives::{InfinitePlane3d, Sphere},
 };
-use bevy_drape::sdf::{SdfSample, SignedDistance};
-use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Pose, Settings, StepInput,
+use bevy_drape::{
+    sdf::{SdfSample, SignedDistance},
+    solver::{
+        ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Pose, Settings,
+        StepInput,
+    },
 };
 
 use super::common::*;

@@ -1,10 +1,12 @@
 //! Bit equality: twice, stage by stage, on every instruction set.
 
 use bevy::math::{Quat, Vec2, Vec3, bounding::Aabb3d, primitives::Sphere};
-use bevy_drape::sdf::{SdfSample, SignedDistance};
-use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Isa, MassLumping, Material, PinMotion,
-    Pose, Settings, StepInput,
+use bevy_drape::{
+    sdf::{SdfSample, SignedDistance},
+    solver::{
+        Bending, ClothSolver, Collider, DampingForm, FormChoice, Isa, MassLumping, Material,
+        PinMotion, Pose, Settings, StepInput,
+    },
 };
 
 use super::common::*;

@@ -6,8 +6,10 @@ use bevy::math::{
     Quat, Vec2, Vec3,
     primitives::{Cuboid, InfinitePlane3d, Sphere},
 };
-use bevy_drape::sdf::SignedDistance;
-use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, StepInput};
+use bevy_drape::{
+    sdf::SignedDistance,
+    solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, StepInput},
+};
 
 use super::common::*;
 
@@ -129,7 +131,7 @@ fn what_starts_inside_comes_out_no_faster_than_set() {
             ..plain()
         };
         let lattice = sheet(Vec2::splat(1.0), 24, 24, MassLumping::Lumped);
-        let settings = Settings { max_push_speed: limit, ..Settings::default() };
+        let settings = Settings { max_depenetration_speed: limit, ..Settings::default() };
         // Half of the sheet is inside, none of it at the centre, where no way out is the nearest.
         let mut solver = at_rest(&lattice, Vec3::new(0.3, 0.1, 0.0), material, settings);
         let collider = [Collider::new(&ball, Pose::IDENTITY)];

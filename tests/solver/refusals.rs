@@ -76,8 +76,8 @@ fn every_number_of_the_settings_has_a_range() {
         ("max_speed", Settings { max_speed: 0.0, ..base }),
         ("max_speed", Settings { max_speed: f32::NAN, ..base }),
         ("max_speed", Settings { max_speed: f32::INFINITY, ..base }),
-        ("max_push_speed", Settings { max_push_speed: 0.0, ..base }),
-        ("max_push_speed", Settings { max_push_speed: f32::NAN, ..base }),
+        ("max_depenetration_speed", Settings { max_depenetration_speed: 0.0, ..base }),
+        ("max_depenetration_speed", Settings { max_depenetration_speed: f32::NAN, ..base }),
     ] {
         match refused(name, |s| s.set_settings(bad)) {
             SolverError::Parameter(error) => assert_eq!(error.name, name),

@@ -9,7 +9,7 @@ use bevy::{
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothError, prelude::*};
 
 use crate::outside::ecs::run_in_series;
 
@@ -128,7 +128,7 @@ pub fn spawn_variants(
             spawn_cloth(app, (Cloth::sheet(Vec2::ONE, UVec2::splat(n)), others))
         } else {
             let mesh = holed(app, n);
-            spawn_cloth(app, (Cloth::from_mesh(), mesh, others))
+            spawn_cloth(app, (Cloth::of_mesh3d(), mesh, others))
         }
     })
 }

@@ -6,8 +6,10 @@ use bevy::math::{
     Vec2, Vec3,
     primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
 };
-use bevy_drape::sdf::SignedDistance;
-use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, Substeps};
+use bevy_drape::{
+    sdf::SignedDistance,
+    solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, Substeps},
+};
 
 const N: usize = 64;
 

@@ -10,7 +10,7 @@ pub mod ecs;
 
 use super::other::TEN_SECONDS;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothGravityOverride, ClothWindOverride, prelude::*};
 use ecs::*;
 
 /// A strip of two triangles, then whatever else.
@@ -89,7 +89,7 @@ fn h14_what_is_left_of_a_bad_mesh_is_a_cloth() {
             };
             [("automatic", material), ("stiffest", stiffest)].map(|(name, material)| {
                 let bundle = (
-                    Cloth::from_mesh(),
+                    Cloth::of_mesh3d(),
                     Mesh3d(mesh.clone()),
                     material,
                     ClothPins::vertices([0]),
@@ -135,7 +135,7 @@ fn h14_less_than_two_triangles_are_told() {
     ];
     for (what, mesh) in meshes {
         let mesh = Mesh3d(add_mesh(&mut app, mesh));
-        let cloth = spawn(&mut app, (Cloth::from_mesh(), mesh));
+        let cloth = spawn(&mut app, (Cloth::of_mesh3d(), mesh));
         updates(&mut app, 3);
         let error = failure(&app, cloth).expect(what).to_string();
         assert!(error.contains(&cloth.to_string()), "{what}: {error}");
@@ -158,7 +158,7 @@ fn victim(app: &mut App, graph: bool, material: ClothMaterial) -> Victim {
     let cloth = spawn(app, (sheet(), pins, material, ClothAir::default()));
     if graph {
         let mesh = Mesh3d(add_mesh(app, holed_mesh()));
-        app.world_mut().entity_mut(cloth).insert((Cloth::from_mesh(), mesh));
+        app.world_mut().entity_mut(cloth).insert((Cloth::of_mesh3d(), mesh));
     }
     Victim { cloth, anchor }
 }

@@ -6,7 +6,7 @@ use bevy::{
     asset::AssetPlugin, mesh::MeshPlugin, prelude::*, time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ColliderImpulse, prelude::*, solver::Gusts};
 
 /// Thirty sheets and meshes in gusts, over colliders that move, held hard, softly and not at all: the bits of
 /// all their positions, folded.
@@ -37,7 +37,7 @@ fn scene(app: &mut App) -> u64 {
             if i % 2 == 0 {
                 spawn(app, (Cloth::sheet(Vec2::ONE, UVec2::new(6 + i % 7, 15 - i % 5)), more))
             } else {
-                spawn(app, (Cloth::from_mesh(), Mesh3d(mesh.clone()), more))
+                spawn(app, (Cloth::of_mesh3d(), Mesh3d(mesh.clone()), more))
             }
         })
         .collect();

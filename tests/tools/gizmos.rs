@@ -5,7 +5,9 @@ use bevy::{
     gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin},
     prelude::*,
 };
-use bevy_drape::{ClothGizmos, ClothGizmosPlugin, SdfSlice, prelude::*};
+use bevy_drape::{
+    ClothGizmos, ClothGizmosPlugin, ClothGrab, ClothSleepThreshold, SdfSlice, prelude::*,
+};
 use std::any::TypeId;
 
 type Line = (Vec3, Vec3, LinearRgba);
@@ -100,7 +102,7 @@ fn pins_are_tied_to_their_anchors() {
     let anchor = spawn(&mut app, Transform::from_xyz(3.0, 2.0, 1.0));
     let soft = ClothPins::vertices([7]).softly(50.0, 1.0);
     let pins = ClothPins::vertices([0]).anchored_to(anchor).and(soft);
-    let cloth = spawn(&mut app, (sheet(), pins, ClothSleep::NEVER));
+    let cloth = spawn(&mut app, (sheet(), pins, ClothSleepThreshold::NEVER));
     updates(&mut app, 100);
     let drawn = lines(&app);
     // Two crosses of three lines, the line to the anchor, the line of the spring.

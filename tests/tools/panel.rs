@@ -4,8 +4,8 @@
 use crate::common::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothPanel, ClothPanelModelPlugin, PanelAction, PanelFacts, PanelHistory, explain,
-    load_material, prelude::*, save_material,
+    ClothGravityOverride, ClothPanel, ClothPanelModelPlugin, ClothWindOverride, PanelAction,
+    PanelFacts, PanelHistory, explain, load_material, prelude::*, save_material,
 };
 use std::{fs, path::Path};
 

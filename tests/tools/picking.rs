@@ -18,7 +18,7 @@ use bevy::{
     },
     prelude::*,
 };
-use bevy_drape::{ClothPicking, ClothPickingPlugin, prelude::*};
+use bevy_drape::{ClothGrab, ClothInterpolation, ClothPicking, ClothPickingPlugin, prelude::*};
 
 const POINTER: PointerId = PointerId::Mouse;
 

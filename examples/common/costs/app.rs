@@ -14,7 +14,7 @@ use bevy::{
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInertia, ClothSleepThreshold, ClothTeleport, prelude::*};
 
 /// An app of `MinimalPlugins` on one thread, which draws its cloths or not. An update is a tick.
 fn app(drawn: bool) -> App {
@@ -41,7 +41,7 @@ fn app(drawn: bool) -> App {
 }
 
 fn sheet(n: u32) -> impl Bundle {
-    (Cloth::sheet(Vec2::splat(2.0), UVec2::splat(n)), ClothSleep::NEVER)
+    (Cloth::sheet(Vec2::splat(2.0), UVec2::splat(n)), ClothSleepThreshold::NEVER)
 }
 
 fn hung(n: u32) -> impl Bundle {
@@ -221,7 +221,7 @@ fn mark(mut marks: ResMut<Marks>) {
 
 /// What the plugin does around the solver, for one cloth that is drawn.
 pub fn plugin(n: u32, rounds: usize, wrong: &mut Wrong) {
-    use ClothSystems::{Draw, Finish, Gather, Setup, Solve};
+    use ClothSystems::{Finish, Gather, LateSetup, Setup, Solve, WriteMeshes};
     let mut app = app(true);
     app.init_resource::<Marks>();
     let cloth = app.world_mut().spawn(hung(n)).id();
@@ -236,7 +236,10 @@ pub fn plugin(n: u32, rounds: usize, wrong: &mut Wrong) {
             None => app.add_systems(FixedPostUpdate, after),
         };
     }
-    app.add_systems(PostUpdate, (mark.after(Setup).before(Draw), mark.after(Draw)));
+    app.add_systems(
+        PostUpdate,
+        (mark.after(LateSetup).before(WriteMeshes), mark.after(WriteMeshes)),
+    );
     let mut times: [Vec<f64>; 5] = Default::default();
     let mut meshes = 0;
     for round in 0..rounds + 10 {

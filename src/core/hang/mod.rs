@@ -10,7 +10,7 @@
 //! A curve's length is that of the straight line in the cloth at rest, spread out flat. A rest shape that
 //! is not flat is flattened first (`flatten`): its ways along the cloth become distances in a plane.
 //!
-//! In a game, the plugin's [`ClothHung`](https://docs.rs/bevy_drape/latest/bevy_drape/struct.ClothHung.html) does both.
+//! In a game, the plugin's [`HangOnStart`](https://docs.rs/bevy_drape/latest/bevy_drape/struct.HangOnStart.html) does both.
 //! To a solver of one's own (with the plugin, these are `bevy_drape::hang`, `bevy_drape::solver` and `bevy::math`):
 //!
 //! ```

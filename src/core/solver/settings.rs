@@ -148,7 +148,7 @@ pub struct Settings {
     pub max_speed: f32,
     /// Speed at which particles inside a collider are pushed out \[m/s\]. Higher frees a cloth sooner that began inside
     /// of one.
-    pub max_push_speed: f32,
+    pub max_depenetration_speed: f32,
     /// The layers of colliders that it meets, a bit each.
     pub layers: u32,
     /// Whether edges are held out of colliders that are thin or sharp, and not particles alone.
@@ -166,7 +166,7 @@ impl Default for Settings {
             integrator: Integrator::Verlet,
             tethers: true,
             max_speed: 100.0,
-            max_push_speed: 2.0,
+            max_depenetration_speed: 2.0,
             layers: u32::MAX,
             edges: true,
         }
@@ -222,7 +222,7 @@ impl Settings {
         check("provot_passes", self.provot_passes as f32, 0.0, 1000.0, "from 0 to 1000")?;
         let range = "positive and at most 1e5 m/s";
         check("max_speed", self.max_speed, 1e-3, 1e5, range)?;
-        check("max_push_speed", self.max_push_speed, 1e-3, 1e5, range)
+        check("max_depenetration_speed", self.max_depenetration_speed, 1e-3, 1e5, range)
     }
 }
 

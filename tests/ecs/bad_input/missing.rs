@@ -7,7 +7,10 @@ use super::{
 };
 use crate::common::*;
 use bevy::{mesh::VertexAttributeValues, prelude::*};
-use bevy_drape::{MeshProblem, PinProblem, prelude::*};
+use bevy_drape::{
+    ClothError, ClothExecution, ClothInterpolation, ClothWindOverride, MeshProblem, PinProblem,
+    prelude::*,
+};
 
 /// What is taken away is as if the component had never been given: its default.
 #[test]
@@ -144,7 +147,7 @@ fn meshes_mended_in_place() {
     let late = app.world().resource::<Assets<Mesh>>().reserve_handle();
     let cloths = [&bent, &late].map(|mesh| {
         let mesh = Mesh3d(mesh.clone());
-        spawn(&mut app, (Cloth::from_mesh(), mesh, Transform::from_xyz(30.0, 0.0, 0.0)))
+        spawn(&mut app, (Cloth::of_mesh3d(), mesh, Transform::from_xyz(30.0, 0.0, 0.0)))
     });
     let bake = BakeSdf::with_cells(4);
     let place = Transform::from_xyz(0.0, -40.0, 0.0);

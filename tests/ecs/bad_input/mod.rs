@@ -6,9 +6,9 @@
 //!
 //! | items | where |
 //! | --- | --- |
-//! | `ClothMaterial`, `ClothSettings`, `ClothSleep`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
+//! | `ClothMaterial`, `ClothSettings`, `ClothSleepThreshold`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
 //! | `WindZone`, `ClothGravity`, `ClothWind`, `ClothExecution`, `Time<Fixed>`, components and resources taken away, methods of `ClothSimulation`, `ColliderImpulse`, `ClothFailure` | `surroundings`, `missing`, `together` |
-//! | `Cloth::from_mesh`, `ClothWeights`, colours | `intake`; meshes mended in place: `missing` |
+//! | `Cloth::of_mesh3d`, `ClothWeights`, colours | `intake`; meshes mended in place: `missing` |
 //! | anchors that go, soft and hard | `anchors`, `pins` |
 //! | `SdfCollider`, `SdfShape`, `CustomSdf`, `BakeSdf`, `SdfCells` | `bad_colliders` |
 //! | `.sdf` files and their loader | `fields`; byte by byte: `tests/sdf/saved` |
@@ -17,7 +17,7 @@
 //! | `DistanceField::bake`; shapes asked at no point | `tests/sdf/baking`, `tests/sdf/shapes` |
 //! | `ClothSolver`, `Lattice`, `Graph`, `Air`, `Wind`, `SoftPin`, `RigidMotion` | `tests/solver`: `refusals`, `graph_refusals`, `weights`, `air`, `soft`, `motion` |
 //!
-//! `ClothInterpolation`, `ClothFrozen`, `Integrator`, `ColorChannel` and `ClothShape::Mesh` hold nothing that can be bad.
+//! `ClothInterpolation`, `ClothPaused`, `Integrator`, `ColorChannel` and `ClothShape::Mesh` hold nothing that can be bad.
 
 mod missing;
 mod rows;
@@ -26,7 +26,7 @@ mod together;
 
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothError, prelude::*};
 use rows::{
     Fate::{GoesOn, Runs, Stands},
     Row, rows_of_numbers, rows_of_pins, rows_of_places, rows_of_sheets, rows_of_surroundings,
@@ -53,7 +53,7 @@ fn spawn_cloth(app: &mut App, graph: bool) -> Entity {
     let cloth = spawn(app, bundle());
     if graph {
         let mesh = Mesh3d(add_mesh(app, holed_mesh()));
-        app.world_mut().entity_mut(cloth).insert((Cloth::from_mesh(), mesh));
+        app.world_mut().entity_mut(cloth).insert((Cloth::of_mesh3d(), mesh));
     }
     cloth
 }

@@ -3,7 +3,12 @@
 use super::{Act, HUGE, INF, NAN, pins};
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::{PinProblem, prelude::*, solver::SolverError};
+use bevy_drape::{
+    ClothError, ClothGravityOverride, ClothInertia, ClothSleepThreshold, ClothTeleport,
+    ClothWindOverride, ColorChannel, PinProblem,
+    prelude::*,
+    solver::{Gusts, MassLumping, SolverError, Substeps},
+};
 
 type Is = Box<dyn Fn(&ClothError) -> bool>;
 
@@ -86,14 +91,14 @@ pub fn rows_of_numbers() -> Vec<Row> {
         substeps: none.into_iter().chain(many);
         provot_passes: [u32::MAX];
         max_speed: positive;
-        max_push_speed: positive;
+        max_depenetration_speed: positive;
     });
     numbers!(rows, ClothAir, [Runs, GoesOn], {
         density: wild;
         drag: wild;
         lift: wild;
     });
-    numbers!(rows, ClothSleep, [GoesOn; 2], {
+    numbers!(rows, ClothSleepThreshold, [GoesOn; 2], {
         distance: [NAN, INF, -INF, -1.0];
         time: [NAN, INF, -INF, -1.0];
     });

@@ -7,7 +7,11 @@ use super::{
 };
 use crate::common::*;
 use bevy::{prelude::*, time::Fixed};
-use bevy_drape::{prelude::*, solver::SolverError};
+use bevy_drape::{
+    ClothError, ClothGravityOverride, ClothWindOverride,
+    prelude::*,
+    solver::{SolverError, WindShape},
+};
 use std::time::Duration;
 
 #[test]

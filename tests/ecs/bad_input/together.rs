@@ -3,7 +3,7 @@
 use super::{Act, HUGE, INF, NAN, alone, bundle, is_finite, pins, world};
 use crate::common::*;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothError, ClothSleepThreshold, ColliderImpulse, prelude::*};
 
 #[test]
 fn what_is_asked_of_a_running_cloth() {
@@ -65,7 +65,7 @@ fn several_things_at_once() {
     let bad_pin = pins().and(ClothPins::vertices([99]));
     let material = ClothMaterial { drag: NAN, ..default() };
     let settings = ClothSettings { max_speed: -1.0, ..default() };
-    let sleep = ClothSleep { time: INF, ..default() };
+    let sleep = ClothSleepThreshold { time: INF, ..default() };
     app.world_mut().entity_mut(cloth).insert((bad_pin, material, settings, sleep));
     updates(&mut app, 6);
     let names = ["drag", "max_speed", "99", "time"];
@@ -79,7 +79,7 @@ fn several_things_at_once() {
     let mend: [(&str, Act); 4] = [
         ("drag", Box::new(|e| _ = e.insert(ClothMaterial::default()))),
         ("99", Box::new(|e| _ = e.insert(pins()))),
-        ("time", Box::new(|e| _ = e.remove::<ClothSleep>())),
+        ("time", Box::new(|e| _ = e.remove::<ClothSleepThreshold>())),
         ("max_speed", Box::new(|e| _ = e.insert(ClothSettings::default()))),
     ];
     for (i, (name, mend)) in mend.iter().enumerate() {
@@ -98,7 +98,7 @@ fn several_things_at_once() {
 fn a_cloth_that_is_also_a_bad_collider() {
     let (mut app, good) = world();
     let collider = SdfCollider::from(Sphere::new(NAN));
-    let both = spawn(&mut app, (collider, Cloth::from_mesh()));
+    let both = spawn(&mut app, (collider, Cloth::of_mesh3d()));
     updates(&mut app, 4);
     assert_eq!(errors(&app, both).len(), 2);
     // Its mesh comes, and it is a cloth; the collider is as bad as ever.

@@ -7,7 +7,7 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::{prelude::*, solver::MassLumping};
+use bevy_drape::{ClothSleepThreshold, prelude::*, solver::MassLumping};
 use rayon::ThreadPoolBuilder;
 
 use super::super::run::{self, Method, Run, cloth};
@@ -88,7 +88,7 @@ pub fn crowd(threads: usize) -> f64 {
         app.world_mut().spawn((
             sheet,
             ClothPins::vertices([0, SIDE - 1]),
-            ClothSleep::NEVER,
+            ClothSleepThreshold::NEVER,
             place,
         ));
     }

@@ -28,7 +28,7 @@ impl ClothSolver {
                     epsilon: self.material.thickness,
                     friction: self.material.friction,
                     layers: self.settings.layers,
-                    most_push: self.settings.max_push_speed * self.plan.step,
+                    most_push: self.settings.max_depenetration_speed * self.plan.step,
                     per_weight: 1.0 / weight,
                     following: (self.plan.step / contact::FOLLOWING).min(1.0),
                     step: self.plan.step,

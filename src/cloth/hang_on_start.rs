@@ -30,14 +30,14 @@ use crate::solver::ParameterError;
 ///     ClothPins::vertices([0])
 ///         .anchored_to(left)
 ///         .and(ClothPins::vertices([63]).anchored_to(right)),
-///     ClothHung::default(),
+///     HangOnStart::default(),
 /// ));
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
-pub struct ClothHung {
+pub struct HangOnStart {
     /// Where pins that have an anchor hang.
     pub places: HangingPlaces,
     /// Speed below which all particles are at rest [m/s]. Lower comes closer to rest and takes longer.
@@ -61,14 +61,14 @@ pub enum HangingPlaces {
     Rest,
 }
 
-impl Default for ClothHung {
+impl Default for HangOnStart {
     fn default() -> Self {
         let Relaxation { speed, longest } = Relaxation::default();
         Self { places: HangingPlaces::default(), speed, longest }
     }
 }
 
-impl ClothHung {
+impl HangOnStart {
     pub(crate) fn validate(&self) -> Result<(), ParameterError> {
         let check = |name, value: f32, most: f32, range| {
             let good = value >= 0.0 && value <= most;
