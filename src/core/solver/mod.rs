@@ -88,14 +88,14 @@ pub use crate::solver::topology::Topology;
 pub use crate::solver::topology::graph::{Graph, GraphError, Weights};
 pub use crate::solver::topology::lattice::{Lattice, LatticeError};
 
-use crate::solver::constraints::pins::Held;
+use crate::solver::constraints::pins::Pins;
 use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::is_near;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::state::measure::{Survey, TakeSurvey};
-use crate::solver::state::{Scratch, State};
+use crate::solver::state::{State, Workspace};
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
@@ -107,7 +107,7 @@ pub struct ClothSolver {
     bands: Bands,
     /// Whether threads share a large sheet.
     shares: bool,
-    held: Held,
+    pins: Pins,
     soft: Vec<constraints::soft_pins::Spring>,
     /// Forces from outside, once there were any.
     pushes: Option<Box<forces::external::Pushes>>,
@@ -124,7 +124,7 @@ pub struct ClothSolver {
     /// Edges that are held out of colliders.
     edges: contact::Edges,
     state: State,
-    scratch: Scratch,
+    workspace: Workspace,
     /// Substeps of this tick that are done.
     done: u32,
     contact_count: u32,
@@ -201,7 +201,7 @@ impl ClothSolver {
     /// # Errors
     /// As [`ClothSolver::tick`]; the tick has not begun then.
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
-        input.check(self.held.slots.len() + self.soft.len())?;
+        input.check(self.pins.slots.len() + self.soft.len())?;
         if self.air.is_some() {
             input.wind.validate()?;
         }
@@ -221,12 +221,12 @@ impl ClothSolver {
             self.tether_under(Some(load));
         }
         self.begin_pushes();
-        let eases = self.held.tethers.iter().map(|set| set.ease(input.pins));
+        let eases = self.pins.tethers.iter().map(|set| set.ease(input.pins));
         self.tether_ease = eases.fold(1.0, f32::max);
-        self.begin_carrying();
+        self.begin_filtering();
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
-        self.scratch.contact.begin_tick(low, high, epsilon, layers, input.colliders);
+        self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         self.state.contacts.begin_tick(input.colliders);
         self.done = 0;
         Ok(self.plan.substeps)

@@ -123,7 +123,7 @@ impl ClothSolver {
         self.state.contacts.forget(slot);
         self.state.contacts.edges.forget(slot);
         self.surveyed_before = true;
-        self.stop_carrying();
+        self.stop_filtering();
         Ok(())
     }
 
@@ -135,7 +135,7 @@ impl ClothSolver {
         self.check_particle(particle, "velocity", velocity)?;
         let slot = self.slot(particle);
         self.state.d.set(slot, velocity * self.state.unit);
-        self.stop_carrying();
+        self.stop_filtering();
         Ok(())
     }
 

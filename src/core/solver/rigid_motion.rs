@@ -159,7 +159,7 @@ impl ClothSolver {
     pub(crate) fn come_to_rest(&mut self) {
         self.state.d.clear();
         self.state.last_step = 0.0;
-        self.stop_carrying();
+        self.stop_filtering();
         self.state.contacts.clear();
     }
 

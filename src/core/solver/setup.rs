@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
-use crate::solver::constraints::pins::Held;
+use crate::solver::constraints::pins::Pins;
 use crate::solver::constraints::threads::geometric_stiffness::steady;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::{Air, Surface};
@@ -14,7 +14,7 @@ use crate::solver::settings::{Material, ParameterError, Settings, is_near};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;
 use crate::solver::state::measure::Survey;
-use crate::solver::state::{Scratch, State};
+use crate::solver::state::{State, Workspace};
 use crate::solver::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
@@ -23,7 +23,7 @@ const USUAL_TICK: f32 = 1.0 / 64.0;
 use crate::solver::contact::Edges;
 
 impl ClothSolver {
-    /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing held.
+    /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing pinned.
     ///
     /// # Errors
     /// [`SolverError`] for positions, a material or settings that cannot be used.
@@ -45,14 +45,14 @@ impl ClothSolver {
         if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
             return Err(SolverError::NonFinite { what: "position", particle });
         }
-        let mut held = Held::new(&topology, Vec::new());
-        held.set_density(&topology, material.area_density);
-        let bound = bound(&topology, &held);
+        let mut pins = Pins::new(&topology, Vec::new());
+        pins.set_density(&topology, material.area_density);
+        let bound = bound(&topology, &pins);
         let state = State::new(&topology, positions);
         let edges = Edges::new(&topology);
         let mut solver = Self {
-            plan: Plan::new(&bound, &material, &settings, held.hung, USUAL_TICK),
-            scratch: Scratch::new(&topology, settings.edges.then_some(edges.count())),
+            plan: Plan::new(&bound, &material, &settings, pins.hung, USUAL_TICK),
+            workspace: Workspace::new(&topology, settings.edges.then_some(edges.count())),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
             shares: true,
@@ -71,7 +71,7 @@ impl ClothSolver {
             topology,
             material,
             settings,
-            held,
+            pins,
             bound,
             state,
         };
@@ -80,7 +80,7 @@ impl ClothSolver {
         Ok(solver)
     }
 
-    /// The same cloth, in the same place and motion, held alike and in the same air, over a rest shape
+    /// The same cloth, in the same place and motion, pinned alike and in the same air, over a rest shape
     /// of the same particles, joined alike, whose masses or stiffness are others.
     ///
     /// # Errors
@@ -153,7 +153,7 @@ impl ClothSolver {
         Ok(())
     }
 
-    /// Holds these particles and no others, in any order. What was held and is no more goes on with
+    /// Holds these particles and no others, in any order. A particle that was held and is no more goes on with
     /// the velocity it had.
     ///
     /// # Errors
@@ -166,9 +166,9 @@ impl ClothSolver {
         let mut sorted = particles.to_vec();
         sorted.sort_unstable();
         sorted.dedup();
-        if sorted != self.held.particles {
-            self.held = Held::new(&self.topology, sorted);
-            self.stop_carrying();
+        if sorted != self.pins.particles {
+            self.pins = Pins::new(&self.topology, sorted);
+            self.stop_filtering();
             self.replan();
         }
         Ok(())
@@ -176,7 +176,7 @@ impl ClothSolver {
 
     /// The held particles, ascending.
     pub fn pins(&self) -> &[u32] {
-        &self.held.particles
+        &self.pins.particles
     }
 
     /// Forces an instruction set: same bits, other speed. The widest is taken by default.
@@ -210,14 +210,14 @@ impl ClothSolver {
 
     /// Works out again what follows from rest shape, pins, material and settings.
     fn replan(&mut self) {
-        self.held.set_density(&self.topology, self.material.area_density);
-        self.bound = bound(&self.topology, &self.held);
+        self.pins.set_density(&self.topology, self.material.area_density);
+        self.bound = bound(&self.topology, &self.pins);
         if let (Topology::Graph(graph), Some(strengths)) =
-            (&self.topology, &mut self.held.strengths)
+            (&self.topology, &mut self.pins.strengths)
         {
             strengths.set_bending(graph, self.settings.bending);
             if self.material.bending_friction > 0.0 {
-                graph.spans();
+                graph.wide_hinges();
             }
         }
         self.make_room_for_study();
@@ -228,7 +228,7 @@ impl ClothSolver {
     /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.
     pub(crate) fn tether_under(&mut self, load: Option<Vec3>) {
         if let Some(load) = load {
-            for set in &mut self.held.tethers {
+            for set in &mut self.pins.tethers {
                 set.set_limits(&self.topology, &self.material, load);
             }
         }
@@ -237,10 +237,10 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
-        let hung = self.held.hung;
+        let hung = self.pins.hung;
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
         if let (Topology::Graph(graph), Some(strengths)) =
-            (&self.topology, &mut self.held.strengths)
+            (&self.topology, &mut self.pins.strengths)
         {
             strengths.set(graph, &self.bound, &self.plan.demand);
         }
@@ -257,6 +257,6 @@ fn check_settings(topology: &Topology, settings: &Settings) -> Result<(), Solver
 }
 
 /// The bound on the frequencies of a cloth with these pins.
-fn bound(topology: &Topology, held: &Held) -> Bound {
-    Bound::new(topology, &held.hinges, &held.inverse_mass, held.strengths.as_ref())
+fn bound(topology: &Topology, pins: &Pins) -> Bound {
+    Bound::new(topology, &pins.hinges, &pins.inverse_mass, pins.strengths.as_ref())
 }

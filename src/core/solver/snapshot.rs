@@ -200,7 +200,7 @@ impl ClothSolver {
             settings: _,
             isa: _,
             // These follow from what is kept of them.
-            held,
+            pins: held,
             soft,
             bound: _,
             steady: _,
@@ -209,7 +209,7 @@ impl ClothSolver {
             survey: _,
             surveyed_before: _,
             // These do not outlive a tick.
-            scratch: _,
+            workspace: _,
             done: _,
             tether_ease: _,
             contact_count: _,

@@ -4,14 +4,14 @@ use bevy_math::Vec3;
 
 use crate::solver::constraints::tethers::TetherSet;
 use crate::solver::forces::bending::Hinges;
-use crate::solver::plan::graph_stiffness::Strengths;
+use crate::solver::plan::graph_stiffness::GraphStiffness;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::Topology;
 
 /// The pins of a cloth and what follows from them. Made anew when the set of pins changes.
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
+pub(crate) struct Pins {
     /// Held particles, ascending.
     pub particles: Vec<u32>,
     /// Their slots.
@@ -29,10 +29,10 @@ pub(crate) struct Held {
     /// Hinges of a lattice's weft and warp.
     pub hinges: [Hinges; 2],
     /// Explicit constants of a graph.
-    pub strengths: Option<Strengths>,
+    pub strengths: Option<GraphStiffness>,
 }
 
-impl Held {
+impl Pins {
     /// For particles that are in range, ascending and different from each other.
     pub fn new(topology: &Topology, particles: Vec<u32>) -> Self {
         let layout = topology.layout();
@@ -43,7 +43,7 @@ impl Held {
         Self {
             tethers: TetherSet::build(topology, &slots),
             hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
-            strengths: topology.as_graph().map(|graph| Strengths::new(graph, &held)),
+            strengths: topology.as_graph().map(|graph| GraphStiffness::new(graph, &held)),
             hung: 0.0,
             particles,
             places: vec![Vec3::ZERO; slots.len()],

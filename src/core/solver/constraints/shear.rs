@@ -12,7 +12,7 @@ use crate::solver::contact::{Contacts, Normals, divide};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{Band, Rooms, Seams, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Seams, Workspaces, cut_between_rows};
 use crate::solver::simd::slots::{CutAt, Slots};
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
@@ -67,7 +67,7 @@ pub(crate) struct CorrectShear<'a> {
     pub contacts: Option<Contacts<'a>>,
     /// Displacements on both sides of the cuts, before any is corrected.
     pub seams: &'a Seams,
-    pub rooms: &'a Rooms<RowPulls>,
+    pub rooms: &'a Workspaces<RowPulls>,
 }
 
 /// Pulls of the springs from one row to the next, and of those from the row before to it, by column from

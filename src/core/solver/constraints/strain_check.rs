@@ -9,7 +9,7 @@ use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Lattice;
 
 /// Looks for a spring that is longer than it may be at the substep's end.
-pub(crate) struct IsAnyBeyond<'a> {
+pub(crate) struct ExceedsLimit<'a> {
     pub band: Band,
     pub lattice: &'a Lattice,
     /// 1 + max strain.
@@ -20,7 +20,7 @@ pub(crate) struct IsAnyBeyond<'a> {
     pub d: &'a Soa,
 }
 
-impl Kernel for IsAnyBeyond<'_> {
+impl Kernel for ExceedsLimit<'_> {
     type Output = bool;
 
     #[inline(always)]
@@ -54,9 +54,9 @@ impl Kernel for IsAnyBeyond<'_> {
     }
 }
 
-cut_between_rows!(IsAnyBeyond);
+cut_between_rows!(ExceedsLimit);
 
-impl IsAnyBeyond<'_> {
+impl ExceedsLimit<'_> {
     /// Where particles are at the substep's end.
     #[inline(always)]
     fn places(&self, slot: usize) -> Block3 {

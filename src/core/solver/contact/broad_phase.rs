@@ -24,7 +24,7 @@ const FEW_WITH_EDGES: usize = 2;
 
 /// What contact remembers from substep to substep of a tick.
 #[derive(Clone, Debug)]
-pub(crate) struct ContactRoom {
+pub(crate) struct BroadPhase {
     blocks: usize,
     /// The colliders that the cloth may have come to, in their order.
     pub awake: Vec<Awake>,
@@ -62,7 +62,7 @@ pub(crate) struct Awake {
     pub gone: f32,
 }
 
-impl ContactRoom {
+impl BroadPhase {
     /// For a cloth of so many edges, where these are held.
     pub fn new(band: &Band, edges: Option<usize>) -> Self {
         let layout = band.layout;

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::contact::Skin;
+use crate::solver::contact::ContactSettings;
 use crate::solver::contact::hold::Hold;
 use crate::solver::contact::push_out::{Near, Pushed};
 use crate::solver::simd::block::Block3;
@@ -47,7 +47,7 @@ impl Found<'_> {
         pushed: &Pushed,
         hold: &Hold,
         (friction, collider): (f32, usize),
-        skin: &Skin,
+        settings: &ContactSettings,
     ) {
         self.blocks.row(slot, 1)[0] = true;
         let mut normals = Block3::load(&self.normal, slot);
@@ -56,18 +56,18 @@ impl Found<'_> {
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
         let mut slip = slips.at(0);
-        let rate = 1.0 / skin.step;
+        let rate = 1.0 / settings.step;
         for i in 0..LANES {
             let touches = near.depth.0[i] > 0.0;
             let n = near.normals.at(i);
             let (goes, surface) = (n.dot(pushed.surface.at(i)), pushed.surface.at(i) * rate);
             // What is fast may be gone in the next substep.
-            let lies = if goes.abs() > skin.epsilon { Vec3::ZERO } else { n };
+            let lies = if goes.abs() > settings.epsilon { Vec3::ZERO } else { n };
             normals.set(i, if touches { lies } else { normals.at(i) });
             velocity.set(i, if touches { surface } else { velocity.at(i) });
             holder.0[i] = if touches { collider as f32 } else { holder.0[i] };
-            let free = pushed.slip(i, friction, hold, skin);
-            let free = if goes.abs() > skin.epsilon { 1.0 } else { free };
+            let free = pushed.slip(i, friction, hold, settings);
+            let free = if goes.abs() > settings.epsilon { 1.0 } else { free };
             slip.0[i] = if touches { free } else { slip.0[i] };
         }
         velocity.store(&mut self.velocity, slot);

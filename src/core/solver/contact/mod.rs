@@ -32,7 +32,7 @@ pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,
 };
-pub(super) use crate::solver::contact::broad_phase::ContactRoom;
+pub(super) use crate::solver::contact::broad_phase::BroadPhase;
 pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
 pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 
@@ -79,7 +79,7 @@ pub(super) struct Span {
 
 /// What a cloth is to colliders.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Skin {
+pub(super) struct ContactSettings {
     /// Distance at which particles are held \[m\].
     pub epsilon: f32,
     /// The cloth's coefficient of friction.
@@ -104,13 +104,13 @@ pub(super) struct ResolveContacts<'a> {
     pub colliders: &'a [Collider<'a>],
     pub origin: Vec3,
     pub span: Span,
-    pub skin: Skin,
+    pub settings: ContactSettings,
     pub inverse_mass: &'a mut [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
     /// Pulls noted from before the corrections on (`integrate::houbolt`): what touches a collider has none.
     pub pull: Option<&'a mut Soa>,
-    pub room: &'a mut ContactRoom,
+    pub broad_phase: &'a mut BroadPhase,
     /// The cloth's edges, where they are to be held out too.
     pub edges: Option<&'a Edges>,
     /// Strain that threads are limited to, and the largest that any has.
@@ -126,18 +126,27 @@ impl ResolveContacts<'_> {
     pub fn run(mut self, isa: Isa) -> u32 {
         let way =
             parallel::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
-        let Skin { epsilon, layers, .. } = self.skin;
+        let ContactSettings { epsilon, layers, .. } = self.settings;
         let layout = self.bands.rows.layout;
-        self.room.begin_substep();
-        self.room.wake(isa, way, epsilon, layers, self.x, layout, self.origin, self.colliders);
+        self.broad_phase.begin_substep();
+        self.broad_phase.wake(
+            isa,
+            way,
+            epsilon,
+            layers,
+            self.x,
+            layout,
+            self.origin,
+            self.colliders,
+        );
         let mut touching = 0;
-        for k in 0..self.room.awake.len() {
+        for k in 0..self.broad_phase.awake.len() {
             touching += self.meet(isa, k, way);
         }
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
-            let (step, notes) = (self.skin.step, self.pull.is_some());
+            let (step, notes) = (self.settings.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
         self.set.turn();
@@ -147,21 +156,21 @@ impl ResolveContacts<'_> {
     /// Holds all particles out of one collider, and returns how many touched it. `way` is what the
     /// fastest particle goes in this substep \[m\].
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
-        let (room, set) = (&mut *self.room, &mut *self.set);
-        let Awake { collider, first, gone } = room.awake[k];
+        let (broad_phase, set) = (&mut *self.broad_phase, &mut *self.set);
+        let Awake { collider, first, gone } = broad_phase.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
-        let motion = Motion::new(collider_now, self.origin, self.skin.friction, from, to);
-        room.awake[k].gone = gone + motion.reach;
+        let motion = Motion::new(collider_now, self.origin, self.settings.friction, from, to);
+        broad_phase.awake[k].gone = gone + motion.reach;
         // Particles that another collider has pushed have gone further.
-        let way = way + room.pushed + motion.reach;
-        let gone = (room.gone + room.pushed + gone + motion.reach) * ROUNDED_UP;
-        let skin = &self.skin;
+        let way = way + broad_phase.pushed + motion.reach;
+        let gone = (broad_phase.gone + broad_phase.pushed + gone + motion.reach) * ROUNDED_UP;
+        let settings = &self.settings;
         let stretch = 1.0 + larger(self.max_strain, self.strain);
-        let rule = |edges| Some((edges, Rule::new(edges, &motion, skin, stretch)?));
+        let rule = |edges| Some((edges, Rule::new(edges, &motion, settings, stretch)?));
         let rule = self.edges.and_then(rule);
         if rule.is_some() {
-            room.nearby.get_or_insert_with(|| Nearby::new(self.bands.rows.layout.len()));
+            broad_phase.nearby.get_or_insert_with(|| Nearby::new(self.bands.rows.layout.len()));
         }
         // What passes through the collider is not met: it is shown as what nothing moves.
         let freed = set.edges.freed.iter().filter(|freed| freed.collider as usize == collider);
@@ -176,16 +185,16 @@ impl ResolveContacts<'_> {
                 band: self.bands.sums.clone(),
                 motion: &motion,
                 collider,
-                skin: self.skin,
-                is_fast: way > self.skin.epsilon + motion.fast,
+                settings: self.settings,
+                is_fast: way > self.settings.epsilon + motion.fast,
                 gone,
                 inverse_mass: self.inverse_mass,
                 x: self.x.part_mut(),
                 d: self.d.part_mut(),
                 pull: self.pull.as_deref_mut().map(Soa::part_mut),
-                until: ByBlock::all(&mut room.until[first..]),
+                until: ByBlock::all(&mut broad_phase.until[first..]),
                 edge_reach: rule.map_or(0.0, |(_, rule)| rule.reach),
-                nearby: rule.and_then(|_| Some(room.nearby.as_mut()?.part_mut())),
+                nearby: rule.and_then(|_| Some(broad_phase.nearby.as_mut()?.part_mut())),
                 held: Held {
                     set: &set.now,
                     unpulled: &set.unpulled,
@@ -204,30 +213,30 @@ impl ResolveContacts<'_> {
         for &(slot, w) in freed.iter().rev() {
             self.inverse_mass[slot] = w;
         }
-        room.struck |= met.struck;
-        room.pushed += met.deepest;
+        broad_phase.struck |= met.struck;
+        broad_phase.pushed += met.deepest;
         let Tally { given, owed, left, touching } = &met.tally;
         if motion.measured {
             let share = Share { collider, given: sum(given), owed: sum(owed) };
-            set.impulses.give([share], self.skin.step);
+            set.impulses.give([share], self.settings.step);
         }
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let mut touching = touching.iter().sum();
-        if let (Some((edges, rule)), Some(nearby)) = (rule, &mut room.nearby) {
+        if let (Some((edges, rule)), Some(nearby)) = (rule, &mut broad_phase.nearby) {
             // Only as far as a collider has edges to hold.
             let [from, to] = [k, k + 1].map(|place| place * edges.count());
-            if room.edge_until.len() < to {
-                room.edge_until.resize(to, 0.0);
+            if broad_phase.edge_until.len() < to {
+                broad_phase.edge_until.resize(to, 0.0);
             }
             let held = HoldEdges {
                 edges,
                 layout: self.bands.rows.layout,
                 nearby,
                 rule,
-                until: &mut room.edge_until[from..to],
+                until: &mut broad_phase.edge_until[from..to],
                 gone,
                 motion: &motion,
-                skin,
+                settings,
                 max_strain: self.max_strain,
                 limits: self.limits,
                 inverse_mass: self.inverse_mass,
@@ -238,10 +247,10 @@ impl ResolveContacts<'_> {
                 collider,
             };
             let held = held.run(isa);
-            room.pushed += held.pushed;
+            broad_phase.pushed += held.pushed;
             touching += held.touching;
             if motion.measured {
-                set.impulses.give([held.share(collider)], self.skin.step);
+                set.impulses.give([held.share(collider)], self.settings.step);
             }
         }
         if is_left {
@@ -257,14 +266,14 @@ impl ResolveContacts<'_> {
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
         // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
         self.set.next.give_way();
-        self.room.struck = true;
-        let most = self.skin.most_push;
+        self.broad_phase.struck = true;
+        let most = self.settings.most_push;
         let layout = self.bands.rows.layout;
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
                 // What is known may be less than the distance, and depends on where the world's origin is.
-                if self.room.until[first + slot / LANES] > gone + CALMED * deepest
+                if self.broad_phase.until[first + slot / LANES] > gone + CALMED * deepest
                     || self.gap(slot, motion) > CALMED * deepest
                 {
                     continue;
@@ -294,7 +303,7 @@ impl ResolveContacts<'_> {
         let x = Block3::load_sum(self.x, self.d, slot);
         (0..LANES).filter(|&i| w.0[i] > 0.0).fold(f32::INFINITY, |least, i| {
             let distance = motion.shape.distance(motion.after.to_local(x.at(i)));
-            least.min(distance * motion.after.scale - self.skin.epsilon)
+            least.min(distance * motion.after.scale - self.settings.epsilon)
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::sdf::{PointBlock, SampleBlock};
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::friction::Sliding;
 use crate::solver::contact::hold::Hold;
-use crate::solver::contact::{BLOW, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT, Skin};
+use crate::solver::contact::{BLOW, ContactSettings, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::Merge;
@@ -60,21 +60,21 @@ impl Pushed {
     /// Friction `f` is a force against the way `u` that the particle went, taken as `f u' / u` for the next way `u'`: what
     /// slides steadily is braked by `f`, and what sticks goes ever less.
     #[inline(always)]
-    pub fn slip(&self, lane: usize, friction: f32, hold: &Hold, skin: &Skin) -> f32 {
+    pub fn slip(&self, lane: usize, friction: f32, hold: &Hold, settings: &ContactSettings) -> f32 {
         let (went, pressed) = (self.went.0[lane], self.undone.0[lane]);
         let slips = larger(went / (went + friction * pressed), LEAST_SLIP);
-        let light = (HEAVY - pressed * skin.per_weight) * (1.0 / (HEAVY - LIGHT));
+        let light = (HEAVY - pressed * settings.per_weight) * (1.0 / (HEAVY - LIGHT));
         let slips = larger(slips, if light < 1.0 { light } else { 1.0 });
         // What is struck sticks at once.
-        let rate = if hold.was.0[lane] > 0.0 { skin.following } else { 1.0 };
+        let rate = if hold.was.0[lane] > 0.0 { settings.following } else { 1.0 };
         let before = 1.0 / hold.unslipped.0[lane];
         before + (slips - before) * rate
     }
 
     /// What part of the pulls at a particle is expected again. What begins to touch by a blow expects nothing.
     #[inline(always)]
-    fn lasts(&self, lane: usize, hold: &Hold, skin: &Skin) -> f32 {
-        let blow = self.undone.0[lane] * skin.per_weight * (1.0 / BLOW);
+    fn lasts(&self, lane: usize, hold: &Hold, settings: &ContactSettings) -> f32 {
+        let blow = self.undone.0[lane] * settings.per_weight * (1.0 / BLOW);
         let struck = if hold.was.0[lane] > 0.0 { 0.0 } else { blow * blow };
         1.0 / (1.0 + struck)
     }
@@ -84,7 +84,7 @@ impl Pushed {
 #[derive(Clone, Copy)]
 pub(super) struct ParticleContact<'a> {
     pub motion: &'a Motion<'a>,
-    pub skin: Skin,
+    pub settings: ContactSettings,
 }
 
 /// A block of particles seen from a collider.
@@ -123,7 +123,7 @@ impl ParticleContact<'_> {
         for i in 0..LANES {
             let outward = Vec3::new(samples.nx[i], samples.ny[i], samples.nz[i]);
             normals.set(i, motion.after.rotate(outward));
-            let above = samples.distance[i] * motion.after.scale - self.skin.epsilon;
+            let above = samples.distance[i] * motion.after.scale - self.settings.epsilon;
             gaps.0[i] = above;
             gap.0[i] = if w.0[i] > 0.0 { above } else { f32::INFINITY };
             depth.0[i] = larger(-gap.0[i], 0.0);
@@ -152,7 +152,7 @@ impl ParticleContact<'_> {
         hold: &Hold,
         tally: &mut Tally,
     ) -> Pushed {
-        let Self { motion, skin } = self;
+        let Self { motion, settings } = self;
         let Near { points, normals, depth, .. } = near;
         let surface = surface_displacements(points, x, d, motion);
         let none = Block::ZERO;
@@ -191,7 +191,7 @@ impl ParticleContact<'_> {
             let touching = push > 0.0;
             // Deep inside that takes more than a substep, at the speed allowed.
             let rest = push - undone;
-            let allowed = larger(skin.most_push - larger(approach.0[i], 0.0), 0.0);
+            let allowed = larger(settings.most_push - larger(approach.0[i], 0.0), 0.0);
             let moved = if rest < allowed { rest } else { allowed };
             tally.left.0[i] = larger(rest - moved, tally.left.0[i]);
             let change = approach.0[i] + undone - along.0[i];
@@ -205,7 +205,7 @@ impl ParticleContact<'_> {
         }
         if motion.measured {
             // What was borne along another normal is not noted.
-            let notes = if skin.notes { 1.0 } else { 0.0 };
+            let notes = if settings.notes { 1.0 } else { 0.0 };
             for i in 0..LANES {
                 // Beside the sheet and where held, w is zero and nothing touches.
                 let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
@@ -233,13 +233,13 @@ impl Near {
         after: &Block3,
         pushed: &Pushed,
         hold: &Hold,
-        skin: &Skin,
+        settings: &ContactSettings,
     ) -> Block3 {
         let mut kept = *noted;
         for i in 0..LANES {
             // The substep's end adds the displacement.
             let all = noted.at(i) + before.at(i) + pushed.unfollowed.at(i);
-            let lasts = all * pushed.lasts(i, hold, skin);
+            let lasts = all * pushed.lasts(i, hold, settings);
             let touches = self.depth.0[i] > 0.0;
             kept.set(i, if touches { lasts - after.at(i) } else { noted.at(i) });
         }
@@ -255,13 +255,13 @@ impl Near {
         w: &Block,
         pushed: &Pushed,
         hold: &Hold,
-        skin: &Skin,
+        settings: &ContactSettings,
         tally: &mut Tally,
     ) {
         for i in 0..LANES {
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
             let forgotten = noted.at(i) + before.at(i);
-            let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, skin)) * mass);
+            let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, settings)) * mass);
             let forgotten = if self.depth.0[i] > 0.0 { forgotten } else { Vec3::ZERO };
             tally.owed.set(i, tally.owed.at(i) + forgotten);
         }

@@ -1,6 +1,6 @@
 //! A band of particles meets one collider.
 
-use crate::solver::contact::Skin;
+use crate::solver::contact::ContactSettings;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::NearbyMut;
 use crate::solver::contact::found::Found;
@@ -56,7 +56,7 @@ cut_between_rows!(FurthestWay);
 pub(super) struct MeetCollider<'a> {
     pub band: Band,
     pub motion: &'a Motion<'a>,
-    pub skin: Skin,
+    pub settings: ContactSettings,
     /// Which one it is.
     pub collider: usize,
     /// Whether any particle may pass the collider's surface by more than epsilon.
@@ -105,9 +105,9 @@ impl Kernel for MeetCollider<'_> {
     #[inline(always)]
     fn run(mut self) -> Met {
         let Band { layout, rows, .. } = self.band.clone();
-        let (motion, skin, gone) = (self.motion, self.skin, self.gone);
-        let meeting = ParticleContact { motion, skin };
-        let sweep = Sweep { motion, epsilon: skin.epsilon };
+        let (motion, settings, gone) = (self.motion, self.settings, self.gone);
+        let meeting = ParticleContact { motion, settings };
+        let sweep = Sweep { motion, epsilon: settings.epsilon };
         let blocks = layout.blocks_across();
         let mut met = Met::default();
         for row in rows {
@@ -169,9 +169,9 @@ impl Kernel for MeetCollider<'_> {
                 ds.set(block, d);
                 if let Some(pulls) = &mut pulls {
                     let noted = pulls.at(block);
-                    pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold, &skin));
+                    pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold, &settings));
                     if motion.measured {
-                        near.forget(&noted, &before, &w, &pushed, &hold, &skin, tally);
+                        near.forget(&noted, &before, &w, &pushed, &hold, &settings, tally);
                     }
                 }
                 if held.is_some() {
@@ -183,7 +183,7 @@ impl Kernel for MeetCollider<'_> {
                     &pushed,
                     &hold,
                     (motion.friction, self.collider),
-                    &skin,
+                    &settings,
                 );
             }
         }

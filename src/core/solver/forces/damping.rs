@@ -6,7 +6,7 @@ use crate::solver::settings::DampingForm;
 use crate::solver::simd::block::{Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Workspaces, cut_between_rows};
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::Lattice;
@@ -17,7 +17,7 @@ pub(crate) struct AddDamping<'a> {
     pub band: Band,
     pub springs: DampedSprings<'a>,
     pub d: &'a Soa,
-    pub rows: &'a Rooms<SpringRows>,
+    pub rows: &'a Workspaces<SpringRows>,
     pub target: DampingTarget<'a>,
 }
 

@@ -3,12 +3,12 @@
 use bevy_math::Vec3;
 
 use crate::solver::simd::soa::{Array, Soa};
-use crate::solver::topology::graph::wide_hinges::{Span, Spans, weights};
+use crate::solver::topology::graph::wide_hinges::{WideHinge, WideHinges, weights};
 
 /// Least bend that has a direction \[m\].
 const LEAST_BEND: f32 = 1e-10;
 
-impl Spans {
+impl WideHinges {
     /// Brakes the bending of all, one after the other, by no more than `part` of what stops it. `most` is what friction moves a
     /// particle of mass one by \[m\], for a force of one.
     pub fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
@@ -18,7 +18,7 @@ impl Spans {
     }
 }
 
-impl Span {
+impl WideHinge {
     fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
         let [middle, around @ ..] = self.slots.map(|slot| slot as usize);
         let (here, moved) = (x.get(middle), d.get(middle));

@@ -7,7 +7,7 @@ use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, S
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{Band, Rooms, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Workspaces, cut_between_rows};
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::topology::lattice::{Family, Lattice};
 
@@ -43,8 +43,8 @@ pub(crate) struct AccumulateForces<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
     pub a: PartMut<'a>,
-    pub rows: &'a Rooms<SpringRows>,
-    pub moments: &'a Rooms<Moments>,
+    pub rows: &'a Workspaces<SpringRows>,
+    pub moments: &'a Workspaces<Moments>,
 }
 
 impl Kernel for AccumulateForces<'_> {

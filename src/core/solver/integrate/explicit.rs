@@ -14,7 +14,7 @@ use crate::solver::simd::soa::Soa;
 
 /// What these integrators work in.
 #[derive(Clone, Debug)]
-pub(crate) struct Study {
+pub(crate) struct ExplicitWorkspace {
     /// Accelerations where the substep begins \[m/s2\].
     pub first: Soa,
     /// Positions and displacements there, while those at its middle stand in for them \[m\].
@@ -22,7 +22,7 @@ pub(crate) struct Study {
     pub d: Soa,
 }
 
-impl Study {
+impl ExplicitWorkspace {
     pub(crate) fn new(layout: Layout) -> Self {
         let [first, x, d] = core::array::from_fn(|_| Soa::zeros(layout.len()));
         Self { first, x, d }

@@ -28,7 +28,7 @@ pub(crate) const CARRIED: f32 = 0.5;
 pub(crate) const MOST_STRAIN: f32 = 0.5;
 
 /// What a substep notes of its corrections.
-pub(crate) enum Carry<'a> {
+pub(crate) enum PullFilter<'a> {
     /// Nothing.
     No,
     /// From where the particles are to be before them \[m\].
@@ -37,7 +37,7 @@ pub(crate) enum Carry<'a> {
     GoOn(PartMut<'a>, f32),
 }
 
-impl<'a> Carry<'a> {
+impl<'a> PullFilter<'a> {
     /// Notes pulls where any are noted in this tick, and carries on this part of the last ones.
     pub fn new(notes: bool, part: Option<f32>, pull: &'a mut Soa) -> Self {
         match part {
@@ -48,7 +48,7 @@ impl<'a> Carry<'a> {
     }
 }
 
-impl CutAt for Carry<'_> {
+impl CutAt for PullFilter<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         match self {
             Self::No => (Self::No, Self::No),

@@ -6,7 +6,7 @@
 
 use bevy_math::{Vec3, ops};
 
-use crate::solver::integrate::houbolt::Carry;
+use crate::solver::integrate::houbolt::PullFilter;
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
@@ -30,7 +30,7 @@ pub(crate) struct Integrate<'a> {
     pub advance: Advance,
     pub inverse_mass: &'a [f32],
     pub d: PartMut<'a>,
-    pub carry: Carry<'a>,
+    pub carry: PullFilter<'a>,
 }
 
 /// What becomes of displacements.
@@ -82,9 +82,11 @@ impl Kernel for Integrate<'_> {
             let w = Blocks::new(self.inverse_mass, slot, blocks);
             let mut d = Blocks3Mut::new(&mut self.d, slot, blocks);
             let (mut pull, part) = match &mut self.carry {
-                Carry::No => (None, None),
-                Carry::Begin(pull) => (Some(Blocks3Mut::new(pull, slot, blocks)), None),
-                Carry::GoOn(pull, part) => (Some(Blocks3Mut::new(pull, slot, blocks)), Some(*part)),
+                PullFilter::No => (None, None),
+                PullFilter::Begin(pull) => (Some(Blocks3Mut::new(pull, slot, blocks)), None),
+                PullFilter::GoOn(pull, part) => {
+                    (Some(Blocks3Mut::new(pull, slot, blocks)), Some(*part))
+                }
             };
             let own = match self.acceleration {
                 Acceleration::Uniform(_) => None,

@@ -12,7 +12,7 @@ use crate::solver::topology::graph::hinge::Hinge;
 
 /// Explicit constants by entry of the tables, and those of the hinges.
 #[derive(Clone, Debug)]
-pub(crate) struct Strengths {
+pub(crate) struct GraphStiffness {
     /// Of structural and shear springs \[N/m\].
     pub springs: Array,
     /// Of their damping \[N s/m\].
@@ -49,7 +49,7 @@ pub(crate) struct Demand {
     pub stable_damping: f32,
 }
 
-impl Strengths {
+impl GraphStiffness {
     /// For held slots.
     pub fn new(graph: &Graph, held: &[bool]) -> Self {
         let clamp = |hinge: &Hinge| {

@@ -11,7 +11,7 @@ use core::fmt;
 
 use crate::solver::forces::bending::Hinges;
 use crate::solver::forces::springs::SpringConstants;
-use crate::solver::plan::graph_stiffness::{Demand, Strengths};
+use crate::solver::plan::graph_stiffness::{Demand, GraphStiffness};
 use crate::solver::plan::stability::{Bound, Constants, SAFETY};
 use crate::solver::settings::{Bending, Form, FormChoice, Material, Settings, Substeps};
 use crate::solver::topology::Topology;
@@ -256,7 +256,7 @@ impl Bound {
         topology: &Topology,
         hinges: &[Hinges; 2],
         inverse_mass: &[f32],
-        strengths: Option<&Strengths>,
+        strengths: Option<&GraphStiffness>,
     ) -> Self {
         match topology {
             Topology::Lattice(lattice) if lattice.uniform => {

@@ -166,9 +166,9 @@ impl Seams {
 
 /// Room to work in, as much as there are bands. A band takes the first that is free, which a core has used last.
 #[derive(Debug)]
-pub(crate) struct Rooms<T>(Vec<Mutex<T>>);
+pub(crate) struct Workspaces<T>(Vec<Mutex<T>>);
 
-impl<T> Rooms<T> {
+impl<T> Workspaces<T> {
     /// Room for so many bands.
     pub fn new(bands: usize, make: impl Fn() -> T) -> Self {
         Self((0..bands.max(1)).map(|_| Mutex::new(make())).collect())
@@ -189,7 +189,7 @@ impl<T> Rooms<T> {
     }
 }
 
-impl<T: Clone> Clone for Rooms<T> {
+impl<T: Clone> Clone for Workspaces<T> {
     fn clone(&self) -> Self {
         Self::new(self.0.len(), || self.take().clone())
     }

@@ -28,7 +28,7 @@ impl ClothSolver {
         let most = moment * time * self.state.unit;
         if let Topology::Graph(graph) = &self.topology {
             let State { x, d, .. } = &mut self.state;
-            graph.spans().brake(part, most, &self.held.inverse_mass, x, d);
+            graph.wide_hinges().brake(part, most, &self.pins.inverse_mass, x, d);
             return;
         }
         for thread in [Thread::Weft, Thread::Warp] {
@@ -41,10 +41,10 @@ impl ClothSolver {
     pub(crate) fn brake_hinges(&mut self, thread: Thread, width: usize, part: f32, most: f32) {
         let layout = self.topology.layout();
         let hinges = WideHinges { thread, width, layout };
-        let shape = &self.held.hinges[thread as usize].shape;
-        let (band, inverse_mass) = (&self.bands.rows, &self.held.inverse_mass);
+        let shape = &self.pins.hinges[thread as usize].shape;
+        let (band, inverse_mass) = (&self.bands.rows, &self.pins.inverse_mass);
         let State { x, d, .. } = &mut self.state;
-        let Brakes { impulses, parts } = &mut self.scratch.brakes;
+        let Brakes { impulses, parts } = &mut self.workspace.brakes;
         let most = 2.0 * most / (width * width) as f32;
         let band = || band.clone();
         let resist = Resist {

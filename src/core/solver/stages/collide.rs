@@ -1,7 +1,7 @@
 //! Fourth stage: contact and friction. It ends the substep.
 
 use crate::solver::ClothSolver;
-use crate::solver::contact::{self, ResolveContacts, Skin};
+use crate::solver::contact::{self, ContactSettings, ResolveContacts};
 use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Displace;
 use crate::solver::settings::Integrator;
@@ -24,7 +24,7 @@ impl ClothSolver {
                 colliders: input.colliders,
                 origin: self.state.origin,
                 span: self.span(),
-                skin: Skin {
+                settings: ContactSettings {
                     epsilon: self.material.thickness,
                     friction: self.material.friction,
                     layers: self.settings.layers,
@@ -32,13 +32,13 @@ impl ClothSolver {
                     per_weight: 1.0 / weight,
                     following: (self.plan.step / contact::FOLLOWING).min(1.0),
                     step: self.plan.step,
-                    notes: self.scratch.carries,
+                    notes: self.workspace.carries,
                 },
-                inverse_mass: &mut self.held.inverse_mass,
+                inverse_mass: &mut self.pins.inverse_mass,
                 x: &mut self.state.x,
                 d: &mut self.state.d,
-                pull: self.scratch.carries.then_some(&mut self.state.pull),
-                room: &mut self.scratch.contact,
+                pull: self.workspace.carries.then_some(&mut self.state.pull),
+                broad_phase: &mut self.workspace.broad_phase,
                 edges: self.settings.edges.then_some(&self.edges),
                 max_strain: self.material.max_strain,
                 strain: self.survey.max_strain,
@@ -47,13 +47,13 @@ impl ClothSolver {
             };
             self.contact_count = contacts.run(self.isa);
         }
-        self.end_carrying();
+        self.end_filtering();
         let State { x, d, pull, carries, .. } = &mut self.state;
         let pull = carries.then(|| pull.part_mut());
         let band = self.bands.rows.clone();
         parallel::run(self.isa, Displace { band, x: x.part_mut(), d, pull });
         if self.settings.integrator != Integrator::Verlet {
-            self.end_study();
+            self.end_explicitly();
         }
         self.done += 1;
     }

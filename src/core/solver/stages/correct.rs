@@ -2,7 +2,7 @@
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::shear::{Cells, CorrectShear, ShearRule};
-use crate::solver::constraints::strain_check::IsAnyBeyond;
+use crate::solver::constraints::strain_check::ExceedsLimit;
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::tethers::PullTethers;
 use crate::solver::constraints::threads::Lines;
@@ -13,7 +13,7 @@ use crate::solver::contact::HoldOnto;
 use crate::solver::settings::Form;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::soa::ValuesMut;
-use crate::solver::state::{Scratch, State};
+use crate::solver::state::{State, Workspace};
 use crate::solver::topology::Topology;
 
 impl ClothSolver {
@@ -21,7 +21,7 @@ impl ClothSolver {
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
         self.hold_onto_colliders();
-        self.fill_places(true);
+        self.gather_particles(true);
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.form {
@@ -34,7 +34,7 @@ impl ClothSolver {
             }
             Form::Springs => self.limit_strain(),
         }
-        self.empty_places();
+        self.scatter_particles();
         if tethered {
             self.pull_tethers();
         }
@@ -48,8 +48,8 @@ impl ClothSolver {
         self.state.contacts.impulses.carry_on(part);
         let State { d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
-            let carried = self.scratch.carries.then_some(&*pull);
-            let (inverse_mass, step) = (&self.held.inverse_mass, self.plan.step);
+            let carried = self.workspace.carries.then_some(&*pull);
+            let (inverse_mass, step) = (&self.pins.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
             contacts.give_left_out(inverse_mass, step);
         }
@@ -62,7 +62,7 @@ impl ClothSolver {
             let limit = self.limit();
             match &self.topology {
                 Topology::Lattice(lattice) if self.state.carries => {
-                    let Scratch { seams, row_pulls, .. } = &mut self.scratch;
+                    let Workspace { seams, row_pulls, .. } = &mut self.workspace;
                     if self.bands.rows.count() > 1 {
                         seams.copy(&self.state.d);
                     }
@@ -71,7 +71,7 @@ impl ClothSolver {
                     let cells = Cells {
                         normals: contacts.as_ref().map(|contacts| contacts.normals),
                         lattice,
-                        inverse_mass: &self.held.inverse_mass,
+                        inverse_mass: &self.pins.inverse_mass,
                         rule: ShearRule { compliance, limit, crowd: lattice.crowd },
                         x,
                     };
@@ -95,7 +95,7 @@ impl ClothSolver {
         let shear = self.plan.form == Form::Springs && self.material.shear_stiffness > 0.0;
         let limit = self.limit();
         for _ in 0..self.settings.provot_passes {
-            if !self.is_any_beyond(limit, shear) {
+            if !self.exceeds_limit(limit, shear) {
                 return;
             }
             self.pause_pulls();
@@ -105,11 +105,11 @@ impl ClothSolver {
     }
 
     /// Whether there is anything to hold to the limit. A mesh's pass looks for itself, as it goes.
-    pub(crate) fn is_any_beyond(&self, limit: f32, shear: bool) -> bool {
+    pub(crate) fn exceeds_limit(&self, limit: f32, shear: bool) -> bool {
         let Topology::Lattice(lattice) = &self.topology else { return true };
         let State { x, d, .. } = &self.state;
         let band = self.bands.rows.clone();
-        parallel::run(self.isa, IsAnyBeyond { band, lattice, limit, shear, x, d })
+        parallel::run(self.isa, ExceedsLimit { band, lattice, limit, shear, x, d })
     }
 
     /// Longest that a spring may be, in rest lengths.
@@ -118,7 +118,7 @@ impl ClothSolver {
     }
 
     pub(crate) fn correct_springs(&mut self, rule: Rule) {
-        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.workspace.graph) {
             room.correct_springs(self.isa, graph, rule, self.state.contacts.now.any);
         }
         let Topology::Lattice(lattice) = &self.topology else { return };
@@ -126,7 +126,7 @@ impl ClothSolver {
         let springs = CorrectSprings {
             band: self.bands.rows.clone(),
             lattice,
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             x,
             d,
             rule,
@@ -145,7 +145,7 @@ impl ClothSolver {
         let isa = self.isa;
         let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.scratch.graph) {
+        if let (Topology::Graph(graph), Some(room)) = (&self.topology, &mut self.workspace.graph) {
             return room.solve_chains(isa, graph, reach, self.state.contacts.now.any);
         }
         let weft_beyond = self.solve_weft(reach);
@@ -160,12 +160,12 @@ impl ClothSolver {
             band: self.bands.rows.clone(),
             lines: lattice.layout.transposed(),
             springs: &lattice.weft_transposed,
-            inverse_mass: &self.held.inverse_mass_transposed,
+            inverse_mass: &self.pins.inverse_mass_transposed,
             reach,
             x,
             d: d.part_mut(),
             contacts: contacts.contacts(),
-            rooms: &self.scratch.threads,
+            rooms: &self.workspace.threads,
         };
         parallel::run(self.isa, weft)
     }
@@ -174,9 +174,9 @@ impl ClothSolver {
         let Topology::Lattice(lattice) = &self.topology else { return false };
         let Bands { rows, columns, .. } = &self.bands;
         let State { x, d, contacts, .. } = &mut self.state;
-        let Scratch { threads: rooms, apart, load_apart, .. } = &mut self.scratch;
+        let Workspace { threads: rooms, apart, load_apart, .. } = &mut self.workspace;
         let (layout, springs) = (lattice.layout, &lattice.warp);
-        let inverse_mass = &self.held.inverse_mass;
+        let inverse_mass = &self.pins.inverse_mass;
         if columns.count() == 1 {
             let line = &mut rooms.take().line;
             let lines = Lines { layout, springs, reach, inverse_mass, line };
@@ -203,19 +203,19 @@ impl ClothSolver {
     }
 
     pub(crate) fn pull_tethers(&mut self) {
-        if !self.settings.tethers || self.held.tethers.is_empty() {
+        if !self.settings.tethers || self.pins.tethers.is_empty() {
             return;
         }
         let State { x, d, .. } = &mut self.state;
-        for (place, &slot) in self.held.places.iter_mut().zip(&self.held.slots) {
+        for (place, &slot) in self.pins.places.iter_mut().zip(&self.pins.slots) {
             *place = x.get(slot) + d.get(slot);
         }
         let pull = PullTethers {
             band: self.bands.rows.clone(),
-            sets: &self.held.tethers,
-            pins: &self.held.places,
+            sets: &self.pins.tethers,
+            pins: &self.pins.places,
             ease: self.tether_ease,
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             x,
             d: d.part_mut(),
         };
@@ -223,14 +223,14 @@ impl ClothSolver {
     }
 
     /// A graph's particles are gathered from places; on a lattice there is nothing to do.
-    pub(crate) fn fill_places(&mut self, corrects: bool) {
-        if let Some(room) = &mut self.scratch.graph {
-            room.fill(self.isa, &self.held.inverse_mass, &self.state, corrects);
+    pub(crate) fn gather_particles(&mut self, corrects: bool) {
+        if let Some(room) = &mut self.workspace.graph {
+            room.fill(self.isa, &self.pins.inverse_mass, &self.state, corrects);
         }
     }
 
-    pub(crate) fn empty_places(&mut self) {
-        if let Some(room) = &self.scratch.graph {
+    pub(crate) fn scatter_particles(&mut self) {
+        if let Some(room) = &self.workspace.graph {
             room.empty(self.isa, &mut self.state);
         }
     }

@@ -4,8 +4,8 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::input::StepInput;
-use crate::solver::integrate::explicit::{Adding, Study};
-use crate::solver::integrate::houbolt::Carry;
+use crate::solver::integrate::explicit::{Adding, ExplicitWorkspace};
+use crate::solver::integrate::houbolt::PullFilter;
 use crate::solver::integrate::verlet::{Acceleration, Advance, Integrate};
 use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
@@ -14,31 +14,31 @@ impl ClothSolver {
     /// Makes the room that the integrator needs, and no more.
     pub(crate) fn make_room_for_study(&mut self) {
         if self.settings.integrator == Integrator::Verlet {
-            self.scratch.study = None;
-        } else if self.scratch.study.is_none() {
-            self.scratch.study = Some(Study::new(self.topology.layout()));
+            self.workspace.study = None;
+        } else if self.workspace.study.is_none() {
+            self.workspace.study = Some(ExplicitWorkspace::new(self.topology.layout()));
         }
     }
 
     /// What comes after the accelerations where the substep begins: drag, and with the midpoint method the
     /// accelerations at its middle.
-    pub(crate) fn study_forces(&mut self, input: &StepInput<'_>) {
+    pub(crate) fn accumulate_explicitly(&mut self, input: &StepInput<'_>) {
         self.brake();
-        let Some(mut study) = self.scratch.study.take() else { return };
-        study.first.copy_from(&self.scratch.a);
+        let Some(mut study) = self.workspace.study.take() else { return };
+        study.first.copy_from(&self.workspace.a);
         if self.settings.integrator == Integrator::Midpoint {
             let (half, unit) = (0.5 * self.plan.step, self.state.unit);
             let add = self.adding();
             study.x.copy_from(&self.state.x);
             study.d.copy_from(&self.state.d);
-            add.run(half / unit, &self.held.inverse_mass, &study.d, &mut self.state.x);
-            add.run(half * unit, &self.held.inverse_mass, &study.first, &mut self.state.d);
+            add.run(half / unit, &self.pins.inverse_mass, &study.d, &mut self.state.x);
+            add.run(half * unit, &self.pins.inverse_mass, &study.first, &mut self.state.d);
             self.accelerate(input);
             self.brake();
             core::mem::swap(&mut study.x, &mut self.state.x);
             core::mem::swap(&mut study.d, &mut self.state.d);
         }
-        self.scratch.study = Some(study);
+        self.workspace.study = Some(study);
     }
 
     /// Still air, as an acceleration.
@@ -46,16 +46,16 @@ impl ClothSolver {
         let drag = self.drag();
         if drag > 0.0 {
             let part = -drag / self.state.unit;
-            let (add, a) = (self.adding(), &mut self.scratch.a);
-            add.run(part, &self.held.inverse_mass, &self.state.d, a);
+            let (add, a) = (self.adding(), &mut self.workspace.a);
+            add.run(part, &self.pins.inverse_mass, &self.state.d, a);
         }
     }
 
     /// Displacements by the velocity at the substep's start, and with the midpoint method by half of the
     /// acceleration there.
-    pub(crate) fn integrate_study(&mut self) {
+    pub(crate) fn integrate_explicitly(&mut self) {
         let h = self.plan.step;
-        let (add, inverse_mass) = (self.adding(), &self.held.inverse_mass);
+        let (add, inverse_mass) = (self.adding(), &self.pins.inverse_mass);
         let d = &mut self.state.d;
         let integrate = Integrate {
             band: self.bands.rows.clone(),
@@ -67,10 +67,11 @@ impl ClothSolver {
             },
             inverse_mass,
             d: d.part_mut(),
-            carry: Carry::No,
+            carry: PullFilter::No,
         };
         parallel::run(self.isa, integrate);
-        if let (Integrator::Midpoint, Some(study)) = (self.settings.integrator, &self.scratch.study)
+        if let (Integrator::Midpoint, Some(study)) =
+            (self.settings.integrator, &self.workspace.study)
         {
             add.run(0.5 * h * h, inverse_mass, &study.first, d);
         }
@@ -80,12 +81,13 @@ impl ClothSolver {
     }
 
     /// The kick of the whole substep, less what the displacement had of it.
-    pub(crate) fn end_study(&mut self) {
+    pub(crate) fn end_explicitly(&mut self) {
         let square = self.plan.step * self.plan.step;
-        let (add, inverse_mass) = (self.adding(), &self.held.inverse_mass);
+        let (add, inverse_mass) = (self.adding(), &self.pins.inverse_mass);
         let d = &mut self.state.d;
-        add.run(square, inverse_mass, &self.scratch.a, d);
-        if let (Integrator::Midpoint, Some(study)) = (self.settings.integrator, &self.scratch.study)
+        add.run(square, inverse_mass, &self.workspace.a, d);
+        if let (Integrator::Midpoint, Some(study)) =
+            (self.settings.integrator, &self.workspace.study)
         {
             add.run(-0.5 * square, inverse_mass, &study.first, d);
         }

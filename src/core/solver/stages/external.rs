@@ -92,7 +92,7 @@ impl ClothSolver {
     ) {
         for particle in particles {
             let slot = self.topology.slot(particle);
-            if self.held.inverse_mass[slot] > 0.0 {
+            if self.pins.inverse_mass[slot] > 0.0 {
                 let part = on.part_at(self.position(particle));
                 let d = self.state.d.get(slot) + whole * (part * self.state.unit);
                 self.state.d.set(slot, d);
@@ -165,7 +165,7 @@ impl ClothSolver {
     pub(crate) fn kick_by_pushes(&mut self, part: f32) {
         if let Some(pushes) = &self.pushes {
             let part = part * self.state.last_step * self.state.unit;
-            let (layout, w) = (self.topology.layout(), &self.held.inverse_mass);
+            let (layout, w) = (self.topology.layout(), &self.pins.inverse_mass);
             pushes.add_part(part, self.isa, layout, w, &mut self.state.d);
         }
     }

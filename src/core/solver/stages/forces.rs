@@ -12,7 +12,7 @@ use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Kick;
 use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
-use crate::solver::state::Scratch;
+use crate::solver::state::Workspace;
 use crate::solver::topology::Topology;
 
 impl ClothSolver {
@@ -25,7 +25,7 @@ impl ClothSolver {
         }
         self.accelerate(input);
         if self.settings.integrator != Integrator::Verlet {
-            self.study_forces(input);
+            self.accumulate_explicitly(input);
         }
     }
 
@@ -39,15 +39,15 @@ impl ClothSolver {
         let plan = self.plan;
         let x = &self.state.x;
         let layout = lattice.layout;
-        let Scratch { a, moments, rows, .. } = &mut self.scratch;
-        let (hinges, rigidity) = (&self.held.hinges, plan.hinge_rigidity);
+        let Workspace { a, moments, rows, .. } = &mut self.workspace;
+        let (hinges, rigidity) = (&self.pins.hinges, plan.hinge_rigidity);
         let forces = AccumulateForces {
             band: self.bands.rows.clone(),
             lattice,
             constants: plan.explicit,
             bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x }),
             gravity: input.gravity,
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             x,
             a: a.part_mut(),
             rows,
@@ -55,7 +55,7 @@ impl ClothSolver {
         };
         parallel::run(self.isa, forces);
         if let Some(pushes) = &self.pushes {
-            pushes.add(self.isa, layout, &self.held.inverse_mass, &mut self.scratch.a);
+            pushes.add(self.isa, layout, &self.pins.inverse_mass, &mut self.workspace.a);
         }
         if plan.damping > 0.0 {
             self.add_damping();
@@ -68,7 +68,7 @@ impl ClothSolver {
     pub(crate) fn add_damping(&mut self) {
         let half = self.half_kick();
         let Topology::Lattice(lattice) = &self.topology else { return };
-        let Scratch { a, b, rows, .. } = &mut self.scratch;
+        let Workspace { a, b, rows, .. } = &mut self.workspace;
         let rows = &*rows;
         let state = &self.state;
         let springs = DampedSprings {
@@ -76,7 +76,7 @@ impl ClothSolver {
             damping: self.plan.damping / state.unit,
             form: self.material.damping_form,
             shear: self.plan.shear_stiffness > 0.0,
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             x: &state.x,
         };
         let gain = half.gain * state.unit;
@@ -120,10 +120,10 @@ impl ClothSolver {
             kick: 0.5 * (state.last_step + self.plan.step),
             unit: state.unit,
             area_density: self.material.area_density,
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             x: &state.x,
             d: &state.d,
-            a: &mut self.scratch.a,
+            a: &mut self.workspace.a,
         };
         surface.push(self.isa, push);
     }
@@ -139,17 +139,17 @@ impl ClothSolver {
     }
 
     pub(crate) fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
-        self.fill_places(false);
+        self.gather_particles(false);
         let half = self.half_kick();
-        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.held.strengths)
+        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.pins.strengths)
         else {
             return;
         };
-        let Scratch { a, graph: Some(room), .. } = &mut self.scratch else { return };
+        let Workspace { a, graph: Some(room), .. } = &mut self.workspace else { return };
         let (isa, plan) = (self.isa, &self.plan);
         room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
         if let Some(pushes) = &self.pushes {
-            pushes.add(isa, graph.layout, &self.held.inverse_mass, a);
+            pushes.add(isa, graph.layout, &self.pins.inverse_mass, a);
         }
         if plan.damping > 0.0 {
             let form = self.material.damping_form;

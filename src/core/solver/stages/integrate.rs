@@ -3,7 +3,7 @@
 use crate::solver::ClothSolver;
 use crate::solver::contact::ActiveSet;
 use crate::solver::input::StepInput;
-use crate::solver::integrate::houbolt::Carry;
+use crate::solver::integrate::houbolt::PullFilter;
 use crate::solver::integrate::verlet::{Acceleration, Advance, Integrate, Kick};
 use crate::solver::settings::Integrator;
 use crate::solver::simd::parallel;
@@ -16,7 +16,7 @@ impl ClothSolver {
             Integrator::Verlet => self.integrate_verlet(input),
             Integrator::Euler | Integrator::Midpoint => {
                 self.state.contacts.edges.warm.clear();
-                self.integrate_study();
+                self.integrate_explicitly();
             }
         }
         self.state.unit = self.plan.step;
@@ -27,7 +27,7 @@ impl ClothSolver {
     pub(crate) fn integrate_verlet(&mut self, input: &StepInput<'_>) {
         let plan = self.plan;
         let acceleration = if self.has_forces() {
-            Acceleration::Each(&self.scratch.a)
+            Acceleration::Each(&self.workspace.a)
         } else {
             Acceleration::Uniform(input.gravity)
         };
@@ -44,16 +44,16 @@ impl ClothSolver {
                 gain: *response,
                 longest: self.settings.max_speed * plan.step,
             },
-            inverse_mass: &self.held.inverse_mass,
+            inverse_mass: &self.pins.inverse_mass,
             d: d.part_mut(),
-            carry: Carry::new(self.scratch.carries, part, pull),
+            carry: PullFilter::new(self.workspace.carries, part, pull),
         };
         parallel::run(self.isa, integrate);
         let ratio = plan.step / self.state.last_step;
         let State { d, pull, contacts, .. } = &mut self.state;
         let ActiveSet { edges, impulses, .. } = contacts;
-        let pull = self.scratch.carries.then_some(pull);
-        let inverse_mass = &self.held.inverse_mass;
+        let pull = self.workspace.carries.then_some(pull);
+        let inverse_mass = &self.pins.inverse_mass;
         edges.start_warm(ratio * ratio, plan.step, inverse_mass, d, pull, impulses);
         self.state.last_step = plan.step;
     }
@@ -61,7 +61,7 @@ impl ClothSolver {
     pub(crate) fn move_pins(&mut self, input: &StepInput<'_>) {
         let to = self.span().to;
         let state = &mut self.state;
-        for (&slot, pin) in self.held.slots.iter().zip(input.pins) {
+        for (&slot, pin) in self.pins.slots.iter().zip(input.pins) {
             let (start, end) = (pin.start - state.origin, pin.end - state.origin);
             let target = if to < 1.0 { start + (end - start) * to } else { end };
             state.d.set(slot, target - state.x.get(slot));

@@ -11,21 +11,21 @@ use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
 use crate::solver::integrate::verlet::Kick;
 use crate::solver::plan::Plan;
-use crate::solver::plan::graph_stiffness::Strengths;
+use crate::solver::plan::graph_stiffness::GraphStiffness;
 use crate::solver::settings::DampingForm;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::State;
-use crate::solver::state::mesh::Room;
+use crate::solver::state::mesh::MeshWorkspace;
 use crate::solver::topology::graph::Graph;
 
-impl Room {
+impl MeshWorkspace {
     /// Accelerations of springs, hinges and gravity, from places as they are.
     pub fn accumulate_forces(
         &mut self,
         isa: Isa,
         graph: &Graph,
-        strengths: &Strengths,
+        strengths: &GraphStiffness,
         plan: &Plan,
         gravity: Vec3,
         a: &mut Soa,
@@ -63,7 +63,7 @@ impl Room {
         &mut self,
         isa: Isa,
         graph: &Graph,
-        strengths: &Strengths,
+        strengths: &GraphStiffness,
         form: DampingForm,
         half: Kick,
         state: &State,

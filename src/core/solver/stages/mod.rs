@@ -3,19 +3,19 @@
 //! | stage | file | beside it |
 //! | --- | --- | --- |
 //! | 1 | `forces` | `external`, `bending_friction` |
-//! | 2 | `integrate` | `carry`, `explicit` |
+//! | 2 | `integrate` | `houbolt`, `explicit` |
 //! | 3 | `correct` | `soft_pins` |
 //! | 4 | `collide` | |
 //!
 //! The stages of a triangle mesh that differ from those of a sheet are in `mesh`.
 
 mod bending_friction;
-mod carry;
 mod collide;
 mod correct;
 mod explicit;
 mod external;
 mod forces;
+mod houbolt;
 mod integrate;
 pub(crate) mod mesh;
 mod soft_pins;

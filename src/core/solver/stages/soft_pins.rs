@@ -67,7 +67,7 @@ impl ClothSolver {
         let span = self.span();
         let h = self.plan.step;
         let longest = self.settings.max_speed * h;
-        let (state, held) = (&mut self.state, &self.held);
+        let (state, held) = (&mut self.state, &self.pins);
         let motions = &input.pins[held.slots.len().min(input.pins.len())..];
         for (spring, motion) in self.soft.iter_mut().zip(motions) {
             let w = held.inverse_mass[spring.slot];
@@ -93,7 +93,7 @@ impl ClothSolver {
     /// Gives soft pins the mass that corrections are to see.
     pub(crate) fn weigh_soft_pins(&mut self) {
         let h = self.plan.step;
-        let held = &mut self.held;
+        let held = &mut self.pins;
         for spring in &mut self.soft {
             let w = held.inverse_mass[spring.slot];
             let (alpha, beta) = spring.gains(w * self.state.response, h);
@@ -110,7 +110,7 @@ impl ClothSolver {
     pub(crate) fn note_soft_pins(&mut self, adds: bool) {
         for spring in &mut self.soft {
             let d = self.state.d.get(spring.slot);
-            let unfollowed = spring.inverse_mass / self.held.inverse_mass[spring.slot] - 1.0;
+            let unfollowed = spring.inverse_mass / self.pins.inverse_mass[spring.slot] - 1.0;
             if adds && unfollowed.is_finite() {
                 self.state.leave_out(spring.slot, (d - spring.noted) * -unfollowed);
             }
@@ -121,7 +121,7 @@ impl ClothSolver {
     /// Gives them their own again.
     pub(crate) fn unweigh_soft_pins(&mut self) {
         for spring in &self.soft {
-            self.held.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
+            self.pins.set_inverse_mass(&self.topology, spring.slot, spring.inverse_mass);
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::solver::topology::graph::Graph;
 
 /// Room that the stages work in; nothing in it outlives a substep.
 #[derive(Clone, Debug)]
-pub(crate) struct Room {
+pub(crate) struct MeshWorkspace {
     pub places: Places,
     pub moments: Vec<Four>,
     /// Displacements predicted for the damping.
@@ -24,7 +24,7 @@ pub(crate) struct Room {
     pub inverse_mass: Array,
 }
 
-impl Room {
+impl MeshWorkspace {
     pub fn new(graph: &Graph) -> Self {
         let longest = graph.chains.longest() * LANES;
         Self {
@@ -42,19 +42,19 @@ impl Room {
         let State { x, d, contacts, .. } = state;
         let contacts = (corrects && contacts.now.any).then_some(contacts);
         let places = &mut self.places;
-        isa.run_transposing(FillPlaces { inverse_mass, x, d, contacts, places });
+        isa.run_transposing(GatherParticles { inverse_mass, x, d, contacts, places });
     }
 
     /// Takes the corrected displacements back.
     pub fn empty(&self, isa: Isa, state: &mut State) {
         let State { d, contacts, .. } = state;
         let contacts = contacts.now.any.then_some(contacts);
-        isa.run_transposing(TakeDisplacements { places: &self.places, d, contacts });
+        isa.run_transposing(ScatterDisplacements { places: &self.places, d, contacts });
     }
 }
 
 /// Fills the places.
-pub(crate) struct FillPlaces<'a> {
+pub(crate) struct GatherParticles<'a> {
     pub inverse_mass: &'a Array,
     pub x: &'a Soa,
     pub d: &'a Soa,
@@ -63,7 +63,7 @@ pub(crate) struct FillPlaces<'a> {
     pub places: &'a mut Places,
 }
 
-impl TransposingKernel for FillPlaces<'_> {
+impl TransposingKernel for GatherParticles<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -88,14 +88,14 @@ impl TransposingKernel for FillPlaces<'_> {
 }
 
 /// Takes the displacements back.
-pub(crate) struct TakeDisplacements<'a> {
+pub(crate) struct ScatterDisplacements<'a> {
     pub places: &'a Places,
     pub d: &'a mut Soa,
     /// What takes the loads, where any particle lies on anything.
     pub contacts: Option<&'a mut ActiveSet>,
 }
 
-impl TransposingKernel for TakeDisplacements<'_> {
+impl TransposingKernel for ScatterDisplacements<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -7,16 +7,16 @@ use bevy_math::Vec3;
 
 use crate::solver::constraints::shear::RowPulls;
 use crate::solver::constraints::threads;
-use crate::solver::contact::{ActiveSet, ContactRoom};
+use crate::solver::contact::{ActiveSet, BroadPhase};
 use crate::solver::forces::bending::Moments;
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::spring_rows::SpringRows;
-use crate::solver::integrate::explicit::Study;
+use crate::solver::integrate::explicit::ExplicitWorkspace;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
-use crate::solver::simd::parallel::{Band, Bands, Rooms, Seams};
+use crate::solver::simd::parallel::{Band, Bands, Seams, Workspaces};
 use crate::solver::simd::soa::{Array, Soa};
-use crate::solver::state::mesh::Room;
+use crate::solver::state::mesh::MeshWorkspace;
 use crate::solver::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -99,17 +99,17 @@ fn on_grid(p: Vec3) -> Vec3 {
 
 /// Room that the stages work in; nothing in it outlives a tick.
 #[derive(Clone, Debug)]
-pub(crate) struct Scratch {
+pub(crate) struct Workspace {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
     /// Forces of a lattice's springs, while a row is worked on.
-    pub rows: Rooms<SpringRows>,
+    pub rows: Workspaces<SpringRows>,
     /// Moments of the hinges.
-    pub moments: Rooms<Moments>,
+    pub moments: Workspaces<Moments>,
     /// Pulls of a lattice's shear springs.
-    pub row_pulls: Rooms<RowPulls>,
+    pub row_pulls: Workspaces<RowPulls>,
     /// What a lattice's threads are solved in.
-    pub threads: Rooms<threads::Room>,
+    pub threads: Workspaces<threads::ThreadWorkspace>,
     /// Displacements of the rows on both sides of each cut.
     pub seams: Seams,
     /// Displacements of columns, where they are solved apart from each other.
@@ -121,16 +121,16 @@ pub(crate) struct Scratch {
     /// Room for braking a lattice's bending.
     pub brakes: Brakes,
     /// What only a graph's stages work in.
-    pub graph: Option<Room>,
+    pub graph: Option<MeshWorkspace>,
     /// What the integrators for study work in, where one is chosen.
-    pub study: Option<Study>,
+    pub study: Option<ExplicitWorkspace>,
     /// Whether corrections are carried on in this tick.
     pub carries: bool,
     /// What contact remembers within a tick.
-    pub contact: ContactRoom,
+    pub broad_phase: BroadPhase,
 }
 
-impl Scratch {
+impl Workspace {
     /// For a cloth of so many edges, where these are held.
     pub fn new(topology: &Topology, edges: Option<usize>) -> Self {
         let layout = topology.layout();
@@ -145,16 +145,16 @@ impl Scratch {
             a: Soa::zeros(len),
             b: Soa::zeros(len),
             brakes: Brakes::new(topology.as_lattice().map_or(0, |_| len)),
-            rows: Rooms::new(count, || SpringRows::new(woven)),
-            moments: Rooms::new(count, || Moments::new(woven)),
-            row_pulls: Rooms::new(count, || RowPulls::new(woven.columns)),
-            threads: Rooms::new(bands.most(), || threads::Room::new(woven)),
+            rows: Workspaces::new(count, || SpringRows::new(woven)),
+            moments: Workspaces::new(count, || Moments::new(woven)),
+            row_pulls: Workspaces::new(count, || RowPulls::new(woven.columns)),
+            threads: Workspaces::new(bands.most(), || threads::ThreadWorkspace::new(woven)),
             apart: Soa::zeros(apart),
             load_apart: Array::zeros(apart),
-            graph: topology.as_graph().map(|graph| Room::new(graph)),
+            graph: topology.as_graph().map(|graph| MeshWorkspace::new(graph)),
             study: None,
             carries: false,
-            contact: ContactRoom::new(&Band::all(layout), edges),
+            broad_phase: BroadPhase::new(&Band::all(layout), edges),
             seams: Seams::new(bands.rows),
         }
     }

@@ -33,7 +33,7 @@ use crate::solver::topology::lattice::Family;
 
 /// What a band of threads is solved in.
 #[derive(Clone, Debug)]
-pub(crate) struct Room {
+pub(crate) struct ThreadWorkspace {
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
     /// The same of normals, where particles lie on colliders, and of what these bear.
@@ -44,7 +44,7 @@ pub(crate) struct Room {
     pub line: Line,
 }
 
-impl Room {
+impl ThreadWorkspace {
     /// Room for either direction's threads.
     pub fn new(layout: Layout) -> Self {
         let strip = layout.columns.next_multiple_of(LANES) * LANES;

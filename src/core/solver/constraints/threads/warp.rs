@@ -4,13 +4,13 @@
 //! comes to apart, from where it is put back by rows.
 
 use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
-use crate::solver::constraints::threads::{Lines, OnColliders, Room, touch_nothing};
+use crate::solver::constraints::threads::{Lines, OnColliders, ThreadWorkspace, touch_nothing};
 use crate::solver::contact::{Contacts, Normals};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
-use crate::solver::simd::parallel::{Band, Cut, Rooms};
+use crate::solver::simd::parallel::{Band, Cut, Workspaces};
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 use crate::solver::topology::lattice::Family;
@@ -98,7 +98,7 @@ pub(crate) struct SolveWarpApart<'a> {
     pub apart: PartMut<'a>,
     /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
     pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
-    pub rooms: &'a Rooms<Room>,
+    pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
 /// Where a bundle of columns begins, and each of its rows.

@@ -1,13 +1,13 @@
 //! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
 
 use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
-use crate::solver::constraints::threads::{Lines, OnColliders, Room, touch_nothing};
+use crate::solver::constraints::threads::{Lines, OnColliders, ThreadWorkspace, touch_nothing};
 use crate::solver::contact::Contacts;
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::{Isa, TransposingKernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
-use crate::solver::simd::parallel::{Band, Cut, Rooms};
+use crate::solver::simd::parallel::{Band, Cut, Workspaces};
 use crate::solver::simd::slots::{CutAt, Slots, SlotsMut};
 use crate::solver::simd::soa::{PartMut, Soa};
 use crate::solver::simd::transpose::Transpose;
@@ -24,7 +24,7 @@ pub(crate) struct SolveWeft<'a> {
     pub x: &'a Soa,
     pub d: PartMut<'a>,
     pub contacts: Option<Contacts<'a>>,
-    pub rooms: &'a Rooms<Room>,
+    pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
 /// Tells whether any spring was longer than its limit before it was corrected.
@@ -36,7 +36,7 @@ impl TransposingKernel for SolveWeft<'_> {
         let Self { band, lines, springs, inverse_mass, reach, x, mut d, mut contacts, rooms } =
             self;
         let mut room = rooms.take();
-        let Room { strip, line, normals, slip, load } = &mut *room;
+        let ThreadWorkspace { strip, line, normals, slip, load } = &mut *room;
         let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line };
         let mut excess = Block::ZERO;
         for row in band.rows.step_by(LANES) {

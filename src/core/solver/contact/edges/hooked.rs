@@ -27,7 +27,7 @@ impl HoldEdges<'_> {
     /// they may be inside. Returns what the collider is given as it slows them down, times the substep \[kg m\].
     pub(super) fn keep_passing(&mut self) -> Vec3 {
         let longest = 1.0 + (PASSING_LIMITS * self.max_strain).max(PASSING_STRAIN);
-        let (collider, epsilon) = (self.collider as u32, self.skin.epsilon);
+        let (collider, epsilon) = (self.collider as u32, self.settings.epsilon);
         let EdgeMemory { freed, next_freed, .. } = &mut self.set.edges;
         let mine = freed.iter().filter(|freed| freed.collider == collider);
         for &Freed { slot, left, .. } in mine.clone() {
@@ -49,7 +49,7 @@ impl HoldEdges<'_> {
                     next_freed.push(Freed { slot: other as u32, collider, left: PASSING_TIME });
                 }
             });
-            let left = if is_pulled { PASSING_TIME } else { left - self.skin.step };
+            let left = if is_pulled { PASSING_TIME } else { left - self.settings.step };
             if is_pulled || (gap < 0.0 && left > 0.0) {
                 next_freed.push(Freed { slot, collider, left });
             }
@@ -80,7 +80,7 @@ impl HoldEdges<'_> {
         let surface = if motion.moves { moved } else { Vec3::ZERO };
         let relative = d - surface;
         let way = larger(relative.length(), LEAST_SLIDING);
-        let by = -relative * larger(1.0 - self.skin.most_push / way, 0.0);
+        let by = -relative * larger(1.0 - self.settings.most_push / way, 0.0);
         self.displace(slot, by);
         by
     }
@@ -89,7 +89,7 @@ impl HoldEdges<'_> {
     pub(super) fn is_hooked(&mut self, edge: u32, depth: f32, length: f32) -> bool {
         let longest = 1.0 + (HOOKED_LIMITS * self.max_strain).max(HOOKED_STRAIN);
         let hooked = self.rule.is_slow
-            && depth > HOOKED_DEPTH * self.skin.epsilon
+            && depth > HOOKED_DEPTH * self.settings.epsilon
             && length > longest * self.edges.rest(edge);
         if hooked {
             let collider = self.collider as u32;

@@ -31,7 +31,7 @@ pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmSt
 
 pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
 
-use crate::solver::contact::Skin;
+use crate::solver::contact::ContactSettings;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::nearby::{FindClose, Inside};
@@ -77,10 +77,15 @@ pub(super) struct Rule {
 impl Rule {
     /// For edges of a cloth and a collider; `None` where none is ever to be looked at, as the whole solid is gently
     /// curved. Edges may be longer than at rest by `stretch`.
-    pub fn new(edges: &Edges, motion: &Motion<'_>, skin: &Skin, stretch: f32) -> Option<Self> {
+    pub fn new(
+        edges: &Edges,
+        motion: &Motion<'_>,
+        settings: &ContactSettings,
+        stretch: f32,
+    ) -> Option<Self> {
         let length = edges.longest * stretch;
         // An arc over a chord, and the angle between its normals: the sagitta is an eighth of their product.
-        let sagitta = larger(HELD * skin.epsilon, SAGITTA * length);
+        let sagitta = larger(HELD * settings.epsilon, SAGITTA * length);
         // What is fast stretches edges, and then passes between particles whatever its curvature.
         if motion.reach > FAST * length {
             return None;
@@ -90,12 +95,12 @@ impl Rule {
             return None;
         }
         let angle = 8.0 * sagitta / length;
-        let less = 2.0 * (HELD - 1.0) * skin.epsilon + motion.reach;
+        let less = 2.0 * (HELD - 1.0) * settings.epsilon + motion.reach;
         let reach = length + less;
         (reach > 0.0).then_some(Self {
             reach,
             is_slow,
-            inside: -INSIDE * larger(skin.epsilon, LEAST_INSIDE * edges.longest) - motion.reach,
+            inside: -INSIDE * larger(settings.epsilon, LEAST_INSIDE * edges.longest) - motion.reach,
             alike: 1.0 - 0.5 * angle * angle,
         })
     }
@@ -107,11 +112,11 @@ pub(super) struct HoldEdges<'a> {
     pub layout: Layout,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
-    /// The ways at which edges may touch, and the way that has been gone, as `ContactRoom` counts it \[m\].
+    /// The ways at which edges may touch, and the way that has been gone, as `BroadPhase` counts it \[m\].
     pub until: &'a mut [f32],
     pub gone: f32,
     pub motion: &'a Motion<'a>,
-    pub skin: &'a Skin,
+    pub settings: &'a ContactSettings,
     /// Strain that threads are limited to, and whether threads beside pressed edges are held to it.
     pub max_strain: f32,
     pub limits: bool,
@@ -178,7 +183,7 @@ impl HoldEdges<'_> {
         let search = Search::new(&ends, self.x, self.d, &self.motion.after);
         let (at, distance) = search.nearest(self.motion);
         for (lane, &edge) in close.iter().enumerate() {
-            let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
+            let gap = distance[lane] * self.motion.after.scale - HELD * self.settings.epsilon;
             if gap < 0.0 {
                 self.nearby.places.push(Place::on_edge(edge, ends[lane], at[lane]));
             } else {
@@ -197,7 +202,7 @@ impl HoldEdges<'_> {
         let (parts, distance) = nearest_on_faces(&corners, self.x, self.d, self.motion);
         for (lane, &corners) in faces.iter().enumerate() {
             let parts = parts[lane];
-            let gap = distance[lane] * self.motion.after.scale - HELD * self.skin.epsilon;
+            let gap = distance[lane] * self.motion.after.scale - HELD * self.settings.epsilon;
             // What is nearest at a side of it is left to that edge.
             if gap < 0.0 && parts.iter().all(|&part| part > WITHIN) {
                 self.nearby.places.push(Place { corners, parts, edge: None });

@@ -160,7 +160,7 @@ impl HoldEdges<'_> {
 
     /// Looks at a place; `None` where it is not to be moved. It is inside, unless it `was_expected` to be.
     fn press(&mut self, place: Place, was_expected: bool) -> Option<Press> {
-        let (motion, skin) = (self.motion, self.skin);
+        let (motion, settings) = (self.motion, self.settings);
         let Place { corners, parts, edge } = place;
         let slots = corners.map(|slot| slot as usize);
         let w = slots.map(|slot| self.inverse_mass[slot]);
@@ -172,7 +172,7 @@ impl HoldEdges<'_> {
         let from = place.between(self.x) + moved;
         let local = motion.after.to_local(from);
         let sample = motion.shape.sample(local);
-        let depth = HELD * skin.epsilon - sample.distance * motion.after.scale;
+        let depth = HELD * settings.epsilon - sample.distance * motion.after.scale;
         if depth.is_nan() || (depth <= 0.0 && !was_expected) {
             return None;
         }

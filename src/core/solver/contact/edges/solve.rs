@@ -121,7 +121,7 @@ impl HoldEdges<'_> {
         self.find_bodies(system);
         // What is fast is met once, as what moves is looked at on its way.
         let rounds = if self.rule.is_slow { ROUNDS } else { 1 };
-        let found = FOUND / self.skin.per_weight;
+        let found = FOUND / self.settings.per_weight;
         for round in 0..rounds {
             // What the first pushes stretch is among them.
             if round == 1 && self.limits {
@@ -140,7 +140,7 @@ impl HoldEdges<'_> {
                 break;
             }
         }
-        system.move_out(self.skin.most_push);
+        system.move_out(self.settings.most_push);
         if self.rule.is_slow {
             system.brake_turning(self.motion.friction);
             for press in &system.presses {
@@ -238,7 +238,7 @@ impl HoldEdges<'_> {
         if press.push <= 0.0 {
             return;
         }
-        let blow = press.push * self.skin.per_weight * (1.0 / BLOW);
+        let blow = press.push * self.settings.per_weight * (1.0 / BLOW);
         let struck = if press.was_expected { 0.0 } else { blow * blow };
         let push = press.normal * press.push + press.brake;
         self.set.edges.next_warm.push(WarmStart {

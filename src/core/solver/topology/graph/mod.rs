@@ -45,7 +45,7 @@ use crate::solver::topology::graph::chains::Chains;
 use crate::solver::topology::graph::coloring::Pairs;
 use crate::solver::topology::graph::edges::Mesh;
 use crate::solver::topology::graph::hinges::Hinges;
-use crate::solver::topology::graph::wide_hinges::LazySpans;
+use crate::solver::topology::graph::wide_hinges::LazyWideHinges;
 
 /// Factors of single particles, in their order; an empty list stands for ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,7 +95,7 @@ pub struct Graph {
     pub(crate) total_area: f32,
     /// Whether rest distances through space are distances along the cloth (flat and convex).
     pub(crate) flat: bool,
-    pub(crate) spans: LazySpans,
+    pub(crate) wide_hinges: LazyWideHinges,
 }
 
 impl Graph {
@@ -167,7 +167,7 @@ impl Graph {
             area: springs::areas(&mesh, &edges, lumping, weights),
             total_area,
             flat: planarity::is_flat_and_convex(&mesh, &edges),
-            spans: LazySpans::default(),
+            wide_hinges: LazyWideHinges::default(),
             weights: given,
             rest_positions: positions.to_vec(),
             triangles: triangles.to_vec(),

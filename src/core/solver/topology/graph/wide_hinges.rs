@@ -10,14 +10,14 @@ use crate::solver::topology::wide_hinges::widths;
 
 /// Wide hinges, in the order in which they are braked: the widest last.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Spans(pub Vec<Span>);
+pub(crate) struct WideHinges(pub Vec<WideHinge>);
 
 /// The wide hinges of a mesh, made when they are asked for: a cloth without friction has none.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct LazySpans(OnceLock<Spans>);
+pub(crate) struct LazyWideHinges(OnceLock<WideHinges>);
 
 /// Wide hinges follow from the rest of the mesh.
-impl PartialEq for LazySpans {
+impl PartialEq for LazyWideHinges {
     fn eq(&self, _: &Self) -> bool {
         true
     }
@@ -25,14 +25,14 @@ impl PartialEq for LazySpans {
 
 impl Graph {
     /// Its wide hinges.
-    pub(crate) fn spans(&self) -> &Spans {
-        self.spans.0.get_or_init(|| Spans::new(self))
+    pub(crate) fn wide_hinges(&self) -> &WideHinges {
+        self.wide_hinges.0.get_or_init(|| WideHinges::new(self))
     }
 }
 
 /// A wide hinge.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Span {
+pub(crate) struct WideHinge {
     /// Slots of the particle in the middle and of those around it.
     pub slots: [u32; 4],
     /// The largest force for a bending friction of one.
@@ -44,16 +44,16 @@ const AHEAD: f32 = 0.5;
 /// Least weight of a particle around another: with less, that is not in their midst.
 const LEAST_WEIGHT: f32 = 0.1;
 
-impl Spans {
+impl WideHinges {
     /// Finds those of a mesh.
     fn new(graph: &Graph) -> Self {
         let neighbours = Neighbours::new(graph);
         let count = graph.particle_count();
-        let mut spans = Vec::new();
+        let mut wide_hinges = Vec::new();
         for width in widths(count.isqrt()) {
-            spans.extend((0..count as u32).filter_map(|slot| neighbours.span(slot, width)));
+            wide_hinges.extend((0..count as u32).filter_map(|slot| neighbours.span(slot, width)));
         }
-        Self(spans)
+        Self(wide_hinges)
     }
 }
 
@@ -90,7 +90,7 @@ impl Neighbours {
 
     /// The hinge around a particle whose others are so many edges away; `None` where the mesh does not go as far in
     /// three directions.
-    fn span(&self, slot: u32, width: usize) -> Option<Span> {
+    fn span(&self, slot: u32, width: usize) -> Option<WideHinge> {
         let middle = self.at(slot);
         let ahead = self.of(slot).iter().map(|&to| self.at(to) - middle);
         let along = ahead.clone().next()?.normalize_or_zero();
@@ -104,7 +104,7 @@ impl Neighbours {
         }
         weights(around.map(|slot| self.at(slot) - middle))?;
         let [end_a, end_b, end_c] = around;
-        Some(Span {
+        Some(WideHinge {
             slots: [slot, end_a, end_b, end_c],
             // In a cloth that bends about one axis, what the friction of its hinges does in all.
             most: 4.0 / (width * width) as f32,

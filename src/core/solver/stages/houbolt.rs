@@ -10,13 +10,13 @@ use crate::solver::topology::Topology;
 
 impl ClothSolver {
     /// Decides for a tick whether corrections are carried on in it.
-    pub(crate) fn begin_carrying(&mut self) {
-        self.scratch.carries = matches!(self.topology, Topology::Lattice(_))
+    pub(crate) fn begin_filtering(&mut self) {
+        self.workspace.carries = matches!(self.topology, Topology::Lattice(_))
             && self.plan.form == Form::Threads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
             && self.survey.max_strain <= MOST_STRAIN;
-        self.state.carries &= self.scratch.carries;
+        self.state.carries &= self.workspace.carries;
     }
 
     /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and
@@ -32,8 +32,8 @@ impl ClothSolver {
     }
 
     /// Says whether this substep's pulls are to be carried on.
-    pub(crate) fn end_carrying(&mut self) {
-        self.state.carries = self.scratch.carries && !self.scratch.contact.struck;
+    pub(crate) fn end_filtering(&mut self) {
+        self.state.carries = self.workspace.carries && !self.workspace.broad_phase.struck;
     }
 
     /// Leaves out what corrects between this and [`Self::go_on_pulling`].
@@ -52,15 +52,15 @@ impl ClothSolver {
 
     /// Particles that corrections see with another mass are pulled by more than they follow: all of it lasts.
     pub(crate) fn note_unfollowed(&mut self, adds: bool) {
-        if self.scratch.carries {
+        if self.workspace.carries {
             self.note_soft_pins(adds);
         }
     }
 
     /// Adds what colliders bear to the pulls, or takes it away.
     pub(crate) fn note_borne(&mut self, part: f32) {
-        if self.scratch.carries && self.state.contacts.now.any {
-            let inverse_mass = &self.held.inverse_mass;
+        if self.workspace.carries && self.state.contacts.now.any {
+            let inverse_mass = &self.pins.inverse_mass;
             let State { d, pull, contacts: set, .. } = &mut self.state;
             self.isa.run(NoteUnfollowed { set, inverse_mass, d, part, pull });
         }
@@ -68,17 +68,17 @@ impl ClothSolver {
 
     /// Adds displacements to the pulls, or takes them away.
     pub(crate) fn note_pulls(&mut self, part: f32) {
-        if self.scratch.carries {
+        if self.workspace.carries {
             let layout = self.topology.layout();
-            let inverse_mass = &self.held.inverse_mass;
+            let inverse_mass = &self.pins.inverse_mass;
             let State { d, pull, .. } = &mut self.state;
             self.isa.run(Add { layout, part, inverse_mass, from: d, to: pull });
         }
     }
 
     /// Corrections of this tick are not to be carried on any further: something else moves particles as well.
-    pub(crate) fn stop_carrying(&mut self) {
-        self.scratch.carries = false;
+    pub(crate) fn stop_filtering(&mut self) {
+        self.workspace.carries = false;
         self.state.carries = false;
     }
 }
