@@ -209,7 +209,7 @@ fn write(own: &mut ClothMesh, meshes: &mut Assets<Mesh>) -> Result<(), MeshProbl
     Ok(())
 }
 
-/// Those of a mesh that has not been written yet; `None` where it has none, or none that can be used.
+/// The tangents of a mesh that has not been written yet; `None` where it has none, or none that can be used.
 fn take_tangents(mesh: &Mesh) -> Option<Tangents> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return None;

@@ -70,7 +70,7 @@
 //!   [`solver::Integrator::Euler`] and [`solver::Integrator::Midpoint`] are for study and outside of this.
 //! - **What cannot be fulfilled does not shake.** Pins led further apart than the cloth reaches leave a
 //!   cloth of the default material at rest between them, up to a fifth too far; stiffer ones, and further, stay
-//!   bounded (`h20`). Between colliders that leave no room it stays where it is let (`h23`).
+//!   bounded (`h20`). A cloth that is clamped between colliders with no room for it stays bounded (`h23`).
 //! - **At rest it rests**: over nine minutes, hung or on a floor, nothing moves by more than 0.01 mm in a tick, or drifts
 //!   by more than 0.5 mm (`h17`). On the flanks of a ball, where friction is at its limit, a particle may slip once in
 //!   minutes: by 0.3 mm in a tick, and by a centimetre in all. What hangs from one particle alone turns about it, by a

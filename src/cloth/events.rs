@@ -50,6 +50,6 @@ pub struct ClothWoke {
 pub struct ClothDiverged {
     /// The cloth.
     pub entity: Entity,
-    /// What the solver says.
+    /// The solver's error.
     pub problem: SolverError,
 }

@@ -41,7 +41,7 @@ pub struct ClothForces {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct ClothForce {
-    /// What it acts on. A ball is looked at anew in each tick.
+    /// The particles that it acts on. Those in a ball are chosen anew in each tick.
     pub on: PushOn,
     /// The force \[N\], in world axes, shared by all that it acts on. Longer pushes harder.
     pub force: Vec3,
@@ -77,6 +77,6 @@ pub struct PushCloth {
     pub entity: Entity,
     /// The particles.
     pub on: PushOn,
-    /// What they are pushed with.
+    /// The force, impulse or change of velocity.
     pub with: PushWith,
 }

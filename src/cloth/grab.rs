@@ -31,7 +31,7 @@ use crate::solver::{ParameterError, SoftPin};
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct ClothGrab {
-    /// What is grabbed.
+    /// The particles that are grabbed.
     pub hold: GrabHold,
     /// Where the middle of what is grabbed is drawn, in world space \[m\].
     pub target: Vec3,
@@ -44,7 +44,7 @@ pub struct ClothGrab {
     pub max_force: f32,
 }
 
-/// What a [`ClothGrab`] grabs.
+/// The particles that a [`ClothGrab`] grabs.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]

@@ -33,7 +33,7 @@ pub struct ClothPins {
 pub struct Pin {
     /// The particles.
     pub selection: PinSelection,
-    /// What holds them; `None` is the cloth's own entity.
+    /// The entity that holds them; `None` is the cloth's own.
     #[entities]
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub anchor: Option<Entity>,

@@ -76,7 +76,7 @@ impl Default for ClothInertia {
 }
 
 impl ClothInertia {
-    /// The same part of shifts and turns.
+    /// Inherits the same part of shifts and of turns.
     pub fn new(part: f32) -> Self {
         Self { linear: part, angular: part }
     }

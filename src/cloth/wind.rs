@@ -20,7 +20,7 @@ use crate::solver::{Gusts, Wind, Zone};
 pub struct ClothWind {
     /// Velocity of the steady wind [m/s]. Longer blows harder.
     pub velocity: Vec3,
-    /// What comes and goes, on top of it. The same seed in the same tick is the same to the bit.
+    /// Gusts on top of it. The same seed in the same tick gives the same bits.
     pub gusts: Gusts,
 }
 

@@ -61,7 +61,7 @@ impl SdfShape {
     }
 }
 
-/// What the solver takes on trust from a solid of one's own.
+/// Checks what the solver takes on trust from a custom solid.
 fn check_custom(shape: &dyn SignedDistance) -> Result<(), ParameterError> {
     let excess = shape.overestimate();
     let sound = excess >= 0.0 && excess.is_finite();

@@ -88,7 +88,7 @@ impl FieldSource<'_> {
     }
 }
 
-/// What a failed load comes to.
+/// The problem that a failed load is told as.
 fn load_problem(handle: &Handle<DistanceField>, error: &AssetLoadError) -> FieldProblem {
     let path = handle.path().map(ToString::to_string).unwrap_or_default();
     let content = match error {

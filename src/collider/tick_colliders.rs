@@ -20,19 +20,19 @@ use crate::solver::{self, ColliderMotion, Pose};
 pub(crate) struct ColliderPose {
     /// Boxed, so that looking over those that stand still passes through little memory.
     moving: Option<Box<MovingPose>>,
-    /// It stood still in the last tick: as long as nothing of it changes there is nothing to do.
+    /// The collider stood still in the last tick: as long as nothing of it changes there is nothing to do.
     still: bool,
     /// Whether its impulse was asked for.
     measured: bool,
 }
 
 impl ColliderPose {
-    /// Its way so far, if a tick has seen it.
+    /// The collider's motion so far, if a tick has seen it.
     pub(crate) fn moving(&self) -> Option<&MovingPose> {
         self.moving.as_deref()
     }
 
-    /// It goes on from there.
+    /// Lets the collider go on from a motion.
     pub(crate) fn come_from(&mut self, pose: MovingPose) {
         self.moving = Some(Box::new(pose));
         self.still = false;
@@ -80,7 +80,7 @@ impl TickColliders {
         colliders
     }
 
-    /// Those that are there, in the order in which the solver takes them.
+    /// The colliders that are present, in the order in which the solver takes them.
     pub(crate) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
         self.colliders.iter().filter_map(|collider| Some((collider, collider.motion?)))
     }
@@ -129,7 +129,7 @@ impl ColliderRoom {
     }
 }
 
-/// The same memory for another lifetime: collecting into equal elements is done in place.
+/// Reuses the memory of a list for another lifetime: collecting into equal elements is done in place.
 fn retype<'a>(mut used: Vec<solver::Collider<'_>>) -> Vec<solver::Collider<'a>> {
     used.clear();
     used.into_iter().map_while(|_| None).collect()

@@ -7,7 +7,7 @@ use crate::error::problems::{MeshProblem, PinProblem};
 use crate::error::{ClothError, ClothFailure};
 use crate::solver::SolverError;
 
-/// What has to change before an error is gone.
+/// The component or circumstance that has to change before an error is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Blame {
     Shape,
@@ -37,7 +37,7 @@ pub(crate) enum Blame {
 }
 
 impl Blame {
-    /// What may be wrong with a cloth.
+    /// The blames that a cloth may have.
     pub const OF_CLOTHS: [Self; 19] = [
         Self::Shape,
         Self::Weights,

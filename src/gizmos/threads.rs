@@ -23,7 +23,7 @@ pub(super) fn draw_threads(cloths: Query<&ClothSimulation>, mut gizmos: Gizmos<C
     }
 }
 
-/// What is held, and where it is drawn to.
+/// Draws held particles, and the places that they are drawn to.
 pub(super) fn draw_pins(
     cloths: Query<(&ClothSimulation, Option<&ClothGrab>)>,
     mut gizmos: Gizmos<ClothGizmos>,

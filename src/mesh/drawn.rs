@@ -13,7 +13,7 @@ pub(crate) struct ClothMesh {
     pub handle: Handle<Mesh>,
     /// The mesh that it is a copy of.
     pub source: Option<Handle<Mesh>>,
-    /// What it draws: the particle and the normal of each vertex.
+    /// The rest shape that is drawn: the particle and the normal of each vertex.
     pub rest: RestShape,
     /// Positions in the entity's frame, by particle.
     pub points: Vec<Vec3>,
@@ -22,7 +22,7 @@ pub(crate) struct ClothMesh {
     /// Room to work out normals in, by rows or by groups.
     pub cells: GridNormals,
     pub sums: Vec<Vec3>,
-    /// Those of the mesh, once that has been looked at.
+    /// The mesh's tangents, once it has been looked at.
     pub tangents: Option<Option<Box<Tangents>>>,
     pub drawn: Option<Drawn>,
 }

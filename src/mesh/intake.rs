@@ -8,7 +8,7 @@ use crate::mesh::grid::{GridTopology, recognize};
 use crate::mesh::raw::RawMesh;
 use crate::mesh::surface::{SkippedTriangles, Surface, follow};
 
-/// What became of a mesh as it was made a cloth.
+/// The account of how a mesh was made a cloth.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClothIntake {
     /// Vertices of the mesh.

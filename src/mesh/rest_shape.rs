@@ -54,7 +54,7 @@ impl RestShape {
         }
     }
 
-    /// What became of the mesh.
+    /// The intake's findings about the mesh.
     pub fn intake(&self) -> Option<&ClothIntake> {
         match self {
             Self::Sheet { .. } => None,

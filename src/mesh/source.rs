@@ -34,7 +34,7 @@ pub(crate) struct MeshSource<'w, 's> {
     server: Option<Res<'w, AssetServer>>,
     events: Option<Res<'w, Messages<AssetEvent<Mesh>>>>,
     cursor: Local<'s, MessageCursor<AssetEvent<Mesh>>>,
-    /// Those that came or were changed.
+    /// Meshes that came or were changed.
     changed: Local<'s, Vec<AssetId<Mesh>>>,
 }
 

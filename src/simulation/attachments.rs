@@ -17,7 +17,7 @@ pub(crate) struct Anchor {
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity"))]
     pub entity: Entity,
     pub pose: MovingPose,
-    /// Its poses at this tick's start and end.
+    /// The anchor's poses at this tick's start and end.
     pub tick: (Pose, Pose),
     /// Pose of the cloth's entity in its frame, when it took hold.
     pub(crate) cloth: Pose,
@@ -25,7 +25,7 @@ pub(crate) struct Anchor {
     pub holds: u32,
     /// Particles that it holds softly.
     pub pulls: u32,
-    /// Its pose when the mesh was last written.
+    /// The anchor's pose when the mesh was last written.
     pub drawn: Option<Pose>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) struct Attached {
     pub particle: u32,
     /// Index of its [`Anchor`].
     pub anchor: u32,
-    /// Its place in the anchor's frame.
+    /// The particle's place in the anchor's frame.
     pub local: Vec3,
     /// Not yet held through a tick: it starts from where the particle is.
     pub(crate) fresh: bool,
@@ -164,7 +164,7 @@ impl Attachments {
         kept
     }
 
-    /// They are those of another entity now.
+    /// Gives the attachments to another entity.
     pub fn move_to(&mut self, entity: Entity) {
         for anchor in self.anchors.iter_mut().filter(|it| Some(it.entity) == self.own_entity) {
             anchor.entity = entity;
@@ -185,7 +185,7 @@ impl Attachments {
         }
     }
 
-    /// What is held starts from where it is.
+    /// Lets held particles start from where they are.
     pub fn take_hold_anew(&mut self) {
         self.attached.iter_mut().for_each(|attached| attached.fresh = true);
         self.pulled.iter_mut().for_each(|pulled| pulled.at.fresh = true);

@@ -11,14 +11,14 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::pinning::hold_anew;
 use crate::solver::{ClothSolver, SoftPin};
 
-/// What is grabbed of a running cloth.
+/// The grabbed particles of a running cloth.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Grabbed {
     asked: ClothGrab,
     /// The particles, ascending, and where they are around their middle \[m\].
     chosen: Vec<(u32, Vec3)>,
-    /// Those that no pin holds.
+    /// Grabbed particles that no pin holds, and their places.
     held: Vec<(u32, Vec3)>,
     /// Where the target was at the last tick's end \[m\].
     from: Vec3,
@@ -74,7 +74,7 @@ impl Grabbed {
         self.held.extend(self.chosen.iter().filter(|(particle, _)| !is_pinned(*particle)));
     }
 
-    /// Its springs, in ascending order of the particles.
+    /// The grab's springs, in ascending order of the particles.
     pub fn springs(&self) -> impl Iterator<Item = SoftPin> + '_ {
         let part = self.part();
         let stiffness = (self.asked.stiffness * part).max(f32::MIN_POSITIVE);

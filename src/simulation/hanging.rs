@@ -19,14 +19,14 @@ use crate::solver::{PinMotion, Pose, SolverError, StepInput};
 
 /// A cloth that is to be hung, or has been.
 pub(crate) struct Hanging {
-    /// What it is hung by.
+    /// The request that it is hung by.
     asked: Asked,
     pins: ClothPins,
     /// Where it was when the relaxation started.
     from: Option<Pose>,
     /// The relaxation under way.
     task: Option<Task<Result<(Vec<Vec3>, RelaxReport), SolverError>>>,
-    /// Its first tick has come, and waits for it.
+    /// The cloth's first tick has come, and waits for the result.
     begun: bool,
     report: Option<RelaxReport>,
 }

@@ -62,14 +62,14 @@ pub struct ClothSimulation {
     pub(crate) attachments: Attachments,
     pub(crate) following: Following,
     pub(crate) rest: Rest,
-    /// What is grabbed of it.
+    /// Particles that are grabbed.
     pub(crate) grab: Option<Box<Grabbed>>,
     pub(crate) pushing: Pushing,
     /// Where it is to start hung from its pins.
     pub(crate) hanging: Option<Box<Hanging>>,
-    /// What it was made from.
+    /// The shape that it was made from.
     pub(crate) shape: ClothShape,
-    /// What is in force: the components may hold numbers that were refused.
+    /// The material in force: the component may hold numbers that were refused.
     pub(crate) material: ClothMaterial,
     pub(crate) settings: ClothSettings,
     pub(crate) pins: ClothPins,
@@ -89,19 +89,19 @@ pub struct ClothSimulation {
     pub(crate) told_ready: bool,
     /// Where the stages' times go, if they are asked for.
     pub(crate) times: Option<Box<StageTimes>>,
-    /// It diverged, and waits for other numbers.
+    /// The cloth diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
     /// Something has moved since the mesh was last written.
     pub(crate) stale: bool,
 }
 
 impl ClothSimulation {
-    /// What the solver chose, and why: springs or threads, and how many substeps.
+    /// The solver's plan and its reason: springs or threads, and how many substeps.
     pub fn plan(&self) -> &Plan {
         self.solver.plan()
     }
 
-    /// What the last tick measured; `None` before the first one.
+    /// Measurements of the last tick; `None` before the first one.
     pub fn last_tick(&self) -> Option<&TickReport> {
         self.last_tick.as_ref()
     }
@@ -184,7 +184,7 @@ impl ClothSimulation {
         self.solver.topology().spring_count()
     }
 
-    /// What became of the mesh as it was made this cloth; `None` for a sheet.
+    /// The account of how the mesh was made this cloth; `None` for a sheet.
     pub fn intake(&self) -> Option<&ClothIntake> {
         self.rest_shape.intake()
     }
@@ -257,7 +257,7 @@ impl ClothSimulation {
         self.solver.set_isa(isa);
     }
 
-    /// What choosing particles needs to know.
+    /// The facts that particles are chosen by.
     pub(crate) fn choices(&self) -> Choices<'_> {
         Choices {
             grid: self.lattice().map(|lattice| (lattice.rows(), lattice.columns())),

@@ -87,7 +87,7 @@ pub(crate) fn hold_anew(cloth: &mut ClothSimulation) {
     hold(cloth, attachments);
 }
 
-/// What the pins hold now, and the first pin that holds nothing.
+/// Finds the particles that the pins hold now, and the first pin that holds nothing.
 fn attach(
     cloth: &ClothSimulation,
     entity: Entity,

@@ -24,11 +24,11 @@ pub(crate) fn ask_for_push(
     }
 }
 
-/// What pushes a cloth.
+/// Pushes that a cloth was asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Pushing {
-    /// What was asked for since the last tick, in that order.
+    /// Pushes since the last tick, in their order.
     pub asked: Vec<(PushOn, PushWith)>,
     /// The forces that went on in the last tick.
     pub forces: Vec<ClothForce>,

@@ -19,7 +19,7 @@ use crate::solver::{
     ClothSolver, Collider, ParameterError, Pose, RigidMotion, SolverError, TickReport,
 };
 
-/// What a cloth was asked to do at its next tick, and what its reference did in this one.
+/// Requests for a cloth's next tick, and the motion of its reference frame in this one.
 #[derive(Default)]
 pub(crate) struct Following {
     pub(crate) teleport: ClothTeleport,
@@ -28,9 +28,9 @@ pub(crate) struct Following {
     pub teleport_asked: bool,
     /// A reset is asked for.
     pub reset_asked: bool,
-    /// It has been carried in this tick: colliders that jumped as well came along.
+    /// The cloth has been carried in this tick: colliders that jumped as well came along.
     pub(crate) jumped: bool,
-    /// What it rides along with in this tick.
+    /// The motion that the cloth rides along with in this tick.
     pub ride: Option<RigidMotion>,
     pub(crate) room: ColliderRoom,
 }
@@ -112,7 +112,7 @@ impl Following {
         self.turn_of_ride().map_or(vector, |turn| turn.inverse() * vector)
     }
 
-    /// What [`Following::seen`] makes of a vector, in the world again.
+    /// A vector that [`Following::seen`] gave, in the world again.
     pub fn in_world(&self, seen: Vec3) -> Vec3 {
         self.turn_of_ride().map_or(seen, |turn| turn * seen)
     }

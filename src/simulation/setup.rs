@@ -26,7 +26,7 @@ use crate::simulation::sleeping::Rest;
 use crate::simulation::tick_input::ClothStep;
 use crate::solver::{ClothSolver, MassLumping, Pose, SolverError, Topology};
 
-/// What a cloth is set up from.
+/// The components that a cloth is set up from.
 type Ingredients = (
     Entity,
     Ref<'static, Cloth>,

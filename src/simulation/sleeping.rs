@@ -22,7 +22,7 @@ pub(crate) struct Rest {
     asleep: bool,
     /// Something has happened that could move it.
     disturbed: bool,
-    /// It took the last tick.
+    /// The cloth took the last tick.
     stepped: bool,
     /// Gravity of the last tick.
     gravity: Option<Vec3>,

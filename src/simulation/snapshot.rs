@@ -74,7 +74,7 @@ struct Content {
     quarantined: bool,
 }
 
-/// What [`Following`] keeps from tick to tick.
+/// The part of [`Following`] that lasts from tick to tick.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Followed {

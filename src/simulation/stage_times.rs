@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use crate::schedule::ClothSubstepSystems;
 use crate::solver::{ClothSolver, SolverError, Stage, StepInput, TickReport};
 
-/// What the stages of a tick's substeps took, in the order of [`ClothSubstepSystems`].
+/// Times of the stages of a tick's substeps, in the order of [`ClothSubstepSystems`].
 #[derive(Clone, Copy, Default)]
 pub(crate) struct StageTimes(pub [Duration; 4]);
 

@@ -6,7 +6,7 @@ use crate::cloth::wind::ClothWind;
 use crate::simulation::attachments::Attachments;
 use crate::solver::{Collider, StepInput, Zone};
 
-/// What a cloth takes of the world, fixed for a tick.
+/// The surroundings of a cloth, fixed for a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ClothStep {
     pub(crate) dt: f32,

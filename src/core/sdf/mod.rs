@@ -148,7 +148,7 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
 
     /// How deep a point may be \[m\] for the nearest way out still to be on the side where it came in.
     ///
-    /// What moves further than this in one step, and no more than that is thick, has its way looked at.
+    /// A particle that moves further than this in one substep is tested along its whole path.
     /// Zero, the default, is right for every shape; more saves work.
     fn core_depth(&self) -> f32 {
         0.0

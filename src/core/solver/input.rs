@@ -25,7 +25,7 @@ pub struct StepInput<'a> {
     pub wind: Wind<'a>,
 }
 
-/// What a tick came to.
+/// The outcome of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct TickReport {

@@ -117,9 +117,9 @@ pub struct ClothSolver {
     air: Option<Surface>,
     /// Load that the tethers' bounds were made for \[m/s2\].
     tethered_under: Option<Vec3>,
-    /// What a spring may move a particle by without its thread trembling \[m\].
+    /// Largest correction by one spring at which a taut thread does not tremble \[m\].
     steady: f32,
-    /// What the tethers' bounds are multiplied by in this tick, as its pins are too far apart.
+    /// Factor of the tethers' bounds in this tick; above 1 where its pins are too far apart.
     tether_ease: f32,
     /// Edges that are held out of colliders.
     edges: contact::Edges,

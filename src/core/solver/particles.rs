@@ -33,7 +33,7 @@ impl ClothSolver {
         &self.settings
     }
 
-    /// What the solver makes of them.
+    /// The plan that follows from material, settings and the tick's length.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }

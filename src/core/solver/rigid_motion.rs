@@ -239,7 +239,7 @@ fn on_fine_grid(p: Vec3) -> Vec3 {
 struct Placement {
     /// The new origin, in world space \[m\].
     origin: Vec3,
-    /// What is turned about, relative to the origin \[m\].
+    /// Centre of the turn, relative to the origin \[m\].
     centre: Vec3,
     /// The rotation; `None` leaves every bit.
     turn: Option<Mat3>,

@@ -179,9 +179,9 @@ impl Default for Settings {
 pub struct ParameterError {
     /// The field.
     pub name: &'static str,
-    /// What it was set to.
+    /// The number that was given.
     pub value: f32,
-    /// What it may be.
+    /// The range that is allowed.
     pub range: &'static str,
 }
 

@@ -33,9 +33,9 @@ pub struct SolverState {
     start: Vec<Vec3>,
     last_step: f32,
     response: f32,
-    /// What corrections carry on, where they do.
+    /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
-    /// What lay on colliders, if anything did.
+    /// The active set of contact, where any particle lay on a collider.
     contacts: Option<SavedContacts>,
     /// The tick that was planned for \[s\].
     tick: f32,
@@ -64,7 +64,7 @@ struct SavedContacts {
     warm: Vec<SavedWarmStart>,
     /// Particles that pass through a collider, which one, and how long yet \[s\].
     freed: Vec<([u32; 2], f32)>,
-    /// What measured colliders are owed of pulls that are carried on \[kg m/s\].
+    /// Momentum that measured colliders are owed, of pulls that are carried on \[kg m/s\].
     owed: Vec<Option<Vec3>>,
 }
 
@@ -118,7 +118,7 @@ impl SavedContacts {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StateError {
-    /// It is that of a cloth of another number of particles.
+    /// The state is of a cloth with another number of particles.
     #[error("the state is of {got} particles, but the cloth has {expected}: it is another cloth's")]
     WrongParticleCount {
         /// Particles of the cloth.
@@ -126,7 +126,7 @@ pub enum StateError {
         /// Particles of the state.
         got: usize,
     },
-    /// It is that of a cloth of other rows and columns.
+    /// The state is of a cloth with other rows and columns.
     #[error("the state is of a cloth of other rows and columns: it is another cloth's")]
     OtherGrid,
     /// Something in it is not finite, or contradicts the rest: no cloth was ever in that state.

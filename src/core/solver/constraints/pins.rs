@@ -14,13 +14,13 @@ use crate::solver::topology::Topology;
 pub(crate) struct Pins {
     /// Held particles, ascending.
     pub particles: Vec<u32>,
-    /// Their slots.
+    /// Slots of the held particles.
     pub slots: Vec<usize>,
     /// Where they are at the substep's end, relative to the origin \[m\].
     pub places: Vec<Vec3>,
     /// 1 / mass \[1/kg\]; 0 where held and beside the sheet.
     pub inverse_mass: Array,
-    /// The same in the transposed layout of a lattice.
+    /// Inverse masses in the transposed layout of a lattice.
     pub inverse_mass_transposed: Array,
     /// Mass of the cloth, for each metre of its width \[kg/m\].
     pub hung: f32,

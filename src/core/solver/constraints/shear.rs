@@ -28,7 +28,7 @@ pub(crate) struct ShearRule {
     pub compliance: f32,
     /// Longest that a spring may be, in rest lengths.
     pub limit: f32,
-    /// How many times [`CROWD`] the springs at a particle get in each other's way.
+    /// Factor of [`CROWD`] on this lattice: `1 + |cos g|` for the largest of the angles g between the diagonals of a cell.
     pub crowd: f32,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct CorrectShear<'a> {
     pub band: Band,
     pub cells: Cells<'a>,
     pub d: PartMut<'a>,
-    /// What particles lie on, where any do.
+    /// The contacts of particles, where any lies on a collider.
     pub contacts: Option<Contacts<'a>>,
     /// Displacements on both sides of the cuts, before any is corrected.
     pub seams: &'a Seams,
@@ -74,10 +74,10 @@ pub(crate) struct CorrectShear<'a> {
 /// [`LANES`] on.
 #[derive(Clone, Debug)]
 pub(crate) struct RowPulls {
-    /// Of those to the next column.
+    /// Pulls of the springs to the next column.
     right: Soa,
     right_before: Soa,
-    /// Of those to the column before.
+    /// Pulls of the springs to the column before.
     left: Soa,
     left_before: Soa,
 }
@@ -97,7 +97,7 @@ impl RowPulls {
         }
     }
 
-    /// What was a row's is now of the one before.
+    /// Goes on to the next row: the pulls of this one become those of the row before.
     fn turn(&mut self) {
         mem::swap(&mut self.right, &mut self.right_before);
         mem::swap(&mut self.left, &mut self.left_before);

@@ -55,11 +55,11 @@ pub(crate) struct Spring {
     pub slot: usize,
     /// Force that it does not exceed \[N\].
     pub most_force: f32,
-    /// It pulls as hard as it may in this substep: what is pulled further feels no more of it.
+    /// The spring pulls as hard as it may in this substep: a particle further off feels no more of it.
     pub slack: bool,
     /// The particle's own inverse mass, while corrections see another \[1/kg\].
     pub inverse_mass: f32,
-    /// Its displacement from which on it has not been noted what it does not follow \[m\].
+    /// The particle's displacement when the pull that it does not follow was last noted \[m\].
     pub noted: Vec3,
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct CorrectSprings<'a> {
     pub x: &'a Soa,
     pub d: &'a mut Soa,
     pub rule: Rule,
-    /// What particles lie on, where any do.
+    /// The contacts of particles, where any lies on a collider.
     pub contacts: Option<Contacts<'a>>,
 }
 
@@ -65,7 +65,7 @@ enum Batch {
     BetweenPairs,
     /// The shear springs of pairs of rows.
     AcrossPairs,
-    /// Those from each pair to the next.
+    /// Springs from each pair of columns to the next.
     AcrossBetween,
 }
 
@@ -94,7 +94,7 @@ pub(crate) enum Rule {
     /// Shear springs of the thread form: to their rest length with the compliance `1 / (k h^2)`
     /// \[1/kg\], or to `limit` rest lengths where that is shorter.
     Shear {
-        /// Of a spring of shape factor one.
+        /// Compliance of a spring of shape factor one.
         compliance: f32,
         /// 1 + max strain.
         limit: f32,

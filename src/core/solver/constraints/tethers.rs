@@ -57,7 +57,7 @@ pub(crate) struct TetherSet {
 /// Two pins of different groups, and how far apart the cloth lets them be.
 #[derive(Clone, Copy, Debug)]
 struct Between {
-    /// Their places among the pins.
+    /// The tethers' places among the pins.
     pins: [usize; 2],
     straight: f32,
     along_threads: f32,
@@ -314,7 +314,7 @@ pub(crate) struct PullTethers<'a> {
     pub sets: &'a [TetherSet],
     /// Where the cloth's pins are at the substep's end, relative to the origin \[m\].
     pub pins: &'a [Vec3],
-    /// What the bounds are multiplied by, at least 1.
+    /// Factor of the bounds, at least 1.
     pub ease: f32,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,

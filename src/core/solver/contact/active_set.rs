@@ -54,14 +54,14 @@ pub(crate) struct ActiveSet {
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
-    /// A particle's displacement before anything pulled at it, by slot \[m\].
+    /// A particle's displacement before any correction, by slot \[m\].
     pub unpulled: Soa,
     /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where a
     /// collider is measured.
     pub dropped: Soa,
-    /// What the cloth gives to colliders.
+    /// Momentum that the cloth gives to colliders.
     pub impulses: Impulses,
-    /// What a particle's displacement lost along the normal before the corrections, by slot \[m\].
+    /// Displacement along the normal that was taken before the corrections, by slot \[m\].
     pub lost: Array,
     /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
     /// slot \[m kg\].
@@ -191,7 +191,7 @@ impl ActiveSet {
         self.next.clear();
     }
 
-    /// What corrections need to know of it, and where they put its load; `None` where nothing touches.
+    /// The active set as corrections read it, and the array of loads that they write; `None` where nothing touches.
     pub fn contacts(&mut self) -> Option<Contacts<'_>> {
         self.now.any.then(|| Contacts { normals: &self.now, load: ValuesMut::all(&mut self.load) })
     }
@@ -200,7 +200,7 @@ impl ActiveSet {
 /// The active set as corrections see it.
 pub(crate) struct Contacts<'a> {
     pub normals: &'a Normals,
-    /// Of the slots that a band corrects.
+    /// Loads of the slots that a band corrects.
     pub load: ValuesMut<'a>,
 }
 
@@ -224,7 +224,7 @@ impl Contacts<'_> {
     }
 }
 
-/// What of the pulls at particles moves them, and their load, for normals `n`.
+/// Divides pulls at particles into the part along their surfaces of normals `n`, which moves them, and the load.
 #[inline(always)]
 pub(crate) fn divide(pull: &Block3, n: &Block3) -> (Block3, Block) {
     let (mut along, mut load) = (Block3::ZERO, Block::ZERO);

@@ -22,7 +22,7 @@ const FEW: usize = 8;
 /// Colliders awake at once whose edges are held that there is room for from the start.
 const FEW_WITH_EDGES: usize = 2;
 
-/// What contact remembers from substep to substep of a tick.
+/// The broad phase: which blocks of particles may touch which colliders, and the memory of it within a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct BroadPhase {
     blocks: usize,
@@ -47,14 +47,14 @@ pub(crate) struct BroadPhase {
     /// The cloth's box when the tick began, in world space.
     low: Vec3,
     high: Vec3,
-    /// What rounding may take off a distance in world space \[m\].
+    /// Largest rounding error of a distance in world space \[m\].
     slack: f32,
 }
 
 /// A collider that the cloth may have come to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Awake {
-    /// Its index.
+    /// The collider's index.
     pub collider: usize,
     /// Where what is known of the blocks begins.
     pub first: usize,

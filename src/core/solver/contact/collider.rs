@@ -97,7 +97,7 @@ impl ColliderMotion {
 pub struct Collider<'a> {
     /// The shape, in its own frame.
     pub shape: &'a dyn SignedDistance,
-    /// Its motion.
+    /// The collider's motion.
     pub motion: ColliderMotion,
     /// Coulomb's coefficient; the pair's is the geometric mean with the cloth's.
     pub friction: f32,
@@ -118,7 +118,7 @@ impl<'a> Collider<'a> {
         Self { shape, motion, friction: 0.5, layers: u32::MAX, key: 0, measured: false }
     }
 
-    /// The same between other poses.
+    /// The collider between other poses.
     pub fn between(self, start: Pose, end: Pose) -> Self {
         Self { motion: ColliderMotion::new(self.shape, start, end), ..self }
     }
@@ -228,7 +228,7 @@ pub(super) struct Motion<'a> {
     pub friction: f32,
     /// How far the shape may overstate a distance \[m\].
     pub overestimate: f32,
-    /// What moves further in the substep beyond epsilon has its way looked at \[m\].
+    /// Displacement beyond epsilon from which on the whole path of a particle is looked at \[m\].
     pub fast: f32,
     /// Least radius of curvature of the surface where it is convex \[m\].
     pub least_radius: f32,

@@ -20,7 +20,7 @@ const SPENT: f32 = 3.0;
 /// A particle's way along a surface, as displacements \[m\].
 #[derive(Clone, Copy)]
 pub(super) struct Sliding {
-    /// Its way beside the surface, after the corrections.
+    /// The particle's displacement along the surface, after the corrections.
     pub way: Vec3,
     /// The part of it that pulls have made.
     pub pulled: Vec3,

@@ -9,7 +9,7 @@ use crate::solver::simd::soa::{Soa, ValuesMut};
 /// Particles that have been held by what they lay on. What has met a collider is held no longer.
 pub(super) struct Held<'a> {
     pub set: &'a Normals,
-    /// Their displacements before anything pulled at them.
+    /// The particles' displacements before any correction.
     pub unpulled: &'a Soa,
     pub lost: ValuesMut<'a>,
     pub load: ValuesMut<'a>,
@@ -27,11 +27,11 @@ impl CutAt for Held<'_> {
 /// How a block of particles was held.
 #[derive(Clone, Copy)]
 pub(super) struct Hold {
-    /// What they would have gone by along the normals beyond what they went, had nothing held them \[m\].
+    /// Displacements along the normals that contact has held back \[m\].
     pub unfollowed: Block3,
-    /// Their displacements before anything pulled at them \[m\].
+    /// Displacements before any correction \[m\].
     pub unpulled: Block3,
-    /// What pulls would have moved them by along the surface, to what they did.
+    /// One over the slip: displacements along the surface that pulls would have made, over those that they did.
     pub unslipped: Block,
     /// One where a particle was held.
     pub was: Block,

@@ -20,7 +20,7 @@ pub(crate) struct Impulses {
 struct Impulse {
     /// Momentum that the cloth has given \[kg m/s\].
     given: Vec3,
-    /// What it gives in the substeps to come as pulls are carried on.
+    /// Momentum that it gives in the substeps to come, as pulls are carried on.
     owed: Vec3,
 }
 
@@ -90,7 +90,7 @@ impl Impulses {
         }
     }
 
-    /// What is owed, to be kept with the rest of the state.
+    /// Momentum that is owed, to be kept with the rest of the state.
     pub fn owed(&self) -> Vec<Option<Vec3>> {
         self.colliders.iter().map(|impulse| impulse.map(|impulse| impulse.owed)).collect()
     }

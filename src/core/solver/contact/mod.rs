@@ -77,7 +77,7 @@ pub(super) struct Span {
     pub to: f32,
 }
 
-/// What a cloth is to colliders.
+/// Thickness, friction and layers of the cloth, and the substep's limits, as contact takes them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactSettings {
     /// Distance at which particles are held \[m\].
@@ -259,9 +259,9 @@ impl ResolveContacts<'_> {
         touching
     }
 
-    /// While particles are so deep inside that they take more than a substep to come out, what is as
-    /// near to the collider as they are deep, or some times that, goes on at the speed allowed and no faster: the
-    /// threads that the pushes stretch would speed it up and up. What they moved stays moved.
+    /// Calms the cloth around particles that are so deep inside a collider that they need more than one substep to come
+    /// out. Particles within [`CALMED`] times that depth keep their displacements, but their speed is limited to the
+    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound.
     #[inline(never)]
     fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
         // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.

@@ -11,7 +11,7 @@ use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::Merge;
 
-/// What the particles that met a collider in a substep came to, a lane each.
+/// Momentum, remaining depth and count of the particles that met a collider in a substep, a lane each.
 pub(super) struct Tally {
     /// Momentum that they gave it, times the substep \[kg m\].
     pub given: Block3,
@@ -42,7 +42,7 @@ impl Merge for Tally {
     }
 }
 
-/// What contact did to a block of particles.
+/// The response of contact to a block of particles.
 pub(super) struct Pushed {
     /// How far the collider moves at each \[m\].
     pub surface: Block3,
@@ -50,7 +50,7 @@ pub(super) struct Pushed {
     undone: Block,
     /// How far they went along the surface before friction \[m\].
     went: Block,
-    /// What they would have gone by beyond what they went, had nothing held them \[m\].
+    /// Displacements that contact has held back \[m\].
     unfollowed: Block3,
 }
 
@@ -97,7 +97,7 @@ pub(super) struct Near {
     pub depth: Block,
     /// Least of the gaps above epsilon that any would have \[m\]; below zero where it touches.
     pub least: f32,
-    /// Their gaps above epsilon where they are \[m\].
+    /// Gaps of the particles above epsilon \[m\].
     pub gap: Block,
     /// Least of those that are not held \[m\].
     pub deepest: f32,

@@ -75,11 +75,11 @@ pub(super) struct MeetCollider<'a> {
     pub nearby: Option<NearbyMut<'a>>,
     /// The active set as the corrections saw it.
     pub held: Held<'a>,
-    /// What lies on a collider now.
+    /// Particles that lie on a collider now.
     pub found: Found<'a>,
 }
 
-/// What a band comes to.
+/// The outcome of a band.
 #[derive(Default)]
 pub(super) struct Met {
     pub tally: Tally,

@@ -17,7 +17,7 @@ const MOST_STEPS: u32 = 64;
 const MOST_MEETINGS: u32 = 3;
 /// Part of epsilon at which a surface is met.
 const NEAR: f32 = 0.25;
-/// The same for a cloth without thickness, as part of the way.
+/// Nearness that counts as contact for a cloth without thickness, as a part of the displacement.
 const NEAR_ON_WAY: f32 = 1e-3;
 /// Halvings of the last step, where it went in.
 const HALVINGS: u32 = 16;
@@ -37,7 +37,7 @@ struct Meeting {
 }
 
 impl Sweep<'_> {
-    /// What goes no further than this in the substep does not pass the surface \[m\].
+    /// Displacement up to which a particle does not pass the surface in the substep \[m\].
     #[inline(always)]
     pub fn slow(&self) -> f32 {
         (self.epsilon + self.motion.fast - self.motion.reach).max(0.0)

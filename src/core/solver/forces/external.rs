@@ -101,7 +101,7 @@ impl PushWith {
         }
     }
 
-    /// The same push with another vector.
+    /// Changes the vector of a push.
     #[must_use]
     pub fn map(self, change: impl FnOnce(Vec3) -> Vec3) -> Self {
         match self {
@@ -117,7 +117,7 @@ impl PushWith {
 pub(crate) struct Pushes {
     /// Force on each particle \[N\]; zero where it has none.
     pub forces: Soa,
-    /// Their magnitudes, added up as they came \[N\]; 0 where there are none.
+    /// Sum of the forces' magnitudes, in the order in which they came \[N\]; 0 where there are none.
     pub strength: f32,
 }
 

@@ -14,15 +14,15 @@ use crate::solver::topology::lattice::Lattice;
 /// The springs that are looked at, by their constants: a family of zero is left out.
 pub(crate) struct Springs<'a> {
     pub lattice: &'a Lattice,
-    /// Of structural springs, for a shape factor of one.
+    /// Constant of structural springs, for a shape factor of one.
     pub thread: f32,
-    /// Of shear springs.
+    /// Constant of shear springs.
     pub shear: f32,
 }
 
 /// A law of force between the ends of springs.
 pub(crate) trait SpringForce {
-    /// What it looks at of particles side by side.
+    /// The data of neighbouring particles that it reads.
     type Ends;
 
     /// So many blocks of particles from a slot on.
@@ -44,9 +44,9 @@ pub(crate) struct SpringBlock {
 pub(crate) struct SpringRows {
     /// Slots of a row, with a block of zeros before it.
     width: usize,
-    /// Of this row.
+    /// Forces of the springs of this row.
     weft: Soa,
-    /// Of both rows in turn.
+    /// Forces of the springs to the next row, of both rows in turn.
     warp: Soa,
     diagonal: Soa,
     antidiagonal: Soa,
@@ -170,7 +170,7 @@ struct SpringsFrom<'a> {
     blocks: usize,
     rest: Blocks<'a>,
     shape: Blocks<'a>,
-    /// Their constant for a shape factor of one.
+    /// The springs' constant for a shape factor of one.
     stiffness: f32,
 }
 

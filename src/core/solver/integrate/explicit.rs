@@ -12,7 +12,7 @@ use crate::solver::simd::isa::Isa;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 
-/// What these integrators work in.
+/// Working memory of these integrators.
 #[derive(Clone, Debug)]
 pub(crate) struct ExplicitWorkspace {
     /// Accelerations where the substep begins \[m/s2\].

@@ -27,7 +27,7 @@ pub(crate) const CARRIED: f32 = 0.5;
 /// that mends is no force that lasts.
 pub(crate) const MOST_STRAIN: f32 = 0.5;
 
-/// What a substep notes of its corrections.
+/// How a substep notes its corrections.
 pub(crate) enum PullFilter<'a> {
     /// Nothing.
     No,

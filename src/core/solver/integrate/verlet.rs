@@ -17,7 +17,7 @@ use crate::solver::simd::soa::{PartMut, Soa};
 /// Where the accelerations of a substep come from.
 #[derive(Clone, Copy)]
 pub(crate) enum Acceleration<'a> {
-    /// The same for every particle that is not held \[m/s2\].
+    /// One acceleration for every particle that is not held \[m/s2\].
     Uniform(Vec3),
     /// A particle's own \[m/s2\].
     Each(&'a Soa),
@@ -33,7 +33,7 @@ pub(crate) struct Integrate<'a> {
     pub carry: PullFilter<'a>,
 }
 
-/// What becomes of displacements.
+/// The law by which the displacements of one substep give those of the next.
 #[derive(Clone, Copy)]
 pub(crate) struct Advance {
     /// Part of the last displacement that goes on.
@@ -44,7 +44,7 @@ pub(crate) struct Advance {
     pub longest: f32,
 }
 
-/// What still air and acceleration do to a velocity over a time: `v' = decay v + gain a`.
+/// The change of a velocity by drag and acceleration over a time: `v' = decay v + gain a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kick {
     pub decay: f32,
@@ -111,7 +111,7 @@ impl Kernel for Integrate<'_> {
 
 cut_between_rows!(Integrate, d, carry);
 
-/// What goes on of the last substep's pulls.
+/// The part of the last substep's pulls that is carried on.
 #[inline(always)]
 fn carried(pull: Option<(&Blocks3Mut<'_>, f32)>, block: usize) -> Block3 {
     let mut carried = Block3::ZERO;

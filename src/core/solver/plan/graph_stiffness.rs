@@ -13,15 +13,15 @@ use crate::solver::topology::graph::hinge::Hinge;
 /// Explicit constants by entry of the tables, and those of the hinges.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphStiffness {
-    /// Of structural and shear springs \[N/m\].
+    /// Constants of structural and shear springs \[N/m\].
     pub springs: Array,
-    /// Of their damping \[N s/m\].
+    /// Constants of the springs' damping \[N s/m\].
     pub damping: Array,
     /// Flexion springs, where the settings ask for them.
     pub flexion: Option<Flexion>,
-    /// Of hinges \[N/m\].
+    /// Constants of hinges \[N/m\].
     pub hinges: Array,
-    /// Those that are flat at rest as couplings of particles \[N/m\].
+    /// Constants of hinges that are flat at rest, as couplings of particles \[N/m\].
     pub couplings: Array,
     /// A clamped hinge counts double: it stands for half a triangle more.
     clamp: Vec<f32>,
@@ -37,7 +37,7 @@ pub(crate) struct Flexion {
     pub constants: Array,
 }
 
-/// What is asked of the explicit forces, and what the substeps carry.
+/// Constants that the material asks of explicit forces, and the rates that the substeps carry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Demand {
     /// Constants that the material asks for.

@@ -50,7 +50,7 @@ pub struct Clamped {
     pub damping: bool,
 }
 
-/// What the solver makes of a material, settings and a tick's length.
+/// The method, substeps and constants that follow from a material, settings and a tick's length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     /// Springs or threads.
@@ -81,7 +81,7 @@ pub struct Plan {
     pub(crate) explicit: SpringConstants,
     /// Rigidity of the second-difference hinges \[N m\]; 0 where flexion springs stand in.
     pub(crate) hinge_rigidity: f32,
-    /// What a graph makes the constants of its springs of.
+    /// The demand that a graph makes the constants of its springs from.
     pub(crate) demand: Demand,
 }
 

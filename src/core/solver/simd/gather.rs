@@ -5,7 +5,7 @@ use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::transpose::{Four, Transpose};
 
-/// What is gathered of the particles.
+/// Particles one after the other, to be gathered by index.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     /// Positions at the substep's start, and inverse masses.

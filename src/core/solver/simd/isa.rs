@@ -85,7 +85,7 @@ impl Isa {
 /// An implementation marks `run`, and every function that it calls, `#[inline(always)]`: a function
 /// that is not inlined keeps the baseline's instructions.
 pub(crate) trait Kernel {
-    /// What the loop returns.
+    /// The result of the kernel.
     type Output;
     /// Runs the loop.
     fn run(self) -> Self::Output;
@@ -93,7 +93,7 @@ pub(crate) trait Kernel {
 
 /// A [`Kernel`] that exchanges rows and columns.
 pub(crate) trait TransposingKernel {
-    /// What the loop returns.
+    /// The result of the kernel.
     type Output;
     /// Runs the loop.
     fn run(self, transpose: impl Transpose) -> Self::Output;

@@ -17,7 +17,7 @@ use crate::solver::simd::soa::{Part, Soa};
 
 /// Particles of a sheet at least that is cut: fewer are done sooner than handed over.
 const LEAST_CUT: usize = 12_000;
-/// The same of a sheet of whole threads. Warp is solved by columns, all else by rows, so that half of its particles
+/// Particles at least of a sheet of whole threads that is cut. Warp is solved by columns, all else by rows, so that half of its particles
 /// change cores twice in a substep.
 const LEAST_WOVEN: usize = 40_000;
 /// Particles of a band at least.

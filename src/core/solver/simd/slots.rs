@@ -34,9 +34,9 @@ pub(crate) trait SlotsMut: Slots {
     }
 }
 
-/// What a kernel writes by slots.
+/// Data by slot that a kernel writes, and that can be cut in two.
 pub(crate) trait CutAt: Sized {
-    /// What is before a slot, and the rest.
+    /// The data before a slot, and the rest.
     fn cut(self, slot: usize) -> (Self, Self);
 }
 
@@ -53,12 +53,12 @@ pub(crate) struct ByBlock<'a, T> {
 }
 
 impl<'a, T> ByBlock<'a, T> {
-    /// Those of all blocks, from the first slot on.
+    /// The values of all blocks, from the first slot on.
     pub fn all(values: &'a mut [T]) -> Self {
         Self { first: 0, values }
     }
 
-    /// Those of so many blocks from a slot on.
+    /// The values of so many blocks from a slot on.
     #[inline(always)]
     pub fn row(&mut self, slot: usize, blocks: usize) -> &mut [T] {
         &mut self.values[slot / LANES - self.first..][..blocks]

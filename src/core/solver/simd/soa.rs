@@ -131,7 +131,7 @@ impl Slots for Part<'_> {
 }
 
 impl PartMut<'_> {
-    /// The same part, for a while: what holds it need not be passed on.
+    /// Reborrows the part.
     #[inline(always)]
     pub fn reborrow(&mut self) -> PartMut<'_> {
         PartMut { first: self.first, x: self.x, y: self.y, z: self.z }
@@ -176,7 +176,7 @@ pub(crate) struct ValuesMut<'a> {
 }
 
 impl<'a> ValuesMut<'a> {
-    /// Those of all slots.
+    /// The values of all slots.
     pub fn all(values: &'a mut [f32]) -> Self {
         Self { first: 0, values }
     }

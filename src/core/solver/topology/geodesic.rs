@@ -16,7 +16,7 @@ pub(crate) struct Ways<'a> {
 enum Springs<'a> {
     /// Told by the index.
     Lattice(&'a Lattice),
-    /// Those of slot i from `first[i]` to `first[i + 1]`: the other end, the rest length \[m\], and
+    /// Springs of slot i are from `first[i]` to `first[i + 1]`: the other end, the rest length \[m\], and
     /// whether it is a shear spring.
     Graph { first: Vec<u32>, all: Vec<(u32, f32, bool)> },
 }

@@ -19,12 +19,12 @@ use crate::solver::simd::lanes::LANES;
 /// `w t / l` from which a tension is too much.
 const STEADY: f32 = 0.33;
 
-/// What a thread's springs may move a particle by at most, for the least rest length of any \[m\].
+/// Largest correction by one spring at which a thread does not tremble, for the shortest rest length of any \[m\].
 pub(crate) fn steady(rests: impl Iterator<Item = f32>) -> f32 {
     STEADY * rests.filter(|&rest| rest > 0.0).fold(f32::INFINITY, f32::min)
 }
 
-/// What [`ease`] needs to know of [`LANES`] threads, and where it puts what it finds.
+/// [`LANES`] threads as [`ease`] reads and corrects them.
 pub(crate) trait Threads {
     /// Particles of a thread.
     fn places(&self) -> usize;
@@ -125,7 +125,7 @@ fn substitute(line: &Line, threads: &mut impl Threads) {
     }
 }
 
-/// What of pulls moves particles that lie on surfaces of these normals, if any do.
+/// The part of pulls that moves particles, where they lie on surfaces of these normals.
 #[inline(always)]
 fn moving(pull: &Block3, normals: &Option<Block3>) -> Block3 {
     match normals {

@@ -31,12 +31,12 @@ use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Family;
 
-/// What a band of threads is solved in.
+/// Working memory of a band of threads.
 #[derive(Clone, Debug)]
 pub(crate) struct ThreadWorkspace {
     /// [`LANES`] rows with rows and columns exchanged: positions, then corrections.
     pub strip: Soa,
-    /// The same of normals, where particles lie on colliders, and of what these bear.
+    /// Normals of the same particles, where they lie on colliders, and the loads that these bear.
     pub normals: Soa,
     pub slip: Array,
     pub load: Array,
@@ -58,7 +58,7 @@ impl ThreadWorkspace {
     }
 }
 
-/// What the threads of one direction are made of, in the layout whose rows they run across.
+/// The springs and masses of the threads of one direction, in the layout whose rows they run across.
 pub(crate) struct Lines<'a> {
     pub layout: Layout,
     pub springs: &'a Family,
@@ -157,7 +157,7 @@ struct Bundle<'a> {
     /// Blocks from one place to the next.
     hop: usize,
     inverse_mass: Blocks<'a>,
-    /// Of the springs after each place.
+    /// Rest lengths of the springs after each place.
     rest: Blocks<'a>,
     compliance: Blocks<'a>,
 }

@@ -38,11 +38,11 @@ pub(crate) struct Reach {
     pub compliance: f32,
     /// Longest that a spring may be, in rest lengths.
     pub limit: f32,
-    /// What a spring may move a particle by without its thread trembling \[m\].
+    /// Largest correction by one spring at which a taut thread does not tremble \[m\].
     pub steady: f32,
 }
 
-/// What springs are between: positions, inverse masses, and normals of what their ends lie on.
+/// The ends of springs: positions, inverse masses, and normals of the surfaces that they lie on.
 pub(crate) struct Between<'a> {
     pub x: [&'a Block3; 2],
     pub w: [&'a Block; 2],
@@ -128,7 +128,7 @@ pub(crate) struct Pivots<'a> {
 }
 
 impl<'a> Pivots<'a> {
-    /// Those of so many springs.
+    /// The pivots of so many springs.
     #[inline(always)]
     pub fn new(line: &'a mut Line, springs: usize) -> Self {
         Self {
@@ -167,7 +167,7 @@ impl<'a> Pivots<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Tension {
     pull: Block3,
-    /// What a spring has moved a particle by so far, at most \[m\].
+    /// Largest correction by one spring so far \[m\].
     pub most: Block,
 }
 

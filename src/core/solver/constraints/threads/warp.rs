@@ -94,7 +94,7 @@ pub(crate) struct SolveWarpApart<'a> {
     pub reach: Reach,
     pub x: &'a Soa,
     pub d: &'a Soa,
-    /// What displacements become: bundle by bundle of [`LANES`] columns, and in each row by row.
+    /// The corrected displacements: bundle by bundle of [`LANES`] columns, and in each row by row.
     pub apart: PartMut<'a>,
     /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
     pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
@@ -220,7 +220,7 @@ pub(crate) struct PutBack<'a> {
     pub band: Band,
     pub apart: &'a Soa,
     pub d: PartMut<'a>,
-    /// What is borne, from apart, and where it goes.
+    /// Loads of contact, from the copy, and the array that they are put into.
     pub loads: Option<(&'a Array, ValuesMut<'a>)>,
 }
 

@@ -8,10 +8,10 @@ pub(super) struct Body {
     pub slot: u32,
     /// \[1/kg\].
     pub inverse_mass: f32,
-    /// Its position and its displacement, up to now \[m\].
+    /// The particle's position and its displacement, up to now \[m\].
     pub x: Vec3,
     pub d: Vec3,
-    /// Its position and its displacement before edges were held \[m\].
+    /// The particle's position and its displacement before edges were held \[m\].
     pub before: [Vec3; 2],
 }
 

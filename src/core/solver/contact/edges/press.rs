@@ -20,7 +20,7 @@ const LOOKS: u32 = 8;
 pub(super) struct Place {
     /// Slots of the corners; the first two ascend.
     pub corners: [u32; 3],
-    /// Their parts in the place.
+    /// Barycentric weights of the corners.
     pub parts: [f32; 3],
     /// The edge, where it is one.
     pub edge: Option<u32>,

@@ -28,7 +28,7 @@ const FOUND: f32 = 0.005;
 /// A thread that meets the end of a pressed edge, and is to be held to the strain limit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limited {
-    /// Its ends, among the bodies.
+    /// The thread's ends, among the bodies.
     ends: [u32; 2],
     /// Longest that it may be \[m\].
     longest: f32,

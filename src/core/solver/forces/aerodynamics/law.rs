@@ -9,7 +9,7 @@ const LEAST_AREA: f32 = 1e-20;
 /// Least speed that has a direction \[m/s\].
 const LEAST_SPEED: f32 = 1e-20;
 
-/// What is the same for all faces of a cloth in a substep.
+/// The aerodynamic law of a substep, the same for all faces of a cloth.
 ///
 /// With `u` the velocity of the air relative to the face, `n` its unit normal and `A` its area, the
 /// force is drag along `u` and lift across it, both in proportion to the area that the wind sees:
@@ -23,7 +23,7 @@ const LEAST_SPEED: f32 = 1e-20;
 pub(super) struct Law {
     /// Half the air's density times the coefficient of drag \[kg/m3\].
     pub drag: f32,
-    /// The same of lift.
+    /// Coefficient of lift, alike.
     pub lift: f32,
     /// The time that the force acts \[s\].
     pub kick: f32,

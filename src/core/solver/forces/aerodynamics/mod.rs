@@ -33,7 +33,7 @@ use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::Topology;
 use crate::solver::topology::graph::Graph;
 
-/// What the air does to a cloth.
+/// The aerodynamic properties of a cloth.
 ///
 /// A face of area A that the air meets with velocity u feels `density / 2 * A * |u . n|` times
 /// `drag * u + lift * (|u| sign(u . n) n - |u . n| u / |u|)`, n being its normal (Keckeisen, Kimmerle,
@@ -88,7 +88,7 @@ enum Faces {
     Triangles(Triangles),
 }
 
-/// What the air pushes with in a substep.
+/// Input of the aerodynamic forces in a substep.
 pub(crate) struct Push<'a> {
     /// The time that the force acts \[s\].
     pub kick: f32,

@@ -17,7 +17,7 @@ use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
 
-/// What is packed of a particle: position, displacement, acceleration, position again.
+/// Floats that are packed for a particle: position, displacement, acceleration, position again.
 const PACKED: usize = LANES;
 /// Numbers of a triangle's force in memory: three, and one to make a vector register.
 const FORCE: usize = 4;
@@ -55,7 +55,7 @@ pub(super) struct Triangles {
     begins: Vec<u32>,
     /// [`LANES`] triangles at a time, one of each particle of a block; `none` where it has no more.
     around: Vec<u32>,
-    /// What the corners are loaded from.
+    /// Packed particles, which the corners are loaded from.
     packed: Array,
     /// A third of each triangle's force, and a zero behind the last.
     forces: Array,

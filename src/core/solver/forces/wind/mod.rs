@@ -24,7 +24,7 @@ use crate::solver::simd::soa::Soa;
 pub struct Wind<'a> {
     /// The wind that blows everywhere \[m/s\].
     pub velocity: Vec3,
-    /// What comes and goes, on top of it.
+    /// Gusts on top of it.
     pub gusts: Gusts,
     /// The time that the gusts are of \[s\].
     pub time: f64,

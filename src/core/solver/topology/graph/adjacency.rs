@@ -9,9 +9,9 @@ use crate::solver::simd::soa::Array;
 pub(crate) struct Table {
     /// Rows of block i: from `first[i]` to `first[i + 1]`.
     pub first: Vec<u32>,
-    /// What an entry refers to: the particle's own slot where there is none.
+    /// The slot that an entry refers to: the particle's own where there is none.
     pub to: Vec<u32>,
-    /// What an entry was made of; `u32::MAX` where there is none.
+    /// The index that an entry was made from; `u32::MAX` where there is none.
     pub source: Vec<u32>,
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Couplings {
 }
 
 impl Couplings {
-    /// Those of the particles of `slots` slots.
+    /// The couplings of the particles of `slots` slots.
     pub fn new(slots: usize, hinges: &[Hinge]) -> Self {
         let mut pairs: Vec<(u32, u32)> = hinges.iter().flat_map(pairs).map(|(.., p)| p).collect();
         pairs.sort_unstable();

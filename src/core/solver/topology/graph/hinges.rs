@@ -26,13 +26,13 @@ use crate::solver::topology::graph::hinge::Hinge;
 
 /// Turns below this, an edge's length, count as flat at rest: some 0.06 degrees.
 const FLAT: f32 = 1e-3;
-/// What makes a strip as stiff as asked for.
+/// Factor that makes a strip as stiff as asked for.
 const STRIP: f64 = 9.0 / 8.0;
 
 /// The hinges of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hinges {
-    /// Those that are curved at rest, then those that are flat.
+    /// Hinges that are curved at rest, then those that are flat.
     pub all: Vec<Hinge>,
     /// Worked out hinge by hinge.
     pub curved: Curved,
@@ -91,7 +91,7 @@ impl Hinges {
 }
 
 impl Curved {
-    /// Those of the particles of `slots` slots, of which `beside` is nobody's.
+    /// The curved hinges of the particles of `slots` slots, of which `beside` is nobody's.
     fn new(slots: usize, beside: u32, all: &[Hinge]) -> Self {
         let len = all.len().next_multiple_of(LANES);
         let corner = |i: usize| {

@@ -50,9 +50,9 @@ use crate::solver::topology::graph::wide_hinges::LazyWideHinges;
 /// Factors of single particles, in their order; an empty list stands for ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weights<'a> {
-    /// Of the mass, from 1e-3 to 1e3. Higher is heavier.
+    /// Factors of the mass, from 1e-3 to 1e3. Higher is heavier.
     pub mass: &'a [f32],
-    /// Of springs and bending, from 1e-3 to 1e3: that between particles is the mean of theirs. Higher
+    /// Factors of springs and bending, from 1e-3 to 1e3: a spring has the mean of its ends' factors. Higher
     /// is stiffer.
     pub stiffness: &'a [f32],
 }
@@ -79,7 +79,7 @@ pub struct Graph {
     pub(crate) structural: Vec<Link>,
     /// Shear springs.
     pub(crate) shear: Vec<Link>,
-    /// The same in batches.
+    /// Structural springs in batches.
     pub(crate) structural_pairs: Pairs,
     pub(crate) shear_pairs: Pairs,
     /// Structural springs laid end to end.

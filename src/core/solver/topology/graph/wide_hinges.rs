@@ -24,7 +24,7 @@ impl PartialEq for LazyWideHinges {
 }
 
 impl Graph {
-    /// Its wide hinges.
+    /// The wide hinges of the mesh.
     pub(crate) fn wide_hinges(&self) -> &WideHinges {
         self.wide_hinges.0.get_or_init(|| WideHinges::new(self))
     }
