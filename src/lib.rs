@@ -45,7 +45,7 @@
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
-//! - **WriteMeshes**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
+//! - **Write meshes**: once a frame, each cloth's own mesh asset is written in place, if anything has moved.
 //!
 //! # Units
 //!
