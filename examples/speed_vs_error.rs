@@ -49,7 +49,7 @@ struct Options {
     /// Only time a crowd of cloths on so many threads.
     #[arg(long, hide = true, value_parser = clap::value_parser!(u16).range(1..1024))]
     crowd: Option<u16>,
-    /// Put the report's short form (HANG and DRAPE) into the README as well, between its marks.
+    /// Put the report's short form (HANG and DRAPE) into the README and the guide as well, between their marks.
     #[arg(long)]
     readme: bool,
 }
@@ -99,11 +99,14 @@ fn report(options: &Options) -> Outcome<()> {
     for results in &all {
         plots.push(draw(&folder, results, &levels, machine.factor())?);
     }
-    let extra = readme::summary(&all, &levels, machine.factor());
+    let short = readme::summary(&all, &levels, machine.factor());
+    let extra = short.join("\n");
     tables::write_markdown(&folder.join("report.md"), &machine, &all, &extra, &plots)?;
     tables::write_csv(&folder.join("report.csv"), &all)?;
     if options.readme {
-        readme::insert(&repository("README.md"), &format!("{machine}\n\n{extra}"))?;
+        for (page, table) in ["README.md", "src/guide/performance.md"].into_iter().zip(&short) {
+            readme::insert(&repository(page), &format!("{machine}\n\n{table}"))?;
+        }
     }
     println!("\n{extra}");
     println!("{} s; tables and plots are in {}", begun.elapsed().as_secs(), folder.display());

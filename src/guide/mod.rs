@@ -3,7 +3,10 @@
 //! - [`cape`]: from nothing to a cape on a character, step by step.
 //! - [`settings`]: from what is seen to what to change.
 //! - [`names`]: what things are called here, for those who come from Unity, Unreal, Obi or `bevy_silk`.
+//! - [`tasks`]: what a cloth can do, and by which component.
 //! - [`how_it_works`]: a page of equations, with their sources.
+//! - [`accuracy`]: what the solver is held to, and what it gives up.
+//! - [`performance`]: what a tick and each optional part cost.
 
 #[doc = include_str!("cape.md")]
 pub mod cape {}
@@ -16,3 +19,12 @@ pub mod names {}
 
 #[doc = include_str!("how_it_works.md")]
 pub mod how_it_works {}
+
+#[doc = include_str!("tasks.md")]
+pub mod tasks {}
+
+#[doc = include_str!("accuracy.md")]
+pub mod accuracy {}
+
+#[doc = include_str!("performance.md")]
+pub mod performance {}

@@ -1,5 +1,5 @@
 //! What corrections carry on, where it could be felt: a hung cloth that is touched stays where it hangs, and how
-//! far it stretches at its pins is what the README says.
+//! far it stretches at its pins is what the guide says (`accuracy`).
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::{

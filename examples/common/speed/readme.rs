@@ -63,17 +63,17 @@ fn peers<'a>(levels: &'a [Level], scene: &'a str, n: usize) -> impl Iterator<Ite
     levels.iter().filter(move |level| level.scene == scene && level.n == n && !level.failed)
 }
 
-/// Both tables, or nothing where neither scene was run.
-pub fn summary(all: &[Results<'_>], levels: &[Level], factor: f64) -> String {
+/// What a time buys, for the README, and what a bound costs, for the guide; nothing where either scene was not run.
+pub fn summary(all: &[Results<'_>], levels: &[Level], factor: f64) -> [String; 2] {
     if points(all, "hang").next().is_none() || points(all, "drape").next().is_none() {
-        return String::new();
+        return Default::default();
     }
-    format!(
-        "What a time buys for 64 x 64 particles, one core, and the best that any peer reaches in that time:\n\n{}\n\
-         What a bound costs, in ms a frame; targets and peers scaled by the yardstick to this machine:\n\n{}",
-        markdown_table(&bought(all, levels, factor)),
-        markdown_table(&costs(all, levels, factor))
-    )
+    let buys = "What a time buys for 64 x 64 particles, one core, and the best that any peer reaches in that time:";
+    let takes = "What a bound costs, in ms a frame; targets and peers scaled by the yardstick to this machine:";
+    [
+        format!("{buys}\n\n{}", markdown_table(&bought(all, levels, factor))),
+        format!("{takes}\n\n{}", markdown_table(&costs(all, levels, factor))),
+    ]
 }
 
 /// What the default settings are held to: the bounds of 10 mm, of 1 % and of 1 mm.
@@ -164,7 +164,7 @@ fn costs(all: &[Results<'_>], levels: &[Level], factor: f64) -> Vec<Vec<String>>
 const BEGIN: &str = "<!-- speed_vs_error: begin -->";
 const END: &str = "<!-- speed_vs_error: end -->";
 
-/// Puts a text between the README's marks.
+/// Puts a text between the marks of a page.
 pub fn insert(path: &Path, text: &str) -> Outcome<()> {
     let before = fs::read_to_string(path)?;
     let (Some(begin), Some(end)) = (before.find(BEGIN), before.find(END)) else {
