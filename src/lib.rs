@@ -91,6 +91,8 @@
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
+// On docs.rs each item says which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 // A library does not print; programs among the examples may.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

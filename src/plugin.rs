@@ -43,7 +43,8 @@
 use bevy::app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::asset::AssetEventSystems;
 use bevy::ecs::intern::Interned;
-use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::schedule::{ScheduleConfigs, ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 
 use crate::cloth::Cloth;
@@ -185,17 +186,7 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (
-                        set_up_cloths,
-                        apply_changes,
-                        restore_cloths,
-                        apply_pins,
-                        hang_cloths,
-                        apply_grabs,
-                        tell_ready,
-                    )
-                        .chain()
-                        .in_set(Setup),
+                    set_up().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
@@ -252,17 +243,7 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                (
-                    set_up_cloths,
-                    apply_changes,
-                    restore_cloths,
-                    apply_pins,
-                    hang_cloths,
-                    apply_grabs,
-                    tell_ready,
-                )
-                    .chain()
-                    .in_set(LateSetup),
+                set_up().in_set(LateSetup),
                 draw_cloths.in_set(WriteMeshes),
             ),
         );
@@ -272,6 +253,12 @@ impl Plugin for ClothPlugin {
         // Assets may have been added after this plugin.
         register_fields(app);
     }
+}
+
+/// Components become running cloths, and change them. Runs in two schedules.
+fn set_up() -> ScheduleConfigs<ScheduleSystem> {
+    (set_up_cloths, apply_changes, restore_cloths, apply_pins, hang_cloths, apply_grabs, tell_ready)
+        .chain()
 }
 
 /// Makes distance fields assets that can be loaded, in an app that has assets.

@@ -19,6 +19,8 @@
 //!
 //! The feature `serialize` is for serde, `asset` makes a distance field one of Bevy's assets.
 
+// On docs.rs each item says which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 // A library does not print.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 

@@ -89,7 +89,7 @@ fn times_are_measured_and_parts_are_no_longer_than_the_whole() {
         updates(&mut app, 10);
         let times = TIMES.map(|path| value(&app, &path));
         for (path, time) in TIMES.iter().zip(times) {
-            assert!(time > 0.0 && time < 10_000.0, "{path}: {time} ms");
+            assert!(time > 0.0 && time.is_finite(), "{path}: {time} ms");
         }
         let [tick, gather, solve, _, stages @ ..] = times;
         assert!(tick >= gather + solve, "{execution:?}: {times:?}");
