@@ -68,6 +68,7 @@ use crate::collider::load::DistanceFieldLoader;
 use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
 use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
 use crate::drawing::draw_cloths;
+use crate::error::ClothFailure;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::rest_cache::RestCache;
@@ -127,6 +128,8 @@ impl Default for ClothPlugin {
 impl Plugin for ClothPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Cloth>()
+            .register_type::<ClothSimulation>()
+            .register_type::<ClothFailure>()
             .register_type::<ClothMaterial>()
             .register_type::<ClothSettings>()
             .register_type::<ClothPins>()

@@ -180,7 +180,8 @@ pub enum ClothError {
 /// Is on an entity as long as something is wrong with its cloth, collider or wind zone.
 ///
 /// Each error is logged once. It is removed when the component at fault is changed and found good.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(opaque, Component, Debug, PartialEq, Clone)]
 pub struct ClothFailure {
     /// What is wrong: of several things, what came last.
     pub error: ClothError,

@@ -56,16 +56,26 @@ use crate::solver::{
 ///
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
 /// starts the cloth anew.
-#[derive(Component)]
+///
+/// An inspector sees the shape, material, settings and pins that are in force, the count of ticks, and whether it has diverged.
+#[derive(Component, Reflect)]
+#[reflect(Component, from_reflect = false)]
 pub struct ClothSimulation {
+    #[reflect(ignore)]
     pub(crate) solver: ClothSolver,
+    #[reflect(ignore)]
     pub(crate) attachments: Attachments,
+    #[reflect(ignore)]
     pub(crate) following: Following,
+    #[reflect(ignore)]
     pub(crate) rest: Rest,
     /// Particles that are grabbed.
+    #[reflect(ignore)]
     pub(crate) grab: Option<Box<Grabbed>>,
+    #[reflect(ignore)]
     pub(crate) pushing: Pushing,
     /// Where it is to start hung from its pins.
+    #[reflect(ignore)]
     pub(crate) hanging: Option<Box<Hanging>>,
     /// The shape that it was made from.
     pub(crate) shape: ClothShape,
@@ -74,24 +84,33 @@ pub struct ClothSimulation {
     pub(crate) settings: ClothSettings,
     pub(crate) pins: ClothPins,
     /// The entity's pose at setup.
+    #[reflect(ignore)]
     pub(crate) placed: Pose,
     /// Unscaled, in the entity's frame.
+    #[reflect(ignore)]
     pub(crate) rest_shape: RestShape,
     /// The weights in force; `None` where the cloth is the same everywhere.
+    #[reflect(ignore)]
     pub(crate) weights: Option<ClothWeights>,
     /// This tick's surroundings.
+    #[reflect(ignore)]
     pub(crate) step: ClothStep,
     /// This tick's result, until it is looked at.
+    #[reflect(ignore)]
     pub(crate) outcome: Option<Result<TickReport, SolverError>>,
+    #[reflect(ignore)]
     pub(crate) last_tick: Option<TickReport>,
     pub(crate) tick_count: u64,
     /// `ClothReady` has been told.
+    #[reflect(ignore)]
     pub(crate) told_ready: bool,
     /// Where the stages' times go, if they are asked for.
+    #[reflect(ignore)]
     pub(crate) times: Option<Box<StageTimes>>,
     /// The cloth diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
     /// Something has moved since the mesh was last written.
+    #[reflect(ignore)]
     pub(crate) stale: bool,
 }
 

@@ -5,6 +5,7 @@ use bevy::{
     camera::visibility::VisibilityPlugin,
     ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel},
     prelude::*,
+    reflect::GetPath,
     time::TimeUpdateStrategy,
 };
 use bevy_drape::{ClothDiagnosticsPlugin, ClothError, ClothExecution, ClothSubstep, prelude::*};
@@ -96,7 +97,11 @@ fn components_are_registered() {
         "ClothMaterial",
         "ClothSettings",
         "ClothPins",
+        "ClothWeights",
         "ClothInterpolation",
+        "ClothAir",
+        "ClothWindOverride",
+        "WindZone",
         "ClothGravityOverride",
         "ClothTeleport",
         "ClothInertia",
@@ -104,11 +109,34 @@ fn components_are_registered() {
         "ClothPaused",
         "ClothForces",
         "ClothGrab",
+        "HangOnStart",
+        "ClothSnapshot",
+        "ClothSimulation",
+        "ClothFailure",
         "SdfCollider",
+        "SdfColliderSnapshot",
+        "ColliderImpulse",
         "BakeSdf",
     ] {
         let known = registry.get_with_short_type_path(name);
         let known = known.unwrap_or_else(|| panic!("{name} is not registered"));
         assert!(known.data::<ReflectComponent>().is_some(), "{name}");
     }
+    for name in ["ClothGravity", "ClothWind", "ClothExecution"] {
+        let known = registry.get_with_short_type_path(name);
+        let known = known.unwrap_or_else(|| panic!("{name} is not registered"));
+        assert!(known.data::<ReflectResource>().is_some(), "{name}");
+    }
+}
+
+#[test]
+fn an_inspector_sees_a_running_cloth() {
+    let mut app = app();
+    let material = ClothMaterial { thickness: 0.007, ..default() };
+    let cloth = spawn(&mut app, (sheet(), material));
+    updates(&mut app, 5);
+    let simulation = simulation(&app, cloth);
+    assert_eq!(simulation.path::<u64>("tick_count"), Ok(&simulation.tick_count()));
+    assert_eq!(simulation.path::<f32>("material.thickness"), Ok(&0.007));
+    assert_eq!(simulation.path::<bool>("quarantined"), Ok(&false));
 }

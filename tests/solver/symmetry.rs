@@ -83,10 +83,10 @@ fn a_square_keeps_its_symmetries_in_the_spring_form() {
 fn the_corrections_order_breaks_symmetry_only_a_little() {
     let limited = Material { max_strain: 0.02, ..all() };
     let solver = held_at_corners(limited, settings(FormChoice::Springs, 16));
-    check_at_most("asymmetry with Provot's passes [m]", asymmetry(&solver), 1e-2);
+    check_at_most("asymmetry with Provot's passes [m]", asymmetry(&solver), 6e-3);
     let threads = Material { thread_stiffness: 2000.0, ..all() };
     let solver = held_at_corners(threads, settings(FormChoice::Threads, 16));
-    check_at_most("asymmetry of threads [m]", asymmetry(&solver), 1e-2);
+    check_at_most("asymmetry of threads [m]", asymmetry(&solver), 2e-3);
 }
 
 #[test]
