@@ -11,9 +11,9 @@ use bevy::math::{
     primitives::{InfinitePlane3d, Sphere},
 };
 use bevy_drape::solver::{
-    Air, Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Gusts, Lattice,
-    MassLumping, Material, PinMotion, Pose, PushOn, PushWith, RigidMotion, Settings, SoftPin,
-    StepInput, Substeps, Topology, Wind, WindFlow, WindShape, Zone,
+    Air, Bending, ClothSolver, Collider, DampingForm, Graph, Gusts, Lattice, MassLumping, Material,
+    PinMotion, Pose, PushOn, PushWith, RigidMotion, Settings, SoftPin, StepInput, StretchMethod,
+    Substeps, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 thread_local! {
@@ -54,7 +54,11 @@ fn allocations<T>(act: impl FnOnce() -> T) -> usize {
 }
 
 /// A cloth with everything on, pins enough for all tethers, and a motion for each.
-fn busy(topology: Topology, form: FormChoice, bending: Bending) -> (ClothSolver, Vec<PinMotion>) {
+fn busy(
+    topology: Topology,
+    form: StretchMethod,
+    bending: Bending,
+) -> (ClothSolver, Vec<PinMotion>) {
     let material = Material {
         area_density: 0.2,
         thread_stiffness: 300.0,
@@ -68,7 +72,12 @@ fn busy(topology: Topology, form: FormChoice, bending: Bending) -> (ClothSolver,
         friction: 0.4,
         thickness: 0.005,
     };
-    let settings = Settings { form, bending, substeps: Substeps::Fixed(5), ..Settings::default() };
+    let settings = Settings {
+        stretch_method: form,
+        bending,
+        substeps: Substeps::Fixed(5),
+        ..Settings::default()
+    };
     let start = topology.rest_positions().to_vec();
     let mut solver = ClothSolver::new(topology, &start, material, settings).unwrap();
     solver.set_pins(&[0, 34, 300, 350, 400, 664]).unwrap();
@@ -122,7 +131,7 @@ fn a_tick_and_its_stages_do_not_allocate() {
     }];
     let gusts = Gusts { strength: 2.0, ..Gusts::default() };
     let wind = Wind { velocity: Vec3::X, gusts, time: 0.3, zones: &zones };
-    let forms = [FormChoice::Springs, FormChoice::Threads];
+    let forms = [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads];
     for (topology, form) in [sheet(), mesh()].iter().flat_map(|t| forms.map(|form| (t, form))) {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let (mut solver, pins) = busy(topology.clone(), form, bending);
@@ -166,7 +175,7 @@ fn sharing_a_large_sheet_does_not_allocate() {
     let counts = || pool.broadcast(|_| COUNT.with(Cell::get));
     let floor = InfinitePlane3d::new(Vec3::Y);
     let colliders = [Collider::new(&floor, Pose::from_translation(Vec3::Y * -0.03))];
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let sheet = Lattice::sheet(Vec2::ONE, 210, 210, MassLumping::Lumped).unwrap();
         let sheet = Topology::from(Arc::new(sheet));
         let (mut first, _) = busy(sheet.clone(), form, Bending::default());

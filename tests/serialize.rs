@@ -17,7 +17,7 @@ use bevy_drape::{
     prelude::*,
     sdf::shapes::CapsuleBetween,
     solver::{
-        Bending, FormChoice, Gusts, Integrator, MassLumping, PushOn, StateError, Substeps,
+        Bending, Gusts, Integrator, MassLumping, PushOn, StateError, StretchMethod, Substeps,
         WindFlow, WindShape,
     },
 };
@@ -53,7 +53,7 @@ fn settings_come_back() {
     comes_back(odd);
     comes_back(ClothSettings {
         substeps: Substeps::Fixed(3),
-        form: FormChoice::Springs,
+        stretch_method: StretchMethod::ExplicitSprings,
         masses: MassLumping::Equal,
         bending: Bending::Flexion,
         integrator: Integrator::Midpoint,

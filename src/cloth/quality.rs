@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::cloth::settings::ClothSettings;
-use crate::solver::{FormChoice, Substeps};
+use crate::solver::{StretchMethod, Substeps};
 
 /// How much time an error is worth: three settings beside the default, read off the report of speed against
 /// error (`assets/report/report.md`).
@@ -38,7 +38,7 @@ impl From<ClothQuality> for ClothSettings {
             }
             ClothQuality::Accurate => Self { substeps: Substeps::Fixed(32), ..Self::default() },
             ClothQuality::Reference => Self {
-                form: FormChoice::Springs,
+                stretch_method: StretchMethod::ExplicitSprings,
                 substeps: Substeps::Automatic { budget: crate::solver::Settings::MAX_SUBSTEPS },
                 ..Self::default()
             },

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::solver::{Bending, FormChoice, Integrator, MassLumping, Settings, Substeps};
+use crate::solver::{Bending, Integrator, MassLumping, Settings, StretchMethod, Substeps};
 
 /// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct ClothSettings {
     /// Substeps in a tick. More are more accurate, carry stiffer springs, and cost in proportion.
     pub substeps: Substeps,
     /// Springs, whole threads, or whichever carries the material.
-    pub form: FormChoice,
+    pub stretch_method: StretchMethod,
     /// Passes of Provot's correction in a substep. More hold the strain limit closer.
     pub provot_passes: u32,
     /// Whether masses and springs of the border count half. Changing it keeps the cloth where it
@@ -48,7 +48,7 @@ impl From<Settings> for ClothSettings {
     fn from(settings: Settings) -> Self {
         Self {
             substeps: settings.substeps,
-            form: settings.form,
+            stretch_method: settings.stretch_method,
             provot_passes: settings.provot_passes,
             masses: settings.lumping,
             bending: settings.bending,
@@ -66,7 +66,7 @@ impl From<ClothSettings> for Settings {
     fn from(settings: ClothSettings) -> Self {
         Self {
             substeps: settings.substeps,
-            form: settings.form,
+            stretch_method: settings.stretch_method,
             provot_passes: settings.provot_passes,
             lumping: settings.masses,
             bending: settings.bending,

@@ -1,14 +1,14 @@
 //! What the solver chose and why, in words.
 
 use crate::cloth::material::ClothMaterial;
-use crate::solver::{Form, Plan, PlanReason};
+use crate::solver::{Plan, PlanReason, Stretching};
 
 /// What a plan means, a sentence a line: the form and its reason, the substeps, how near it is to the limit of
 /// stability, and which constants are lower than the material asks for.
 pub fn explain(plan: &Plan, material: &ClothMaterial) -> Vec<String> {
-    let form = match plan.form {
-        Form::Springs => "Explicit springs",
-        Form::Threads => "Whole threads",
+    let form = match plan.stretching {
+        Stretching::ExplicitSprings => "Explicit springs",
+        Stretching::ImplicitThreads => "Whole threads",
     };
     let reason = match plan.reason {
         PlanReason::Asked => "as set".to_owned(),

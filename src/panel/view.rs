@@ -14,7 +14,7 @@ use crate::cloth::settings::ClothSettings;
 use crate::panel::explain::{explain, short};
 use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
 use crate::panel::plots::draw_plots;
-use crate::solver::{Bending, FormChoice, Substeps};
+use crate::solver::{Bending, StretchMethod, Substeps};
 
 /// Draws the windows.
 pub(super) fn draw_panel(mut contexts: EguiContexts, panel: Option<ResMut<ClothPanel>>) {
@@ -177,9 +177,9 @@ fn edit_settings(ui: &mut Ui, was: ClothSettings, asked: &mut Vec<PanelAction>) 
     });
     edit_substeps(ui, &mut to.substeps);
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut to.form, FormChoice::Automatic, "as fits");
-        ui.selectable_value(&mut to.form, FormChoice::Springs, "springs");
-        ui.selectable_value(&mut to.form, FormChoice::Threads, "threads");
+        ui.selectable_value(&mut to.stretch_method, StretchMethod::Automatic, "as fits");
+        ui.selectable_value(&mut to.stretch_method, StretchMethod::ExplicitSprings, "springs");
+        ui.selectable_value(&mut to.stretch_method, StretchMethod::ImplicitThreads, "threads");
     });
     ui.horizontal(|ui| {
         ui.selectable_value(&mut to.bending, Bending::SecondDifference, "second differences");

@@ -7,7 +7,7 @@
 //! flexion springs have no such factor (it would be eight), and are of first order.
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{FormChoice, MassLumping, Topology};
+use bevy_drape::solver::{MassLumping, StretchMethod, Topology};
 
 use super::common::*;
 use super::reference::{FLEXION_CURVATURE, Fabric, Hinge, Method, Model, Spring};
@@ -124,7 +124,8 @@ fn droop(fabric: &Fabric, cells: usize, graph: bool) -> f64 {
         1.0
     };
     let substeps = (more * f64::from(TICK) * omega / 1.8).ceil().max(16.0) as u32;
-    let settings = settings_for(&fabric, Method::Verlet, settings(FormChoice::Threads, substeps));
+    let settings =
+        settings_for(&fabric, Method::Verlet, settings(StretchMethod::ImplicitThreads, substeps));
     let topology: Topology = if graph {
         sheet.graph(MassLumping::Lumped).into()
     } else {

@@ -3,7 +3,7 @@
 //! the tables' digits, the solver to the rounding of `f32`.
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping};
+use bevy_drape::solver::{ClothSolver, MassLumping, StretchMethod};
 
 use super::common::*;
 use super::reference::{Fabric, Method, Model, Spring};
@@ -91,7 +91,7 @@ fn the_chain_nears_the_catenary_as_the_square_of_its_cells_and_the_rigid_one_wit
 }
 
 /// Settled places of the middle line of a strip, in lengths.
-fn solved(form: FormChoice, springs: usize, span: f64, eps: f64, substeps: u32) -> Vec<DVec3> {
+fn solved(form: StretchMethod, springs: usize, span: f64, eps: f64, substeps: u32) -> Vec<DVec3> {
     let sheet = strip(springs, 1.0);
     // rho g L / k = eps.
     let fabric = Fabric { thread: 0.2 * 10.0 / eps, drag: 8.0, ..Fabric::default() };
@@ -118,7 +118,7 @@ fn a_strip_of_springs_hangs_as_the_discrete_chain() {
         for span in [0.5, 0.8] {
             for (eps, substeps) in [(0.01, substeps[0]), (0.1, substeps[1])] {
                 let exact = equilibrium(springs, span, eps);
-                let settled = solved(FormChoice::Springs, springs, span, eps, substeps);
+                let settled = solved(StretchMethod::ExplicitSprings, springs, span, eps, substeps);
                 let off = settled
                     .iter()
                     .zip(&exact)
@@ -137,7 +137,7 @@ fn a_strip_of_threads_hangs_as_the_discrete_chain_but_for_the_substep() {
     for (span, eps) in [(0.5, 0.001), (0.8, 0.001), (0.8, 0.1)] {
         let exact = equilibrium(32, span, eps);
         let off = [4, 8, 16].map(|substeps| {
-            let settled = solved(FormChoice::Threads, 32, span, eps, substeps);
+            let settled = solved(StretchMethod::ImplicitThreads, 32, span, eps, substeps);
             let away = |(a, b): (&DVec3, &DVec3)| (a.y - b.y).hypot(a.z - b.z);
             settled.iter().zip(&exact).map(away).fold(0.0, f64::max)
         });
@@ -172,7 +172,7 @@ fn nodes_lie_where_the_table_has_them() {
         assert_eq!(nodes.len(), springs + 1);
         let exact = equilibrium(springs, 0.8, 1e-5);
         check_at_most("reference, from the rigid chain / L", apart(&exact, &nodes), 2e-5);
-        let settled = solved(FormChoice::Threads, springs, 0.8, 1e-5, 16);
+        let settled = solved(StretchMethod::ImplicitThreads, springs, 0.8, 1e-5, 16);
         let settled: Vec<_> = settled.iter().map(|p| DVec3::new(0.0, p.y, p.z)).collect();
         check_at_most("threads, from the rigid chain / L", apart(&settled, &nodes), 1e-4);
     }

@@ -2,7 +2,7 @@
 //! `f32` alone, and to the order of convergence of each method, with and without damping.
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, Topology};
+use bevy_drape::solver::{ClothSolver, StretchMethod, Topology};
 
 use super::common::*;
 use super::reference::{Fabric, Method, Motion};
@@ -47,7 +47,8 @@ fn solved(
 ) -> Vec<DVec3> {
     let start = start(&Sheet::square(8, 1.0));
     let places: Vec<_> = start.x.iter().map(|p| p.as_vec3()).collect();
-    let settings = settings_for(fabric, method, settings(FormChoice::Springs, substeps as u32));
+    let settings =
+        settings_for(fabric, method, settings(StretchMethod::ExplicitSprings, substeps as u32));
     let mut solver = ClothSolver::new(topology, &places, material(fabric), settings).unwrap();
     for (i, v) in start.v.iter().enumerate() {
         solver.set_velocity(i, v.as_vec3()).unwrap();

@@ -4,7 +4,7 @@
 //! `sum(C l^2) / sum(m r^2)` over springs of length l and particles at r, and both are held to that.
 
 use bevy::math::{DVec2, DVec3, Vec3};
-use bevy_drape::solver::FormChoice;
+use bevy_drape::solver::StretchMethod;
 
 use super::common::*;
 use super::reference::{Fabric, Method, Model, Motion};
@@ -68,7 +68,8 @@ fn relative_damping_brakes_a_spin_at_its_closed_rate() {
     model.steps(&mut motion, Method::Verlet, f64::from(TICK) / 16.0, 1024);
     let left = momenta(&model, &motion).1.y / before;
     check("reference: spin left after a second", left, expected, 2e-3 * expected);
-    let settings = settings_for(&fabric, Method::Verlet, settings(FormChoice::Springs, 16));
+    let settings =
+        settings_for(&fabric, Method::Verlet, settings(StretchMethod::ExplicitSprings, 16));
     for graph in [false, true] {
         let topology: bevy_drape::solver::Topology = if graph {
             sheet.graph(lumping(&fabric)).into()

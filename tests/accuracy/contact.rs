@@ -7,7 +7,7 @@ use bevy::math::{
     primitives::{InfinitePlane3d, Sphere},
 };
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, MassLumping, Material, Pose, Settings,
+    ClothSolver, Collider, MassLumping, Material, Pose, Settings, StretchMethod,
 };
 
 use super::common::*;
@@ -66,7 +66,7 @@ fn on_a_ball(r: f64, a: f64, thickness: f64) -> Vec<DVec3> {
         ..plain()
     };
     // What holds the particles is measured.
-    let settings = Settings { edges: false, ..settings(FormChoice::Threads, 16) };
+    let settings = Settings { edges: false, ..settings(StretchMethod::ImplicitThreads, 16) };
     let middle = 0.5 * a * cells as f64;
     // Draped already: each particle above its place, on the ball.
     let out = r + thickness;
@@ -123,7 +123,7 @@ fn slide(degrees: f64, mu: f32, high: f32, substeps: u32, ticks: usize) -> f64 {
     let material = Material { friction: mu, ..plain() };
     let place = |p: &Vec3| turn * (*p + Vec3::Y * material.thickness) + pose.translation;
     let start: Vec<_> = lattice.rest_positions().iter().map(place).collect();
-    let settings = settings(FormChoice::Threads, substeps);
+    let settings = settings(StretchMethod::ImplicitThreads, substeps);
     let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
     run(&mut solver, ticks, GRAVITY, &[Collider::new(&floor, pose).with_friction(mu)]);
     let down = (turn * Vec3::X).as_dvec3();

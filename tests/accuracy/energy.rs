@@ -1,7 +1,7 @@
 //! Energy of an undamped cloth that swings: Verlet's error of it stays on a plateau that scales as `h^2`,
 //! and does not drift in ten minutes.
 
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping};
+use bevy_drape::solver::{ClothSolver, MassLumping, StretchMethod};
 
 use super::common::*;
 use super::reference::{Fabric, Method, Model, Motion};
@@ -12,7 +12,8 @@ fn falling(substeps: u32) -> (ClothSolver, Model) {
     let sheet = Sheet::square(10, 1.0);
     let fabric = Fabric { thread: 200.0, shear: 100.0, ..Fabric::default() };
     let corners = [0, 10, 110, 120];
-    let settings = settings_for(&fabric, Method::Verlet, settings(FormChoice::Springs, substeps));
+    let settings =
+        settings_for(&fabric, Method::Verlet, settings(StretchMethod::ExplicitSprings, substeps));
     let lattice = sheet.lattice(MassLumping::Lumped);
     let mut solver = at_rest(&lattice, bevy::math::Vec3::ZERO, material(&fabric), settings);
     solver.set_pins(&corners.map(|i| i as u32)).unwrap();

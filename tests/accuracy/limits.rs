@@ -4,7 +4,7 @@
 //! `sqrt(margin)` of it, as the angle shows by which the stiffest motion turns in a substep.
 
 use bevy::math::{DVec2, DVec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, StepInput, Topology};
+use bevy_drape::solver::{ClothSolver, StepInput, StretchMethod, Topology};
 
 use super::common::*;
 use super::modes::turn;
@@ -99,7 +99,8 @@ fn swing(
     pattern: &dyn Fn(usize) -> DVec3,
 ) -> (ClothSolver, Vec<f64>) {
     let start: Vec<_> = (0..x.len()).map(|i| (x[i] + pattern(i) * 2e-4).as_vec3()).collect();
-    let settings = settings_for(fabric, Method::Verlet, settings(FormChoice::Springs, 1));
+    let settings =
+        settings_for(fabric, Method::Verlet, settings(StretchMethod::ExplicitSprings, 1));
     let mut solver = ClothSolver::new(topology, &start, material(fabric), settings).unwrap();
     let input = StepInput { dt: 1.0 / 512.0, ..StepInput::default() };
     let values = (0..60)
@@ -150,7 +151,7 @@ fn the_plan_holds_with_shear_whatever_the_fold() {
     // The bound is the graph Laplacian's, (4 ks + 8 kd) / m; flat, 4 (ks + kd) / m are reached.
     let sheet = Sheet { cells: [10, 8], cell: DVec2::splat(0.125) };
     let fabric = Fabric { thread: 240.0, shear: 240.0, ..Fabric::default() };
-    let base = settings(FormChoice::Springs, 8);
+    let base = settings(StretchMethod::ExplicitSprings, 8);
     let settings = settings_for(&fabric, Method::Verlet, base);
     let lattice = sheet.lattice(lumping(&fabric));
     let solver = at_rest(&lattice, bevy::math::Vec3::ZERO, material(&fabric), settings);

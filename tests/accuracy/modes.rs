@@ -9,7 +9,7 @@
 use std::f64::consts::PI;
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, StepInput, Topology};
+use bevy_drape::solver::{ClothSolver, StepInput, StretchMethod, Topology};
 
 use super::common::*;
 use super::reference::{Fabric, Method, Motion};
@@ -103,7 +103,7 @@ fn solved(
     topology: impl Into<Topology>,
     mode: usize,
     equal: bool,
-    form: FormChoice,
+    form: StretchMethod,
     h: f64,
     count: usize,
 ) -> Vec<f64> {
@@ -159,7 +159,8 @@ fn springs_swing_at_the_tables_frequencies_and_lose_nothing() {
             ] {
                 let every = sampling(omega);
                 let count = SAMPLES * every;
-                let values = solved(topology, mode, equal, FormChoice::Springs, STEP, count);
+                let values =
+                    solved(topology, mode, equal, StretchMethod::ExplicitSprings, STEP, count);
                 let values: Vec<_> = values.into_iter().skip(every - 1).step_by(every).collect();
                 let (factor, angle) = turn(&values);
                 let measured = frequency(angle, omega);
@@ -182,7 +183,8 @@ fn threads_follow_houbolts_recurrence() {
         let omega = tabled(mode, false);
         for q in [0.05, 0.2, 1.0, 5.0] {
             let lattice = sheet.lattice(lumping(&fabric(false)));
-            let values = solved(lattice, mode, false, FormChoice::Threads, q / omega, 60);
+            let values =
+                solved(lattice, mode, false, StretchMethod::ImplicitThreads, q / omega, 60);
             // The first substep has nothing to carry on.
             let off = values[1..]
                 .windows(4)
@@ -200,7 +202,7 @@ fn threads_damp_by_the_fourth_power_of_the_substep() {
     // Of the roots of `(2 + q^2) z^3 - 5 z^2 + 4 z - 1`: the logarithm of their size, and the angle.
     for (q, decay, turned) in [(0.2, 6.908e-4, 0.19663), (0.4, 7.895e-3, 0.37760)] {
         let lattice = sheet.lattice(lumping(&fabric(false)));
-        let values = solved(lattice, 1, false, FormChoice::Threads, q / omega, 100);
+        let values = solved(lattice, 1, false, StretchMethod::ImplicitThreads, q / omega, 100);
         let (factor, angle) = turn(&values[BEGINNING..]);
         check(&format!("omega h {q}: decay of a substep"), -factor.ln(), decay, 0.03 * decay);
         check(&format!("omega h {q}: angle of a substep"), angle, turned, 2e-3 * turned);

@@ -4,7 +4,7 @@
 //! pulled by springs of known strength.
 
 use bevy::math::{DMat2, DVec2, DVec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, SoftPin, StepInput, Topology};
+use bevy_drape::solver::{ClothSolver, SoftPin, StepInput, StretchMethod, Topology};
 
 use super::common::*;
 use super::reference::{FLEXION_CURVATURE, Fabric, Method};
@@ -50,7 +50,8 @@ fn fabric(moduli: &Moduli, cell: f64) -> Fabric {
 /// half a kick, sets in motion.
 fn solved(topology: Topology, fabric: &Fabric, places: &[DVec3]) -> Vec<DVec3> {
     let start: Vec<_> = places.iter().map(|p| p.as_vec3()).collect();
-    let settings = settings_for(fabric, Method::Verlet, settings(FormChoice::Springs, 1));
+    let settings =
+        settings_for(fabric, Method::Verlet, settings(StretchMethod::ExplicitSprings, 1));
     let mut solver = ClothSolver::new(topology, &start, material(fabric), settings).unwrap();
     let h = 1e-2_f32;
     solver.tick(&StepInput { dt: h, ..StepInput::default() }).unwrap();
@@ -165,7 +166,7 @@ fn pulled(
     topology: Topology,
     sheet: &Sheet,
     fabric: &Fabric,
-    form: FormChoice,
+    form: StretchMethod,
     substeps: u32,
 ) -> (f64, f64) {
     let settings = settings_for(fabric, Method::Verlet, settings(form, substeps));
@@ -225,12 +226,12 @@ fn a_strip_is_as_stiff_as_the_lattices_modulus() {
         let unit = 20.0;
         let fabric =
             Fabric { thread: unit * m.ks, shear: unit * m.kd, drag: 14.0, ..Fabric::default() };
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             for (what, topology) in [
                 ("lattice", Topology::from(sheet.lattice(lumping(&fabric)))),
                 ("graph", Topology::from(sheet.graph(lumping(&fabric)))),
             ] {
-                let substeps = if form == FormChoice::Threads { 96 } else { 24 };
+                let substeps = if form == StretchMethod::ImplicitThreads { 96 } else { 24 };
                 let (young, poisson) = pulled(topology, &sheet, &fabric, form, substeps);
                 let what = format!("{what} {form:?} kd {}", m.kd);
                 check(&format!("{what}: E / ks"), young / unit, m.weave, 0.01 * m.weave);
@@ -250,7 +251,8 @@ fn threads_are_as_stiff_whatever_their_substep() {
     let fabric = Fabric { thread: 20.0, shear: 20.0, drag: 14.0, ..Fabric::default() };
     for substeps in [12, 24, 48] {
         let lattice = sheet.lattice(lumping(&fabric)).into();
-        let stiffness = pulled(lattice, &sheet, &fabric, FormChoice::Threads, substeps).0 / 20.0;
+        let stiffness =
+            pulled(lattice, &sheet, &fabric, StretchMethod::ImplicitThreads, substeps).0 / 20.0;
         check(&format!("threads x{substeps}: E / ks"), stiffness / m.weave, 1.0, 4e-3);
     }
 }

@@ -6,7 +6,9 @@
 //! `4 C / (rho a^2)`. Both are linear along its springs.
 
 use bevy::math::{DVec3, Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, DampingForm, FormChoice, MassLumping, Material, StepInput};
+use bevy_drape::solver::{
+    ClothSolver, DampingForm, MassLumping, Material, StepInput, StretchMethod,
+};
 
 use super::common::*;
 use super::reference::{Damper, Method, Model, Motion, Spring};
@@ -61,7 +63,7 @@ fn solved(damping: f64, form: DampingForm, v0: f64, steps: &[f64]) -> f64 {
         damping_form: form,
         ..plain()
     };
-    let settings = settings(FormChoice::Springs, 1);
+    let settings = settings(StretchMethod::ExplicitSprings, 1);
     let mut solver = ClothSolver::new(lattice, &positions, material, settings).unwrap();
     for (i, place) in positions.iter().enumerate() {
         let speed = (v0 * AMPLITUDE) as f32 * place.x.signum();

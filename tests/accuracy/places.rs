@@ -3,7 +3,7 @@
 //! as the scene did.
 
 use bevy::math::{DVec3, Quat, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, Lattice, MassLumping, PinMotion, StepInput};
+use bevy_drape::solver::{ClothSolver, Lattice, MassLumping, PinMotion, StepInput, StretchMethod};
 
 use super::common::*;
 use super::reference::{Fabric, Method, Motion};
@@ -29,7 +29,7 @@ fn a_fall_of_a_second_is_as_good_at_a_kilometre_and_15360_substeps() {
     for height in [0.0, 10.0, 100.0, 1000.0] {
         for substeps in [16, 64, 256] {
             let material = material(&Fabric { thread: 5.0, ..Fabric::default() });
-            let settings = settings(FormChoice::Springs, substeps);
+            let settings = settings(StretchMethod::ExplicitSprings, substeps);
             let lattice = sheet.lattice(MassLumping::Lumped);
             let mut solver = at_rest(&lattice, Vec3::Y * height as f32, material, settings);
             let input = StepInput { dt: 1.0 / 60.0, gravity: GRAVITY, ..StepInput::default() };
@@ -56,7 +56,7 @@ fn fabric() -> Fabric {
 
 /// Half a second of a sheet that falls, held at two corners, in a world turned by `turn`; places are
 /// turned back.
-fn turned(turn: Quat, form: FormChoice, graph: bool) -> Vec<DVec3> {
+fn turned(turn: Quat, form: StretchMethod, graph: bool) -> Vec<DVec3> {
     let sheet = Sheet::square(12, 1.0);
     let fabric = fabric();
     let settings = settings_for(&fabric, Method::Verlet, settings(form, 16));
@@ -82,7 +82,7 @@ fn turned(turn: Quat, form: FormChoice, graph: bool) -> Vec<DVec3> {
 
 #[test]
 fn a_turned_scene_moves_as_the_scene_did() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for graph in [false, true] {
             let upright = turned(Quat::IDENTITY, form, graph);
             assert!(upright.iter().any(|p| p.y < -0.3), "nothing happened");
@@ -101,7 +101,7 @@ fn a_turned_scene_moves_as_the_scene_did() {
 }
 
 /// The same with rows and columns exchanged: half a second, held at the particles of two corners.
-fn exchanged(exchange: bool, form: FormChoice, substeps: u32) -> Vec<DVec3> {
+fn exchanged(exchange: bool, form: StretchMethod, substeps: u32) -> Vec<DVec3> {
     let sheet = Sheet { cells: [12, 9], cell: bevy::math::DVec2::splat(0.08) };
     let (rows, columns) = (sheet.rows(), sheet.columns());
     let place = |i: usize| {
@@ -129,12 +129,12 @@ fn exchanged(exchange: bool, form: FormChoice, substeps: u32) -> Vec<DVec3> {
 
 #[test]
 fn rows_and_columns_are_alike() {
-    let springs = |exchange| exchanged(exchange, FormChoice::Springs, 16);
+    let springs = |exchange| exchanged(exchange, StretchMethod::ExplicitSprings, 16);
     let off = apart(&springs(false), &springs(true));
     check_at_most("springs, rows and columns exchanged [m]", off, 2e-5);
     // Weft threads are solved before warp: what that makes is of first order in the substep.
     let off = [8, 32].map(|substeps| {
-        let threads = |exchange| exchanged(exchange, FormChoice::Threads, substeps);
+        let threads = |exchange| exchanged(exchange, StretchMethod::ImplicitThreads, substeps);
         apart(&threads(false), &threads(true))
     });
     println!("threads, rows and columns exchanged, x8 and x32: {off} m", off = list(&off));

@@ -9,7 +9,7 @@
 //! `rho g L^2 / 2 K` at every resolution.
 
 use bevy::math::{DVec2, Vec3};
-use bevy_drape::solver::FormChoice;
+use bevy_drape::solver::StretchMethod;
 
 use super::common::*;
 use super::reference::{Fabric, Method};
@@ -18,7 +18,7 @@ use super::scenes::*;
 const EPS: f64 = 0.1;
 
 /// Elongation of a square of 1 m, hung from its first row, by particles a side.
-fn elongation(side: usize, equal: bool, form: FormChoice, gravity: f64) -> f64 {
+fn elongation(side: usize, equal: bool, form: StretchMethod, gravity: f64) -> f64 {
     let sheet = Sheet { cells: [side - 1; 2], cell: DVec2::splat(1.0 / (side - 1) as f64) };
     let fabric = Fabric { thread: 0.2 * gravity / EPS, drag: 14.0, equal, ..Fabric::default() };
     let settings = settings_for(&fabric, Method::Verlet, settings(form, side as u32));
@@ -37,7 +37,7 @@ fn elongation(side: usize, equal: bool, form: FormChoice, gravity: f64) -> f64 {
 #[test]
 fn two_resolutions_of_equal_points_differ_by_the_closed_form() {
     let closed = |side: usize| 0.5 * EPS * (side - 1) as f64 / side as f64;
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let [coarse, fine] = [16, 32].map(|side| {
             let measured = elongation(side, true, form, 10.0);
             let what = format!("{form:?}, {side} a side, force divided equally: elongation / L");

@@ -3,7 +3,7 @@
 //! correction leaves; and to what remains of the excess in a run of small substeps.
 
 use bevy::math::{DVec3, Quat, Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping, Material, Settings};
+use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 use super::scenes::*;
@@ -13,7 +13,7 @@ use super::scenes::*;
 fn after(springs: usize, passes: u32) -> f64 {
     let sheet = strip(springs, 1.0);
     let material = Material { thread_stiffness: 0.0, max_strain: 0.1, ..plain() };
-    let base = settings(FormChoice::Springs, 1);
+    let base = settings(StretchMethod::ExplicitSprings, 1);
     let settings =
         Settings { provot_passes: passes, tethers: false, lumping: MassLumping::Equal, ..base };
     let lattice = sheet.lattice(MassLumping::Equal);
@@ -84,7 +84,8 @@ fn one_correction_keeps_both_momenta() {
     let place = |p: &Vec3| turn * (*p * Vec3::new(1.5, 1.0, 1.0)) + Vec3::new(0.3, 0.2, -0.1);
     let start: Vec<_> = lattice.rest_positions().iter().map(place).collect();
     let material = Material { thread_stiffness: 0.0, max_strain: 0.1, ..plain() };
-    let settings = Settings { lumping: MassLumping::Equal, ..settings(FormChoice::Springs, 1) };
+    let settings =
+        Settings { lumping: MassLumping::Equal, ..settings(StretchMethod::ExplicitSprings, 1) };
     let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
     run(&mut solver, 1, Vec3::ZERO, &[]);
     let (mut linear, mut angular, mut moved) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
@@ -105,7 +106,8 @@ fn excess(substeps: u32) -> f64 {
     let sheet = strip(springs, 1.0);
     let material =
         Material { thread_stiffness: 2.0, damping: 0.01, drag: 4.0, max_strain: 0.1, ..plain() };
-    let settings = Settings { tethers: false, ..settings(FormChoice::Springs, substeps) };
+    let settings =
+        Settings { tethers: false, ..settings(StretchMethod::ExplicitSprings, substeps) };
     let mut solver = at_rest(&sheet.lattice(MassLumping::Lumped), Vec3::ZERO, material, settings);
     solver.set_pins(&[0, 1, 2]).unwrap();
     run(&mut solver, 256, Vec3::Z * 9.81, &[]);

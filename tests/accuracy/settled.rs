@@ -4,7 +4,7 @@
 
 use bevy::math::{DVec3, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, MassLumping, Pose, Settings, Topology,
+    ClothSolver, Collider, MassLumping, Pose, Settings, StretchMethod, Topology,
 };
 
 use super::common::*;
@@ -27,7 +27,7 @@ fn frame(sheet: &Sheet) -> Vec<usize> {
 }
 
 /// A sheet held all round, at rest under gravity.
-fn sagged(topology: Topology, form: FormChoice, substeps: u32, passes: u32) -> Vec<DVec3> {
+fn sagged(topology: Topology, form: StretchMethod, substeps: u32, passes: u32) -> Vec<DVec3> {
     let fabric = fabric();
     let settings = settings_for(&fabric, Method::Verlet, settings(form, substeps));
     let settings = Settings { provot_passes: passes, ..settings };
@@ -50,7 +50,8 @@ fn springs_come_to_rest_at_the_references_equilibrium_whatever_the_step() {
         for (what, topology) in
             [("lattice", Topology::from(lattice.clone())), ("graph", Topology::from(graph.clone()))]
         {
-            let off = apart(&sagged(topology, FormChoice::Springs, substeps, passes), &exact);
+            let off =
+                apart(&sagged(topology, StretchMethod::ExplicitSprings, substeps, passes), &exact);
             let what = format!("{what} x{substeps}, {passes} passes: from the equilibrium [m]");
             check_at_most(&what, off, 3e-6);
         }
@@ -64,7 +65,7 @@ fn threads_come_to_rest_as_near_as_the_square_of_their_substep() {
     let exact = model.equilibrium(&sheet.rest());
     let lattice = sheet.lattice(MassLumping::Lumped);
     let off = [4, 8, 16, 32].map(|substeps| {
-        apart(&sagged(lattice.clone().into(), FormChoice::Threads, substeps, 1), &exact)
+        apart(&sagged(lattice.clone().into(), StretchMethod::ImplicitThreads, substeps, 1), &exact)
     });
     println!("threads x4, x8, x16, x32: from the equilibrium {off} m", off = list(&off));
     check("order", (off[0] / off[2]).log2() / 2.0, 2.0, 0.3);
@@ -77,8 +78,11 @@ fn on_a_smooth_ball_too_rest_does_not_depend_on_the_step() {
     let fabric = fabric();
     let lattice = sheet.lattice(MassLumping::Lumped);
     let settled = |substeps: u32| {
-        let settings =
-            settings_for(&fabric, Method::Verlet, settings(FormChoice::Springs, substeps));
+        let settings = settings_for(
+            &fabric,
+            Method::Verlet,
+            settings(StretchMethod::ExplicitSprings, substeps),
+        );
         // What holds the particles is measured.
         let settings = Settings { edges: false, ..settings };
         let mut solver: ClothSolver = at_rest(&lattice, Vec3::ZERO, material(&fabric), settings);

@@ -3,14 +3,14 @@
 //! to the reference's equilibrium.
 
 use bevy::math::{DVec2, DVec3, Vec3};
-use bevy_drape::solver::{FormChoice, MassLumping, Topology};
+use bevy_drape::solver::{MassLumping, StretchMethod, Topology};
 
 use super::catenary::elastic;
 use super::common::*;
 use super::reference::{Fabric, Method};
 use super::scenes::*;
 
-const FORMS: [FormChoice; 2] = [FormChoice::Springs, FormChoice::Threads];
+const FORMS: [StretchMethod; 2] = [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads];
 
 fn topologies(sheet: &Sheet) -> [(&'static str, Topology); 2] {
     [
@@ -24,7 +24,7 @@ fn sag(
     topology: &Topology,
     sheet: &Sheet,
     fabric: &Fabric,
-    form: FormChoice,
+    form: StretchMethod,
     substeps: u32,
 ) -> f64 {
     let settings = settings_for(fabric, Method::Verlet, settings(form, substeps));
@@ -51,15 +51,19 @@ fn a_sheet_sags_alike_at_every_resolution() {
                 let (name, topology) = &topologies(&sheet)[kind];
                 // A mesh's bound is Gershgorin's, and asks for more.
                 let substeps = cells as u32 * 3 / 8;
-                let substeps = if form == FormChoice::Threads { 16 } else { substeps.max(6) };
+                let substeps =
+                    if form == StretchMethod::ImplicitThreads { 16 } else { substeps.max(6) };
                 let measured = sag(topology, &sheet, &plain, form, substeps);
                 let error = measured / exact - 1.0;
                 // N springs sag as the catenary does but for their square.
                 // Chains of a mesh are of 32 springs, one solved after the other: what that loses is as
                 // the square of substeps and cells, `k h^2` to a particle's mass.
                 let n = cells as f64;
-                let cut =
-                    if form == FormChoice::Threads && kind == 1 && cells > 32 { 1.0 } else { 0.0 };
+                let cut = if form == StretchMethod::ImplicitThreads && kind == 1 && cells > 32 {
+                    1.0
+                } else {
+                    0.0
+                };
                 let h = f64::from(TICK) / f64::from(substeps);
                 let bound = 0.4 / (n * n) + 2e-5 + cut * 0.008 * 20.0 * h * h * n * n / 0.2;
                 let what = format!("{name}, {form:?}, {cells} a side: sag / catenary's, less 1");
@@ -82,7 +86,8 @@ fn a_sheet_with_shear_sags_alike_at_every_resolution_and_converges_at_second_ord
                 .map(|&cells| {
                     let sheet = Sheet::square(cells, 1.0);
                     let (_, topology) = &topologies(&sheet)[kind];
-                    let substeps = if form == FormChoice::Threads { 32 } else { cells as u32 / 2 };
+                    let substeps =
+                        if form == StretchMethod::ImplicitThreads { 32 } else { cells as u32 / 2 };
                     sag(topology, &sheet, &fabric, form, substeps.max(8))
                 })
                 .collect();
@@ -93,7 +98,7 @@ fn a_sheet_with_shear_sags_alike_at_every_resolution_and_converges_at_second_ord
                 check("mesh over lattice", sags[2] / last, 1.0, 2.5e-3);
             }
             last = sags[2];
-            if form == FormChoice::Springs {
+            if form == StretchMethod::ExplicitSprings {
                 let order = ((sags[0] - sags[1]) / (sags[1] - sags[2])).abs().log2();
                 println!("order of the sag {order:.2}");
                 assert!(order > 1.0, "of order {order}");
@@ -103,10 +108,10 @@ fn a_sheet_with_shear_sags_alike_at_every_resolution_and_converges_at_second_ord
 }
 
 /// Droop H/W of a strip of 1 m x 1/8 m that is clamped at one end, by cells along it.
-fn droop(topology: &Topology, sheet: &Sheet, fabric: &Fabric, form: FormChoice) -> f64 {
+fn droop(topology: &Topology, sheet: &Sheet, fabric: &Fabric, form: StretchMethod) -> f64 {
     let cell = sheet.cell.x;
     let bending = (32.0 * fabric.rigidity / fabric.density).sqrt() / (cell * cell);
-    let threads = if form == FormChoice::Springs {
+    let threads = if form == StretchMethod::ExplicitSprings {
         (8.0 * fabric.thread / fabric.density).sqrt() / cell
     } else {
         0.0

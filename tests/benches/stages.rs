@@ -6,8 +6,8 @@ use std::{hint::black_box, sync::Arc, time::Duration, time::Instant};
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, Isa, Lattice, MassLumping, Material, PinMotion,
-    Pose, Settings, Stage, StepInput, Substeps,
+    ClothSolver, Collider, DampingForm, Isa, Lattice, MassLumping, Material, PinMotion, Pose,
+    Settings, Stage, StepInput, StretchMethod, Substeps,
 };
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
@@ -17,7 +17,7 @@ const SIDES: [usize; 4] = [32, 64, 128, 256];
 struct Case {
     name: &'static str,
     stage: Option<Stage>,
-    form: FormChoice,
+    form: StretchMethod,
     material: Material,
     /// Distance of a ball's middle below the cloth's \[m\], if there is one; its radius is 0.5 m.
     ball: Option<f32>,
@@ -44,14 +44,14 @@ fn cases() -> Vec<Case> {
     let springs = Case {
         name: "explicit springs",
         stage: Some(Stage::Forces),
-        form: FormChoice::Springs,
+        form: StretchMethod::ExplicitSprings,
         material: SOFT,
         ball: None,
     };
     let bend = Material { flexural_rigidity: 1e-9, ..SOFT };
     let damped = Material { damping: 1e-6, ..SOFT };
     let relative = Material { damping_form: DampingForm::Relative, ..damped };
-    let (form, material) = (FormChoice::Threads, STIFF);
+    let (form, material) = (StretchMethod::ImplicitThreads, STIFF);
     vec![
         Case {
             name: "explicit substep with bending, all stages but Provot's limit",
@@ -92,7 +92,7 @@ fn cases() -> Vec<Case> {
 fn cloth(case: &Case, n: usize, isa: Isa) -> ClothSolver {
     let lattice = Arc::new(Lattice::sheet(Vec2::ONE, n, n, MassLumping::Lumped).unwrap());
     let settings = Settings {
-        form: case.form,
+        stretch_method: case.form,
         substeps: Substeps::Fixed(16),
         provot_passes: u32::from(case.stage.is_some()),
         ..Settings::default()

@@ -2,7 +2,7 @@
 //! `omega^2 <= max(8 ks, 4 ks + 8 kd) / m` of a uniform sheet.
 
 use bevy::prelude::*;
-use bevy_drape::{prelude::*, solver::Form};
+use bevy_drape::{prelude::*, solver::Stretching};
 
 use super::common::*;
 
@@ -25,15 +25,15 @@ fn each_quality_is_what_it_says() {
     };
     // Ticks are of 1/64 s.
     let game = plan(ClothQuality::Game.into());
-    assert_eq!((game.form, game.substeps), (Form::Threads, 8));
+    assert_eq!((game.stretching, game.substeps), (Stretching::ImplicitThreads, 8));
     let accurate = plan(ClothQuality::Accurate.into());
-    assert_eq!((accurate.form, accurate.substeps), (Form::Threads, 32));
+    assert_eq!((accurate.stretching, accurate.substeps), (Stretching::ImplicitThreads, 32));
     let reference = plan(ClothQuality::Reference.into());
     let mass = 0.2 / (63.0_f64 * 63.0);
     let omega = (8000.0 / mass).sqrt();
     // Nine tenths of what is stable, of the square.
     let step = 2.0 * 0.9_f64.sqrt() / omega;
-    assert_eq!(reference.form, Form::Springs);
+    assert_eq!(reference.stretching, Stretching::ExplicitSprings);
     assert_eq!(reference.substeps, (1.0 / 64.0 / step).ceil() as u32);
     assert_eq!((1.0 / 60.0 / step).ceil(), 111.0);
     assert_eq!(reference.clamped, default());

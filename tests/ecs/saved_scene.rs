@@ -9,25 +9,25 @@ use bevy::{
 use bevy_drape::{
     ClothForce, ClothForces, ClothGrab, ClothInertia, ClothSnapshot, SdfColliderSnapshot,
     prelude::*,
-    solver::{FormChoice, PushOn},
+    solver::{PushOn, StretchMethod},
 };
 
 /// What is the cloth of a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub mesh: bool,
-    pub form: FormChoice,
+    pub form: StretchMethod,
     pub busy: bool,
 }
 
 impl Case {
     pub const ALL: [Self; 6] = [
-        Self { mesh: false, form: FormChoice::Threads, busy: true },
-        Self { mesh: false, form: FormChoice::Springs, busy: true },
-        Self { mesh: true, form: FormChoice::Threads, busy: true },
-        Self { mesh: true, form: FormChoice::Springs, busy: true },
-        Self { mesh: false, form: FormChoice::Threads, busy: false },
-        Self { mesh: true, form: FormChoice::Threads, busy: false },
+        Self { mesh: false, form: StretchMethod::ImplicitThreads, busy: true },
+        Self { mesh: false, form: StretchMethod::ExplicitSprings, busy: true },
+        Self { mesh: true, form: StretchMethod::ImplicitThreads, busy: true },
+        Self { mesh: true, form: StretchMethod::ExplicitSprings, busy: true },
+        Self { mesh: false, form: StretchMethod::ImplicitThreads, busy: false },
+        Self { mesh: true, form: StretchMethod::ImplicitThreads, busy: false },
     ];
 }
 
@@ -86,7 +86,7 @@ impl Scene {
         let balls = [Vec3::ZERO, Vec3::new(0.3, 0.02, 0.1)].map(|place| ball(&mut app, place));
         let place = Transform::from_xyz(0.0, 0.3, 0.0);
         let material = ClothMaterial { damping: 0.001, thread_stiffness: 300.0, ..default() };
-        let settings = ClothSettings { form: case.form, ..default() };
+        let settings = ClothSettings { stretch_method: case.form, ..default() };
         let cloth = spawn(&mut app, (material, settings, place));
         if case.mesh {
             let mesh = add_mesh(&mut app, holed_mesh());

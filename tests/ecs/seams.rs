@@ -8,7 +8,7 @@ use bevy_drape::{
     ClothExecution, ClothGravityOverride, ClothInertia, ClothPaused, ClothSleepThreshold,
     ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel, VertexFactor,
     prelude::*,
-    solver::{FormChoice, Gusts, MassLumping},
+    solver::{Gusts, MassLumping, StretchMethod},
 };
 
 /// A metre of cloth, 8 x 8: the sheet, or a mesh of the same vertices with one cell cut out, its first
@@ -88,7 +88,7 @@ fn play(
             16 => {
                 commands.insert(ClothAir { lift: 0.2, ..default() });
             }
-            18 => settings.get_mut(entity).unwrap().form = FormChoice::Threads,
+            18 => settings.get_mut(entity).unwrap().stretch_method = StretchMethod::ImplicitThreads,
             28 => {
                 commands.insert(ClothPaused { steps: 1 });
             }

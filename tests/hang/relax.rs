@@ -8,7 +8,7 @@ use bevy_drape::{
     ClothMaterial,
     hang::{RelaxReport, Relaxation, hang, relax},
     solver::{
-        Air, ClothSolver, FormChoice, MassLumping, Material, Settings, SolverError, StepInput,
+        Air, ClothSolver, MassLumping, Material, Settings, SolverError, StepInput, StretchMethod,
         Topology,
     },
 };
@@ -63,7 +63,7 @@ fn a_strip_comes_to_the_discrete_elastic_catenary() {
         }
         let strip = sheet(Vec2::new(0.1, 1.0), springs + 1, 2, MassLumping::Lumped);
         let material = Material { thread_stiffness: 0.2 * 9.81 / eps, ..plain() };
-        let settings = Settings { tethers: false, ..settings(FormChoice::Springs, 64) };
+        let settings = Settings { tethers: false, ..settings(StretchMethod::ExplicitSprings, 64) };
         let last = 2 * springs;
         let places = [(0, 0.0, 0.0), (1, 0.1, 0.0), (last, 0.0, span), (last + 1, 0.1, span)];
         let points = places.map(|(i, x, z)| (i, Vec3::new(x, 0.0, z)));

@@ -7,8 +7,8 @@ use bevy::math::{
 use bevy_drape::{
     sdf::{SignedDistance, shapes::CapsuleBetween},
     solver::{
-        Air, Bending, DampingForm, FormChoice, Gusts, Integrator, MassLumping, Material, Pose,
-        Settings, SoftPin, Substeps, Wind, WindFlow, WindShape, Zone,
+        Air, Bending, DampingForm, Gusts, Integrator, MassLumping, Material, Pose, Settings,
+        SoftPin, StretchMethod, Substeps, Wind, WindFlow, WindShape, Zone,
     },
 };
 use proptest::prelude::*;
@@ -77,7 +77,11 @@ pub fn settings() -> impl Strategy<Value = Settings> + Clone {
         (1_u32..40).prop_map(Substeps::Fixed),
         (1_u32..40).prop_map(|budget| Substeps::Automatic { budget })
     ];
-    let form = vec![FormChoice::Automatic, FormChoice::Springs, FormChoice::Threads];
+    let form = vec![
+        StretchMethod::Automatic,
+        StretchMethod::ExplicitSprings,
+        StretchMethod::ImplicitThreads,
+    ];
     let bending = vec![Bending::SecondDifference, Bending::Flexion];
     let lumping = vec![MassLumping::Lumped, MassLumping::Equal];
     let choices =
@@ -86,7 +90,7 @@ pub fn settings() -> impl Strategy<Value = Settings> + Clone {
     (substeps, choices, 0_u32..6, any::<[bool; 2]>(), speeds).prop_map(
         |(substeps, (form, bending, lumping), provot_passes, [tethers, edges], speeds)| Settings {
             substeps,
-            form,
+            stretch_method: form,
             provot_passes,
             lumping,
             bending,

@@ -4,8 +4,8 @@
 
 use bevy::math::{DVec3, Quat, Vec2, Vec3, primitives::Cuboid, primitives::Sphere};
 use bevy_drape::solver::{
-    Air, ClothSolver, FormChoice, Gusts, Isa, MassLumping, Material, Pose, Settings, SolverError,
-    StepInput, Wind, WindFlow, WindShape, Zone,
+    Air, ClothSolver, Gusts, Isa, MassLumping, Material, Pose, Settings, SolverError, StepInput,
+    StretchMethod, Wind, WindFlow, WindShape, Zone,
 };
 
 use super::common::*;
@@ -28,7 +28,7 @@ fn drag_alone() -> Air {
 }
 
 /// A flat sheet in the xz plane, in air.
-fn flat(air: Air, material: Material, form: FormChoice, substeps: u32) -> ClothSolver {
+fn flat(air: Air, material: Material, form: StretchMethod, substeps: u32) -> ClothSolver {
     let lattice = sheet(Vec2::new(1.2, 0.8), 9, 20, MassLumping::Lumped);
     let settings = Settings { max_speed: 1e5, ..settings(form, substeps) };
     let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
@@ -41,8 +41,11 @@ fn crumpled(air: Air, material: Material, seed: u64, speed: f32) -> ClothSolver 
     let lattice = sheet(Vec2::new(1.2, 0.8), 9, 20, MassLumping::Lumped);
     let mut dice = Dice(seed);
     let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p + dice.vector() * 0.2).collect();
-    let settings =
-        Settings { max_speed: 1e5, provot_passes: 0, ..settings(FormChoice::Springs, 1) };
+    let settings = Settings {
+        max_speed: 1e5,
+        provot_passes: 0,
+        ..settings(StretchMethod::ExplicitSprings, 1)
+    };
     let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
     for i in 0..180 {
         solver.set_velocity(i, dice.vector() * speed).unwrap();
@@ -64,7 +67,7 @@ fn mean_velocity(solver: &ClothSolver) -> DVec3 {
 
 #[test]
 fn a_level_sheet_falls_at_its_terminal_speed() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for substeps in [1, 4, 16] {
             // With more lift than drag a level fall is unstable, as that of paper is.
             for lift in [0.0, 0.6] {
@@ -92,7 +95,7 @@ fn the_way_to_the_terminal_speed_is_of_second_order() {
     let t = 16.0 / 64.0;
     let exact = exact_speed * exact_speed / 9.81 * (9.81 * t / exact_speed).cosh().ln();
     let error = |substeps| {
-        let mut solver = flat(drag_alone(), plain(), FormChoice::Threads, substeps);
+        let mut solver = flat(drag_alone(), plain(), StretchMethod::ImplicitThreads, substeps);
         run(&mut solver, 16, GRAVITY, &[]);
         (-f64::from(solver.position(90).y) - exact).abs()
     };
@@ -107,8 +110,12 @@ fn a_wind_from_all_sides_does_not_depend_on_the_substeps() {
     let end = |substeps| {
         let lattice = curtain(Vec2::ONE, 13, 13, MassLumping::Lumped);
         let material = Material { shear_stiffness: 30.0, damping: 0.02, ..plain() };
-        let mut solver =
-            at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Springs, substeps));
+        let mut solver = at_rest(
+            &lattice,
+            Vec3::ZERO,
+            material,
+            settings(StretchMethod::ExplicitSprings, substeps),
+        );
         solver.set_pins(&[0, 6, 12]).unwrap();
         solver.set_air(Some(air)).unwrap();
         blow(&mut solver, 16, GRAVITY, steady(Vec3::new(2.0, 1.0, 5.0)));
@@ -138,7 +145,7 @@ fn still_air_leaves_what_rests_alone() {
 fn a_wind_along_the_sheet_does_nothing() {
     for lift in [0.0, 1.0] {
         let air = Air { lift, ..Air::default() };
-        let mut solver = flat(air, plain(), FormChoice::Threads, 2);
+        let mut solver = flat(air, plain(), StretchMethod::ImplicitThreads, 2);
         let before = bits(&solver);
         blow(&mut solver, 20, Vec3::ZERO, steady(Vec3::new(7.0, 0.0, -3.0)));
         assert_eq!(bits(&solver), before);
@@ -149,7 +156,7 @@ fn a_wind_along_the_sheet_does_nothing() {
 fn force_on(turned: Quat, air: Air, wind: Vec3) -> DVec3 {
     let lattice = sheet(Vec2::new(1.2, 0.8), 9, 20, MassLumping::Lumped);
     let start: Vec<_> = lattice.rest_positions().iter().map(|&p| turned * p).collect();
-    let settings = settings(FormChoice::Springs, 1);
+    let settings = settings(StretchMethod::ExplicitSprings, 1);
     let mut solver = ClothSolver::new(lattice, &start, loose(1.0), settings).unwrap();
     solver.set_air(Some(air)).unwrap();
     let dt = 1e-4;
@@ -192,7 +199,7 @@ fn a_turned_scene_turns_alike() {
         let mut dice = Dice(9);
         let start: Vec<_> =
             lattice.rest_positions().iter().map(|&p| turn * (p + dice.vector() * 0.02)).collect();
-        let settings = settings(FormChoice::Springs, 8);
+        let settings = settings(StretchMethod::ExplicitSprings, 8);
         let material = Material { thread_stiffness: 20.0, ..plain() };
         let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
         solver.set_air(Some(Air { lift: 0.9, ..Air::default() })).unwrap();
@@ -205,7 +212,7 @@ fn a_turned_scene_turns_alike() {
 
 #[test]
 fn the_wind_carries_a_free_sheet_along_and_no_faster() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let mut solver = flat(drag_alone(), plain(), form, 4);
         let wind = Vec3::new(0.0, 6.0, 0.0);
         let mut last = 0.0;
@@ -265,7 +272,7 @@ fn air_takes_energy_and_never_gives_any() {
 
 #[test]
 fn a_film_in_a_storm_stays_whole() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for lift in [0.0, 0.6, 2.0] {
             for pinned in [false, true] {
                 let air = Air { lift, ..Air::default() };
@@ -288,7 +295,7 @@ fn a_film_in_a_storm_stays_whole() {
                 let what =
                     format!("{form:?}, lift {lift}, pinned {pinned}: strain after the storm");
                 // One substep a tick leaves it soft, springs the more, and what lifts it lets it swing on.
-                let most = if form == FormChoice::Springs { 1.0 } else { 0.5 };
+                let most = if form == StretchMethod::ExplicitSprings { 1.0 } else { 0.5 };
                 check_at_most(&what, after.strain().max.into(), most);
                 if !pinned && lift <= air.drag {
                     let carried = mean_velocity(&solver).dot(wind.as_dvec3()) / 1e3;
@@ -303,7 +310,8 @@ fn a_film_in_a_storm_stays_whole() {
 fn without_air_the_wind_is_nothing() {
     let scene = |air: Option<Air>, wind: Wind<'_>| {
         let lattice = curtain(Vec2::ONE, 9, 9, MassLumping::Lumped);
-        let mut solver = at_rest(&lattice, Vec3::ZERO, plain(), settings(FormChoice::Threads, 4));
+        let mut solver =
+            at_rest(&lattice, Vec3::ZERO, plain(), settings(StretchMethod::ImplicitThreads, 4));
         solver.set_pins(&[0, 8]).unwrap();
         solver.set_air(air).unwrap();
         blow(&mut solver, 20, GRAVITY, wind);
@@ -328,7 +336,8 @@ fn mirror_images_stay_mirror_images_to_the_bit() {
     const SIDE: usize = 21;
     let lattice = sheet(Vec2::ONE, SIDE, SIDE, MassLumping::Lumped);
     let material = Material { thread_stiffness: 30.0, shear_stiffness: 10.0, ..plain() };
-    let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Springs, 16));
+    let mut solver =
+        at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ExplicitSprings, 16));
     let n = SIDE as u32;
     solver.set_pins(&[0, n - 1, n * (n - 1), n * n - 1]).unwrap();
     solver.set_air(Some(Air { lift: 2.0, ..Air::default() })).unwrap();
@@ -371,7 +380,7 @@ fn every_form_and_instruction_set_gives_the_same_bits() {
     let run_one = |isa: Isa, staged: bool, seed: u64, lift: f32| {
         let lattice = sheet(Vec2::new(1.3, 0.9), 19, 37, MassLumping::Lumped);
         let mut solver =
-            at_rest(&lattice, Vec3::Y * 0.3, plain(), settings(FormChoice::Threads, 4));
+            at_rest(&lattice, Vec3::Y * 0.3, plain(), settings(StretchMethod::ImplicitThreads, 4));
         solver.set_pins(&[0, 36]).unwrap();
         solver.set_air(Some(Air { lift, ..Air::default() })).unwrap();
         solver.set_isa(isa);
@@ -413,7 +422,7 @@ fn every_form_and_instruction_set_gives_the_same_bits() {
 #[test]
 fn a_far_zone_changes_no_bit() {
     let scene = |zones: &[Zone]| {
-        let mut solver = flat(Air::default(), plain(), FormChoice::Threads, 4);
+        let mut solver = flat(Air::default(), plain(), StretchMethod::ImplicitThreads, 4);
         let wind = Wind { velocity: Vec3::Y, zones, ..Wind::default() };
         blow(&mut solver, 8, GRAVITY, wind);
         bits(&solver)
@@ -428,7 +437,7 @@ fn a_far_zone_changes_no_bit() {
 fn what_a_zone_blows_is_what_a_cloth_feels() {
     // A zone that holds the whole cloth is a uniform wind.
     let scene = |wind: Wind<'_>| {
-        let mut solver = flat(Air::default(), plain(), FormChoice::Threads, 4);
+        let mut solver = flat(Air::default(), plain(), StretchMethod::ImplicitThreads, 4);
         blow(&mut solver, 24, GRAVITY, wind);
         positions(&solver)
     };
@@ -452,7 +461,7 @@ fn a_scrap_goes_with_the_gust_of_its_place() {
         let lattice = sheet(Vec2::splat(0.01), 3, 3, MassLumping::Lumped);
         let gusts = Gusts { strength: 5.0, scale: 3.0, period: 1e3, seed: 4 };
         for time in [10.0, 4e3, 1e6] {
-            let settings = settings(FormChoice::Springs, 16);
+            let settings = settings(StretchMethod::ExplicitSprings, 16);
             let mut solver = at_rest(&lattice, place, loose(1e-5), settings);
             solver.set_air(Some(drag_alone())).unwrap();
             let wind = Wind { gusts, time, ..Wind::default() };
@@ -478,7 +487,7 @@ fn tethers_do_not_hold_what_the_wind_stretches() {
             max_strain: 0.5,
             ..plain()
         };
-        let settings = Settings { tethers, ..settings(FormChoice::Threads, 32) };
+        let settings = Settings { tethers, ..settings(StretchMethod::ImplicitThreads, 32) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         solver.set_pins(&[0, 16, 272, 288]).unwrap();
         solver.set_air(Some(drag_alone())).unwrap();
@@ -492,7 +501,7 @@ fn tethers_do_not_hold_what_the_wind_stretches() {
 
 #[test]
 fn bad_air_and_wind_are_refused() {
-    let mut solver = flat(Air::default(), plain(), FormChoice::Threads, 1);
+    let mut solver = flat(Air::default(), plain(), StretchMethod::ImplicitThreads, 1);
     type Set = fn(&mut Air, f32);
     let fields: [(&str, Set); 3] = [
         ("density", |air, v| air.density = v),

@@ -6,7 +6,9 @@
 use bevy::math::{Vec2, Vec3, primitives::Cuboid};
 use bevy_drape::{
     sdf::SignedDistance,
-    solver::{ClothSolver, Collider, Form, FormChoice, MassLumping, Material, Pose, Settings},
+    solver::{
+        ClothSolver, Collider, MassLumping, Material, Pose, Settings, StretchMethod, Stretching,
+    },
 };
 
 use super::common::*;
@@ -31,7 +33,7 @@ fn strain(solver: &mut ClothSolver, what: &str, low: f32, colliders: &[Collider<
         lowest = lowest.min(solver.bounds().0.y);
     }
     assert!(lowest < low, "{what}: it has hardly fallen: {lowest}");
-    assert_eq!(solver.plan().form, Form::Threads);
+    assert_eq!(solver.plan().stretching, Stretching::ImplicitThreads);
     println!("{what}: {:.3} % with {}", worst * 100.0, solver.plan());
     f64::from(worst) * 100.0
 }
@@ -104,7 +106,10 @@ fn nothing_gains_energy_at_any_number_of_substeps() {
         for (pins, tethers) in [(vec![0, 23], true), (vec![0, 23], false), (vec![0], true)] {
             let mut solver = flat(Vec2::ONE, [n, n], fabric(), Vec3::ZERO);
             solver
-                .set_settings(Settings { tethers, ..settings(FormChoice::Threads, substeps) })
+                .set_settings(Settings {
+                    tethers,
+                    ..settings(StretchMethod::ImplicitThreads, substeps)
+                })
                 .unwrap();
             solver.set_pins(&pins).unwrap();
             let start: f64 = energy(&solver);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    Bending, ClothSolver, FormChoice, Lattice, MassLumping, Material, Settings,
+    Bending, ClothSolver, Lattice, MassLumping, Material, Settings, StretchMethod,
 };
 
 use super::common::*;
@@ -35,7 +35,8 @@ fn droop(gamma: f32, cells: usize) -> f64 {
     // As many substeps as the bending wants: omega^2 = 32 B / (rho a^4).
     let omega = (32.0 * material.flexural_rigidity / 0.2).sqrt() / (cell * cell);
     let substeps = (TICK * omega / 1.8).ceil().max(16.0) as u32;
-    let settings = Settings { tethers: false, ..settings(FormChoice::Threads, substeps) };
+    let settings =
+        Settings { tethers: false, ..settings(StretchMethod::ImplicitThreads, substeps) };
     let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
     solver.set_pins(&[0, 1, 2, 3, 4, 5]).unwrap();
     run(&mut solver, if gamma > 5.0 { 320 } else { 128 }, GRAVITY, &[]);
@@ -84,7 +85,7 @@ fn a_flat_sheet_has_no_bending_force() {
     for bending in [Bending::SecondDifference, Bending::Flexion] {
         let lattice = sheet(Vec2::new(1.0, 0.625), 11, 17, MassLumping::Lumped);
         let material = Material { thread_stiffness: 0.0, flexural_rigidity: 0.01, ..plain() };
-        let settings = Settings { bending, ..settings(FormChoice::Springs, 8) };
+        let settings = Settings { bending, ..settings(StretchMethod::ExplicitSprings, 8) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         let before = bits(&solver);
         run(&mut solver, 16, Vec3::ZERO, &[]);
@@ -107,7 +108,7 @@ fn quarter_cylinder() -> Arc<Lattice> {
 
 #[test]
 fn a_sheet_curved_at_rest_stays_curved() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let material = Material {
             thread_stiffness: 20.0,
             shear_stiffness: 5.0,
@@ -155,7 +156,8 @@ fn a_clamped_rigidity_bends_as_the_plan_says() {
     let lattice = curtain(Vec2::new(0.1, 1.0), 12, 3, MassLumping::Lumped);
     let stiff = Material { thread_stiffness: 1e5, flexural_rigidity: 50.0, drag: 12.0, ..plain() };
     let settled = |material: Material| {
-        let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 8));
+        let mut solver =
+            at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ImplicitThreads, 8));
         solver.set_pins(&[0, 1, 2, 3, 4, 5]).unwrap();
         run(&mut solver, 128, Vec3::Z * 9.81, &[]);
         (*solver.plan(), positions(&solver))
@@ -176,7 +178,8 @@ fn flexion_springs_resist_bending_but_not_a_slight_one() {
         let lattice = sheet(Vec2::new(0.1, 0.6), 13, 3, MassLumping::Lumped);
         let material =
             Material { thread_stiffness: 6000.0, flexural_rigidity: 8.0, drag: 4.0, ..plain() };
-        let settings = Settings { bending: Bending::Flexion, ..settings(FormChoice::Springs, 320) };
+        let settings =
+            Settings { bending: Bending::Flexion, ..settings(StretchMethod::ExplicitSprings, 320) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         solver.set_pins(&[0, 1, 2, 3, 4, 5]).unwrap();
         run(&mut solver, 384, Vec3::NEG_Y * gravity, &[]);

@@ -4,7 +4,7 @@
 use crate::common::*;
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, MassLumping, Material, Pose, Topology,
+    ClothSolver, Collider, MassLumping, Material, Pose, StretchMethod, Topology,
 };
 
 const N: usize = 24;
@@ -19,7 +19,7 @@ fn flying(friction: f32) -> [ClothSolver; 2] {
         let wave = |p: Vec3| p + Vec3::Y * (0.05 * (7.0 * p.x).sin() * (5.0 * p.z).cos());
         let start: Vec<_> = rest.iter().map(|&p| wave(p)).collect();
         let material = Material { shear_stiffness: 100.0, bending_friction: friction, ..plain() };
-        let settings = settings(FormChoice::Threads, 16);
+        let settings = settings(StretchMethod::ImplicitThreads, 16);
         let mut solver = ClothSolver::new(topology, &start, material, settings).unwrap();
         for (i, p) in start.iter().enumerate() {
             let flutter = Vec3::Y * (9.0 * p.x).cos();
@@ -65,7 +65,8 @@ fn a_dropped_cloth_is_still_after_ten_seconds() {
             friction: 0.5,
             ..plain()
         };
-        let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 16));
+        let mut solver =
+            at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ImplicitThreads, 16));
         let (ball, pose) = (Sphere::new(0.3), Pose::from_translation(Vec3::NEG_Y * 0.4));
         run(&mut solver, 640, GRAVITY, &[Collider::new(&ball, pose)]);
         (2.0 * kinetic(&solver) / 0.2).sqrt()
@@ -81,7 +82,8 @@ fn a_flat_cloth_in_flight_is_not_braked() {
     let fall = |friction: f32| {
         let lattice = sheet(Vec2::ONE, N, N, MassLumping::Lumped);
         let material = Material { bending_friction: friction, ..plain() };
-        let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 8));
+        let mut solver =
+            at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ImplicitThreads, 8));
         run(&mut solver, 16, GRAVITY, &[]);
         bits(&solver)
     };

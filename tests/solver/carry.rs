@@ -4,7 +4,7 @@
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::{
     ClothMaterial,
-    solver::{ClothSolver, Collider, FormChoice, MassLumping, Material, Pose},
+    solver::{ClothSolver, Collider, MassLumping, Material, Pose, StretchMethod},
 };
 
 use super::common::*;
@@ -15,7 +15,7 @@ const N: usize = 48;
 fn hung(substeps: u32) -> ClothSolver {
     let lattice = curtain(Vec2::ONE, N, N, MassLumping::Lumped);
     let material = Material { drag: 2.0, ..ClothMaterial::default().into() };
-    let settings = settings(FormChoice::Threads, substeps);
+    let settings = settings(StretchMethod::ImplicitThreads, substeps);
     let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
     solver.set_pins(&[0, N as u32 - 1]).unwrap();
     // Out of its plane first: a flat curtain stands on an edge between two rests.

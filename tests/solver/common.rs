@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, Graph, Lattice, MassLumping, Material,
-    PinMotion, Settings, StepInput, Substeps, TickReport, Topology,
+    ClothSolver, Collider, DampingForm, Graph, Lattice, MassLumping, Material, PinMotion, Settings,
+    StepInput, StretchMethod, Substeps, TickReport, Topology,
 };
 
 pub const TICK: f32 = 1.0 / 64.0;
@@ -45,8 +45,8 @@ pub fn plain() -> Material {
     }
 }
 
-pub fn settings(form: FormChoice, substeps: u32) -> Settings {
-    Settings { form, substeps: Substeps::Fixed(substeps), ..Settings::default() }
+pub fn settings(form: StretchMethod, substeps: u32) -> Settings {
+    Settings { stretch_method: form, substeps: Substeps::Fixed(substeps), ..Settings::default() }
 }
 
 /// A flat sheet in the xz plane.

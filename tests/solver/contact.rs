@@ -8,8 +8,8 @@ use bevy::math::{
 use bevy_drape::{
     sdf::{SdfSample, SignedDistance},
     solver::{
-        ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Pose, Settings,
-        StepInput,
+        ClothSolver, Collider, MassLumping, Material, PinMotion, Pose, Settings, StepInput,
+        StretchMethod,
     },
 };
 
@@ -60,7 +60,7 @@ fn no_particle_ends_a_tick_inside_a_sphere() {
 #[test]
 fn being_pushed_out_gives_no_speed() {
     let floor = InfinitePlane3d::new(Vec3::Y);
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for gravity in [Vec3::ZERO, GRAVITY] {
             let lattice = sheet(Vec2::splat(0.4), 9, 9, MassLumping::Lumped);
             let material = Material { thread_stiffness: 50.0, ..plain() };
@@ -92,7 +92,7 @@ fn slide(slope: f32, mu: f32, high: f32, substeps: u32, ticks: usize) -> f64 {
         .iter()
         .map(|&p| turn * (p + Vec3::Y * material.thickness) + pose.translation)
         .collect();
-    let settings = settings(FormChoice::Threads, substeps);
+    let settings = settings(StretchMethod::ImplicitThreads, substeps);
     let mut solver = ClothSolver::new(lattice, &start, material, settings).unwrap();
     run(&mut solver, ticks, GRAVITY, &[fixed(&floor, pose, mu)]);
     let down = (turn * Vec3::X).as_dvec3();
@@ -142,8 +142,13 @@ fn the_pair_has_the_geometric_mean_of_both_frictions() {
         let material = Material { friction: 0.9, ..plain() };
         let start: Vec<_> =
             lattice.rest_positions().iter().map(|&p| turn * (p + Vec3::Y * 0.005)).collect();
-        let mut solver =
-            ClothSolver::new(lattice, &start, material, settings(FormChoice::Threads, 8)).unwrap();
+        let mut solver = ClothSolver::new(
+            lattice,
+            &start,
+            material,
+            settings(StretchMethod::ImplicitThreads, 8),
+        )
+        .unwrap();
         run(&mut solver, 64, GRAVITY, &[fixed(&floor, pose, 0.4)]);
         f64::from(solver.position(12).distance(start[12]))
     };
@@ -154,7 +159,7 @@ fn the_pair_has_the_geometric_mean_of_both_frictions() {
 #[test]
 fn a_moving_collider_carries_the_cloth() {
     let floor = InfinitePlane3d::new(Vec3::Y);
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let material = Material { thread_stiffness: 50.0, friction: 0.8, ..plain() };
         let lattice = sheet(Vec2::splat(0.4), 9, 9, MassLumping::Lumped);
         let mut solver = at_rest(&lattice, Vec3::Y * 0.005, material, settings(form, 8));
@@ -191,7 +196,8 @@ fn a_turning_collider_carries_the_cloth_round() {
     let material = Material { friction: 0.8, ..plain() };
     let lattice = sheet(Vec2::splat(0.2), 5, 5, MassLumping::Lumped);
     let offset = Vec3::new(0.2, 0.005, 0.0);
-    let mut solver = at_rest(&lattice, offset, material, settings(FormChoice::Threads, 16));
+    let mut solver =
+        at_rest(&lattice, offset, material, settings(StretchMethod::ImplicitThreads, 16));
     for i in 0..25 {
         let v = Vec3::Y.cross(solver.position(i));
         solver.set_velocity(i, v).unwrap();
@@ -221,7 +227,8 @@ fn a_scaled_and_turned_collider_is_where_its_pose_says() {
         scale: 2.0,
     };
     let lattice = sheet(Vec2::splat(0.6), 13, 13, MassLumping::Lumped);
-    let mut solver = at_rest(&lattice, Vec3::Y * 0.35, plain(), settings(FormChoice::Threads, 8));
+    let mut solver =
+        at_rest(&lattice, Vec3::Y * 0.35, plain(), settings(StretchMethod::ImplicitThreads, 8));
     let mut nearest = f64::INFINITY;
     for _ in 0..32 {
         run(&mut solver, 1, GRAVITY, &[fixed(&ball, pose, 0.0)]);
@@ -258,7 +265,7 @@ fn skipping_far_particles_skips_no_contact() {
     for speed in [1.0, 10.0, 60.0] {
         let lattice = sheet(Vec2::new(1.0, 0.4), 9, 21, MassLumping::Lumped);
         let mut solver =
-            at_rest(&lattice, Vec3::Y * 0.5, plain(), settings(FormChoice::Threads, 4));
+            at_rest(&lattice, Vec3::Y * 0.5, plain(), settings(StretchMethod::ImplicitThreads, 4));
         for i in 0..9 * 21 {
             solver
                 .set_velocity(i, Vec3::NEG_Y * speed * (1.0 + 0.3 * (i % 21) as f32 / 20.0))
@@ -274,7 +281,7 @@ fn skipping_far_particles_skips_no_contact() {
 
 #[test]
 fn a_pin_goes_where_it_is_led_and_takes_the_cloth_along() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let lattice = curtain(Vec2::new(0.5, 0.5), 11, 11, MassLumping::Lumped);
         let material = Material { thread_stiffness: 40.0, drag: 1.0, ..plain() };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(form, 16));

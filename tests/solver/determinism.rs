@@ -4,8 +4,8 @@ use bevy::math::{Quat, Vec2, Vec3, bounding::Aabb3d, primitives::Sphere};
 use bevy_drape::{
     sdf::{SdfSample, SignedDistance},
     solver::{
-        Bending, ClothSolver, Collider, DampingForm, FormChoice, Isa, MassLumping, Material,
-        PinMotion, Pose, Settings, StepInput,
+        Bending, ClothSolver, Collider, DampingForm, Isa, MassLumping, Material, PinMotion, Pose,
+        Settings, StepInput, StretchMethod,
     },
 };
 
@@ -99,8 +99,8 @@ fn bits_of(mut solver: ClothSolver, staged: bool) -> Vec<Vec<[u32; 6]>> {
 }
 
 fn variants() -> Vec<(Settings, DampingForm)> {
-    let threads = settings(FormChoice::Threads, 6);
-    let springs = Settings { provot_passes: 2, ..settings(FormChoice::Springs, 6) };
+    let threads = settings(StretchMethod::ImplicitThreads, 6);
+    let springs = Settings { provot_passes: 2, ..settings(StretchMethod::ExplicitSprings, 6) };
     let equal = Settings { lumping: MassLumping::Equal, bending: Bending::Flexion, ..springs };
     vec![
         (threads, DampingForm::Axial),
@@ -145,7 +145,7 @@ fn every_instruction_set_gives_the_same_bits() {
 fn what_lies_beside_the_sheet_does_not_matter() {
     // Transposing a scene exchanges rows and columns, and with them which of them are padded. The
     // order of sums changes, so that only rounding may differ.
-    let settings = settings(FormChoice::Springs, 8);
+    let settings = settings(StretchMethod::ExplicitSprings, 8);
     let material = Material {
         thread_stiffness: 10.0,
         shear_stiffness: 3.0,

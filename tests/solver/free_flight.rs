@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{ClothSolver, DampingForm, FormChoice, Lattice, MassLumping, Material};
+use bevy_drape::solver::{ClothSolver, DampingForm, Lattice, MassLumping, Material, StretchMethod};
 
 use super::common::*;
 
 const V0: Vec3 = Vec3::new(1.0, 2.0, -0.5);
 
-fn thrown(offset: Vec3, form: FormChoice, substeps: u32, material: Material) -> ClothSolver {
+fn thrown(offset: Vec3, form: StretchMethod, substeps: u32, material: Material) -> ClothSolver {
     let grid: Vec<_> = (0..88)
         .map(|i| Vec3::new((i % 11) as f32 - 5.0, 0.0, (i / 11) as f32 - 4.0) / 16.0)
         .collect();
@@ -53,7 +53,7 @@ fn departure(mut solver: ClothSolver) -> (f64, f64) {
 fn a_thrown_sheet_follows_the_parabola() {
     // f32 rounds each of the steps of a second: 1e-7 of 3 m, growing as their root.
     for (substeps, tolerance) in [(1, 4e-6), (4, 1e-5), (16, 3e-5), (64, 2e-4)] {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             for damping in [DampingForm::Axial, DampingForm::Relative] {
                 let (away, strain) = departure(thrown(Vec3::ZERO, form, substeps, damped(damping)));
                 let what = format!("{form:?} {damping:?} x{substeps}");
@@ -67,7 +67,7 @@ fn a_thrown_sheet_follows_the_parabola() {
 #[test]
 fn a_cloth_far_away_moves_with_the_same_bits() {
     // A 1/16 m grid is representable beside all of these places, which are multiples of 16 m.
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let mut here = thrown(Vec3::ZERO, form, 4, damped(DampingForm::Axial));
         for place in [Vec3::X * 1008.0, Vec3::new(-10_000.0, 4096.0, 10_000.0)] {
             let mut here = here.clone();
@@ -86,7 +86,7 @@ fn far_away_the_parabola_holds_to_an_ulp_of_the_place() {
     for (far, ulp) in [(1000.0, 6.2e-5), (10_000.0, 9.8e-4)] {
         let (away, _) = departure(thrown(
             Vec3::new(far, 0.0, -far),
-            FormChoice::Threads,
+            StretchMethod::ImplicitThreads,
             4,
             damped(DampingForm::Axial),
         ));
@@ -96,7 +96,8 @@ fn far_away_the_parabola_holds_to_an_ulp_of_the_place() {
 
 #[test]
 fn a_long_fall_carries_the_origin_along() {
-    let mut solver = thrown(Vec3::ZERO, FormChoice::Springs, 4, damped(DampingForm::Axial));
+    let mut solver =
+        thrown(Vec3::ZERO, StretchMethod::ExplicitSprings, 4, damped(DampingForm::Axial));
     solver
         .set_settings(bevy_drape::solver::Settings { max_speed: 1e4, ..*solver.settings() })
         .unwrap();
@@ -120,7 +121,7 @@ fn with_drag(c: f64, t: f64) -> (DVec3, DVec3) {
 #[test]
 fn air_drag_is_exact_in_velocity_whatever_the_substeps() {
     let c = 2.0;
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for substeps in [1, 4, 16] {
             let material = Material { drag: c as f32, ..damped(DampingForm::Axial) };
             let mut solver = thrown(Vec3::ZERO, form, substeps, material);
@@ -150,7 +151,7 @@ fn the_way_under_drag_is_of_second_order() {
     let c = 8.0;
     let error = |substeps| {
         let material = Material { drag: c as f32, ..plain() };
-        let mut solver = thrown(Vec3::ZERO, FormChoice::Threads, substeps, material);
+        let mut solver = thrown(Vec3::ZERO, StretchMethod::ImplicitThreads, substeps, material);
         let start = solver.position(0).as_dvec3();
         run(&mut solver, 16, GRAVITY, &[]);
         (solver.position(0).as_dvec3() - start - with_drag(c, 0.25).1).length()

@@ -7,18 +7,19 @@ use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Form, FormChoice, Graph, MassLumping, Material, Settings, Substeps, Topology,
+    ClothSolver, Graph, MassLumping, Material, Settings, StretchMethod, Stretching, Substeps,
+    Topology,
 };
 
 use super::common::*;
 
-const FORMS: [FormChoice; 2] = [FormChoice::Springs, FormChoice::Threads];
+const FORMS: [StretchMethod; 2] = [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads];
 
 /// Settles a cloth of 1 m x `length` held along the rows z = 0 and, where `both`, z = `length`.
 fn settled(
     topology: impl Into<Topology>,
     material: Material,
-    form: FormChoice,
+    form: StretchMethod,
     both: bool,
     gravity: Vec3,
 ) -> ClothSolver {
@@ -134,7 +135,7 @@ fn an_irregular_sheet_sags_as_the_lattice() {
     let gravity = Vec3::NEG_Y * 9.81;
     // Narrow, so that Poisson's contraction, which a lattice does not have, is hardly held back.
     let lattice = sheet(Vec2::new(0.3, 1.0), 21, 7, MassLumping::Lumped);
-    let reference = settled(lattice, material, FormChoice::Springs, true, gravity);
+    let reference = settled(lattice, material, StretchMethod::ExplicitSprings, true, gravity);
     let middle = f64::from(-nearest(&reference, Vec3::ZERO).y);
     let (positions, triangles) = hexagonal(28, 8, 0.3 / 7.0);
     let scale = 1.0 / positions.last().unwrap().z;
@@ -183,7 +184,7 @@ fn momentum_is_kept() {
             check_at_most(
                 &format!("{what}, angular, relative"),
                 angular.distance(angular_after) / angular.length(),
-                if form == FormChoice::Springs { 1e-5 } else { 1e-2 },
+                if form == StretchMethod::ExplicitSprings { 1e-5 } else { 1e-2 },
             );
         }
     }
@@ -216,9 +217,9 @@ fn weights_make_particles_heavier_and_springs_stiffer() {
     let weighted = Arc::new(weighted.unwrap());
     let even = Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap());
     let material = Material { drag: 8.0, thread_stiffness: 20.0, ..plain() };
-    let a = settled(weighted.clone(), material, FormChoice::Threads, false, Vec3::Z);
+    let a = settled(weighted.clone(), material, StretchMethod::ImplicitThreads, false, Vec3::Z);
     let thrice = Material { thread_stiffness: 60.0, ..material };
-    let b = settled(even, thrice, FormChoice::Threads, false, Vec3::Z);
+    let b = settled(even, thrice, StretchMethod::ImplicitThreads, false, Vec3::Z);
     for (i, factor) in heavy.iter().enumerate() {
         assert!((a.mass(i) - b.mass(i) * factor).abs() < 1e-6 * a.mass(i), "{i}");
     }
@@ -304,7 +305,11 @@ fn hangs(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, pins: &[u32], name: &st
             most = most.max(run(&mut solver, 1, GRAVITY, &[]).max_strain);
         }
         let what = format!("{name}, {form:?}: largest strain over 4 s");
-        check_at_most(&what, f64::from(most), if form == FormChoice::Springs { 0.3 } else { 0.11 });
+        check_at_most(
+            &what,
+            f64::from(most),
+            if form == StretchMethod::ExplicitSprings { 0.3 } else { 0.11 },
+        );
     }
 }
 
@@ -326,7 +331,7 @@ fn a_large_irregular_mesh_stays_within_its_limit() {
     for _ in 0..192 {
         most = most.max(run(&mut solver, 1, GRAVITY, &[]).max_strain);
     }
-    assert_eq!(solver.plan().form, Form::Threads, "{}", solver.plan());
+    assert_eq!(solver.plan().stretching, Stretching::ImplicitThreads, "{}", solver.plan());
     check_at_most("largest strain over 3 s", f64::from(most), 0.11);
     let hem = positions(&solver).iter().map(|p| f64::from(p.y)).fold(0.0, f64::min);
     assert!(hem < -1.0 && hem > -2.5, "{hem}");
@@ -384,7 +389,7 @@ fn a_sliver_takes_its_stiffness_from_no_others() {
             positions[10 * 9 + 1] = positions[10 * 9] + Vec3::X * 2e-4;
         }
         let graph = Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap());
-        let settings = Settings { tethers: false, ..settings(FormChoice::Springs, 16) };
+        let settings = Settings { tethers: false, ..settings(StretchMethod::ExplicitSprings, 16) };
         let mut solver = at_rest(&graph, Vec3::ZERO, material, settings);
         solver.set_pins(&(0..9).collect::<Vec<_>>()).unwrap();
         run(&mut solver, 256, Vec3::Z * 10.0, &[]);

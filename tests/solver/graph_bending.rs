@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use bevy::math::Vec3;
-use bevy_drape::solver::{FormChoice, Graph, MassLumping, Material, Settings};
+use bevy_drape::solver::{Graph, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -22,7 +22,8 @@ fn droop(gamma: f32, positions: &[Vec3], triangles: &[[u32; 3]], cell: f32) -> f
     };
     let omega = (32.0 * material.flexural_rigidity / 0.2).sqrt() / (cell * cell);
     let substeps = (4.0 * TICK * omega / 1.8).ceil().max(16.0) as u32;
-    let settings = Settings { tethers: false, ..settings(FormChoice::Threads, substeps) };
+    let settings =
+        Settings { tethers: false, ..settings(StretchMethod::ImplicitThreads, substeps) };
     let mut solver = at_rest(&graph, Vec3::ZERO, material, settings);
     let pins: Vec<u32> =
         (0..positions.len() as u32).filter(|&i| positions[i as usize].z < 1e-4).collect();

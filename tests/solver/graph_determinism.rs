@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use bevy::math::{Quat, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Graph, Isa, MassLumping, Material,
-    Pose, Settings, StepInput,
+    Bending, ClothSolver, Collider, DampingForm, Graph, Isa, MassLumping, Material, Pose, Settings,
+    StepInput, StretchMethod,
 };
 
 use super::common::*;
 
 /// Everything on: rectangles, and other cells; curved at rest; six groups of pins.
-fn busy(form: FormChoice, bending: Bending, damping_form: DampingForm) -> ClothSolver {
+fn busy(form: StretchMethod, bending: Bending, damping_form: DampingForm) -> ClothSolver {
     let (mut positions, triangles) = jittered(23, 31, 0.04, 0.25, 2);
     for (i, p) in positions.iter_mut().enumerate() {
         if i < 11 * 31 {
@@ -73,7 +73,7 @@ fn fall(mut solver: ClothSolver, staged: bool) -> Vec<[u32; 6]> {
 
 #[test]
 fn stages_and_instruction_sets_give_the_same_bits() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for (bending, damping) in [
             (Bending::SecondDifference, DampingForm::Axial),
             (Bending::Flexion, DampingForm::Relative),

@@ -4,7 +4,7 @@
 //! `data/hanging_strip_elongation.csv` and `data/hanging_chain_profile.csv`.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping, Material, Settings};
+use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -12,7 +12,12 @@ const K: f32 = 20.0;
 const COLUMNS: usize = 5;
 
 /// Settled depths below the pins by row and column, for eps = `springs m g / k`.
-fn depths(form: FormChoice, lumping: MassLumping, springs: usize, gravity: f32) -> Vec<Vec<f64>> {
+fn depths(
+    form: StretchMethod,
+    lumping: MassLumping,
+    springs: usize,
+    gravity: f32,
+) -> Vec<Vec<f64>> {
     let lattice = curtain(Vec2::new(0.4, 1.0), springs + 1, COLUMNS, lumping);
     let material = Material { thread_stiffness: K, drag: 15.0, ..plain() };
     let settings = Settings { lumping, tethers: false, ..settings(form, 16) };
@@ -34,7 +39,7 @@ fn a_lumped_strip_lengthens_by_half_eps_at_any_resolution() {
         }
         let springs: usize = row[0].parse().unwrap();
         let reference: f64 = row[3].parse().unwrap();
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             let depths = depths(form, MassLumping::Lumped, springs, 10.0);
             for (column, depth) in depths[springs].iter().enumerate() {
                 let what = format!("{form:?}, {springs} springs, column {column}, elongation / L");
@@ -58,7 +63,7 @@ fn a_strip_of_equal_masses_is_the_chain_of_full_masses() {
     let mass = 0.2 * 0.4 / (21.0 * COLUMNS as f64);
     let spring = f64::from(K) * 0.1 / 0.05;
     let gravity = 0.1 * spring / (20.0 * 20.0 * mass);
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let depths = depths(form, MassLumping::Equal, springs, gravity as f32);
         for row in table(include_str!("../data/hanging_chain_profile.csv")) {
             if row[0] != "20" || row[1] != "0.1" {
@@ -87,7 +92,7 @@ fn shear_does_not_change_with_the_cell() {
         let lattice = sheet(Vec2::new(4.0, 1.0), cells + 1, 4 * cells + 1, MassLumping::Lumped);
         let material =
             Material { thread_stiffness: 2000.0, shear_stiffness: 100.0, drag: 10.0, ..plain() };
-        let settings = Settings { tethers: false, ..settings(FormChoice::Springs, 32) };
+        let settings = Settings { tethers: false, ..settings(StretchMethod::ExplicitSprings, 32) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         let columns = lattice.columns();
         solver.set_pins(&(0..columns as u32).collect::<Vec<_>>()).unwrap();

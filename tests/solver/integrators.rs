@@ -6,8 +6,8 @@
 
 use bevy::math::{DVec2, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, DampingForm, FormChoice, Integrator, Isa, MassLumping, Material, Settings,
-    StepInput, Topology,
+    ClothSolver, DampingForm, Integrator, Isa, MassLumping, Material, Settings, StepInput,
+    StretchMethod, Topology,
 };
 
 use super::common::*;
@@ -25,7 +25,7 @@ fn oscillator(integrator: Integrator, substeps: u32, material: Material) -> Clot
     let lattice = sheet(Vec2::splat(CELL), 2, 2, MassLumping::Lumped);
     let wide = Vec3::new(1.2, 1.0, 1.0);
     let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p * wide).collect();
-    let settings = Settings { integrator, ..settings(FormChoice::Springs, substeps) };
+    let settings = Settings { integrator, ..settings(StretchMethod::ExplicitSprings, substeps) };
     ClothSolver::new(lattice, &start, material, settings).unwrap()
 }
 
@@ -107,7 +107,7 @@ fn busy(topology: &Topology, integrator: Integrator, isa: Isa, staged: bool) -> 
         max_strain: 0.1,
         ..plain()
     };
-    let settings = Settings { integrator, ..settings(FormChoice::Springs, 12) };
+    let settings = Settings { integrator, ..settings(StretchMethod::ExplicitSprings, 12) };
     let mut solver = at_rest(topology, Vec3::ZERO, material, settings);
     solver.set_isa(isa);
     solver.set_pins(&[0]).unwrap();
@@ -153,7 +153,7 @@ fn a_fall_is_exact_but_for_half_a_kick_of_eulers() {
     let h = f64::from(TICK) / 4.0;
     for integrator in ALL {
         let lattice = sheet(Vec2::splat(1.0), 4, 4, MassLumping::Lumped);
-        let settings = Settings { integrator, ..settings(FormChoice::Springs, 4) };
+        let settings = Settings { integrator, ..settings(StretchMethod::ExplicitSprings, 4) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, plain(), settings);
         run(&mut solver, 64, Vec3::NEG_Y * 9.81, &[]);
         let late = if integrator == Integrator::Euler { 0.5 * h * 9.81 } else { 0.0 };

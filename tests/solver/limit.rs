@@ -3,7 +3,7 @@
 //! correction must and must not do.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{Bending, ClothSolver, FormChoice, MassLumping, Material, Settings};
+use bevy_drape::solver::{Bending, ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -28,7 +28,7 @@ fn two_corners(stiffness: f32, limit: f32, passes: u32, substeps: u32) -> Vec<f6
         bending: Bending::Flexion,
         tethers: false,
         provot_passes: passes,
-        ..settings(FormChoice::Springs, substeps)
+        ..settings(StretchMethod::ExplicitSprings, substeps)
     };
     // The table's start, a little out of its plane.
     let rest = lattice.rest_positions().to_vec();
@@ -83,7 +83,7 @@ fn the_limit_caps_the_corners_as_in_the_table() {
 }
 
 /// One cell with threads of no stiffness, stretched along x.
-fn cell(stretch: f32, limit: f32, pins: &[u32], form: FormChoice) -> ClothSolver {
+fn cell(stretch: f32, limit: f32, pins: &[u32], form: StretchMethod) -> ClothSolver {
     let lattice = sheet(Vec2::splat(0.125), 2, 2, MassLumping::Lumped);
     let start: Vec<_> =
         lattice.rest_positions().iter().map(|&p| p * Vec3::new(stretch, 1.0, 1.0)).collect();
@@ -96,7 +96,7 @@ fn cell(stretch: f32, limit: f32, pins: &[u32], form: FormChoice) -> ClothSolver
 
 #[test]
 fn a_spring_below_the_limit_is_not_moved() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for stretch in [0.5, 1.0, 1.0625, 1.0999] {
             let mut solver = cell(stretch, 0.1, &[], form);
             let before = bits(&solver);
@@ -108,7 +108,7 @@ fn a_spring_below_the_limit_is_not_moved() {
 
 #[test]
 fn a_spring_above_it_comes_to_it_from_both_ends() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let mut solver = cell(1.5, 0.25, &[], form);
         run(&mut solver, 1, Vec3::ZERO, &[]);
         let x: Vec<_> = positions(&solver).iter().map(|p| f64::from(p.x)).collect();
@@ -129,7 +129,7 @@ fn a_spring_above_it_comes_to_it_from_both_ends() {
 
 #[test]
 fn a_spring_with_both_ends_held_is_left() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let mut solver = cell(3.0, 0.1, &[0, 1, 2, 3], form);
         let before = bits(&solver);
         run(&mut solver, 3, GRAVITY, &[]);
@@ -143,7 +143,7 @@ fn threads_are_held_to_a_limit_tighter_than_their_compliance() {
     let strain = |limit| {
         let lattice = curtain(Vec2::new(0.4, 1.0), 21, 5, MassLumping::Lumped);
         let material = Material { thread_stiffness: 20.0, max_strain: limit, drag: 5.0, ..plain() };
-        let settings = Settings { tethers: false, ..settings(FormChoice::Threads, 16) };
+        let settings = Settings { tethers: false, ..settings(StretchMethod::ImplicitThreads, 16) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         solver.set_pins(&[0, 1, 2, 3, 4]).unwrap();
         run(&mut solver, 256, Vec3::NEG_Y * 10.0, &[]);

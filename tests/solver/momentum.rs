@@ -5,7 +5,7 @@
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    Bending, ClothSolver, DampingForm, FormChoice, MassLumping, Material, Settings,
+    Bending, ClothSolver, DampingForm, MassLumping, Material, Settings, StretchMethod,
 };
 
 use super::common::*;
@@ -25,8 +25,8 @@ fn crumpled(material: Material, settings: Settings) -> ClothSolver {
 
 /// What one of the solver's parts, alone, does.
 fn parts() -> Vec<(&'static str, Material, Settings)> {
-    let springs = settings(FormChoice::Springs, 8);
-    let threads = settings(FormChoice::Threads, 8);
+    let springs = settings(StretchMethod::ExplicitSprings, 8);
+    let threads = settings(StretchMethod::ImplicitThreads, 8);
     let none = Material { thread_stiffness: 0.0, ..plain() };
     let equal = Settings { lumping: MassLumping::Equal, ..springs };
     let flexion = Settings { bending: Bending::Flexion, ..springs };
@@ -78,7 +78,7 @@ fn angular_momentum_stays_under_forces_along_springs() {
 }
 
 /// A flat sheet turning about its normal; what is left of its spin after a second.
-fn spin_left(material: Material, form: FormChoice, substeps: u32) -> f64 {
+fn spin_left(material: Material, form: StretchMethod, substeps: u32) -> f64 {
     const TURN: Vec3 = Vec3::new(0.0, 2.0, 0.0);
     let lattice = sheet(Vec2::new(0.9, 0.6), 9, 12, MassLumping::Lumped);
     let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(form, substeps));
@@ -94,10 +94,10 @@ fn spin_left(material: Material, form: FormChoice, substeps: u32) -> f64 {
 fn axial_damping_leaves_spin_alone_and_relative_damping_does_not() {
     let material =
         Material { thread_stiffness: 40.0, shear_stiffness: 10.0, damping: 0.01, ..plain() };
-    let axial = spin_left(material, FormChoice::Springs, 8);
+    let axial = spin_left(material, StretchMethod::ExplicitSprings, 8);
     check("spin left under axial damping", axial, 1.0, 1e-5);
     let relative = Material { damping_form: DampingForm::Relative, ..material };
-    let relative = spin_left(relative, FormChoice::Springs, 8);
+    let relative = spin_left(relative, StretchMethod::ExplicitSprings, 8);
     check_at_most("spin left under relative damping", relative, 0.9);
 }
 
@@ -108,7 +108,7 @@ fn axial_damping_leaves_spin_alone_and_relative_damping_does_not() {
 fn threads_lose_spin_only_as_they_begin() {
     let material = Material { thread_stiffness: 2000.0, shear_stiffness: 100.0, ..plain() };
     for substeps in [2, 4, 16, 64] {
-        let lost = 1.0 - spin_left(material, FormChoice::Threads, substeps);
+        let lost = 1.0 - spin_left(material, StretchMethod::ImplicitThreads, substeps);
         let turned = 2.0 * f64::from(TICK) / f64::from(substeps);
         let first = turned * turned;
         check(&format!("spin lost by threads x{substeps}"), lost, 2.0 * first, 0.1 * first + 2e-5);

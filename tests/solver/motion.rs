@@ -4,7 +4,7 @@
 
 use bevy::math::{Quat, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, FormChoice, MassLumping, Material, Pose, RigidMotion, SolverError,
+    ClothSolver, MassLumping, Material, Pose, RigidMotion, SolverError, StretchMethod,
 };
 
 use super::common::*;
@@ -14,7 +14,8 @@ fn swinging() -> ClothSolver {
     let lattice = sheet(Vec2::new(1.0, 1.3), 14, 21, MassLumping::Lumped);
     let material =
         Material { flexural_rigidity: 1e-5, shear_stiffness: 20.0, drag: 0.3, ..plain() };
-    let mut solver = at_rest(&lattice, Vec3::Y * 3.0, material, settings(FormChoice::Threads, 12));
+    let mut solver =
+        at_rest(&lattice, Vec3::Y * 3.0, material, settings(StretchMethod::ImplicitThreads, 12));
     solver.set_pins(&[0, 20]).unwrap();
     run(&mut solver, 40, GRAVITY, &[]);
     solver

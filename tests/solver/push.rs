@@ -4,8 +4,8 @@
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, FormChoice, Integrator, Isa, MassLumping, Material, ParameterError, PinMotion,
-    PushOn, PushWith, Settings, SoftPin, SolverError, StepInput, Topology,
+    ClothSolver, Integrator, Isa, MassLumping, Material, ParameterError, PinMotion, PushOn,
+    PushWith, Settings, SoftPin, SolverError, StepInput, StretchMethod, Topology,
 };
 
 use super::common::*;
@@ -44,7 +44,7 @@ fn tick(solver: &mut ClothSolver) {
 #[test]
 fn a_free_cloth_under_a_force_moves_with_its_share_of_mass() {
     for (what, topology) in topologies() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             // At rest before, and already in ticks: a force that begins between two kicks is as long.
             for (substeps, ticks_before) in [(1, 0), (8, 0), (8, 3), (40, 3)] {
                 let soft = Material { thread_stiffness: 1.0, ..plain() };
@@ -82,7 +82,7 @@ fn a_force_and_drag_come_to_the_closed_form() {
     let material = Material { drag: c as f32, ..plain() };
     let (_, topology) = &topologies()[0];
     for ticks_before in [0, 2] {
-        let settings = settings(FormChoice::Threads, 16);
+        let settings = settings(StretchMethod::ImplicitThreads, 16);
         let mut solver = at_rest(topology, Vec3::ZERO, material, settings);
         for _ in 0..ticks_before {
             tick(&mut solver);
@@ -99,7 +99,7 @@ fn a_force_and_drag_come_to_the_closed_form() {
 #[test]
 fn an_impulse_gives_its_momentum_wherever_it_strikes() {
     for (what, topology) in topologies() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             for (where_, on) in [
                 ("all", PushOn::All),
                 ("one", PushOn::Particle(17)),
@@ -139,7 +139,7 @@ fn an_impulse_gives_its_momentum_wherever_it_strikes() {
 fn a_force_on_a_part_gives_its_momentum_in_every_integrator() {
     let (_, topology) = &topologies()[0];
     for integrator in [Integrator::Verlet, Integrator::Euler, Integrator::Midpoint] {
-        let settings = Settings { integrator, ..settings(FormChoice::Springs, 40) };
+        let settings = Settings { integrator, ..settings(StretchMethod::ExplicitSprings, 40) };
         let soft = Material { thread_stiffness: 10.0, ..plain() };
         let mut solver = at_rest(topology, Vec3::ZERO, soft, settings);
         for _ in 0..6 {
@@ -217,7 +217,7 @@ fn what_is_held_does_not_move_and_its_pin_bears_its_share() {
 /// A curtain on soft pins, its lower end pulled down: its pins carry its weight and the force.
 #[test]
 fn a_lasting_force_is_carried_as_a_weight_is() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let lattice = curtain(Vec2::ONE, 17, 17, MassLumping::Lumped);
         let material = Material { drag: 4.0, ..plain() };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(form, 24));
@@ -248,7 +248,8 @@ fn a_lasting_force_is_carried_as_a_weight_is() {
 fn tethers_make_room_for_forces() {
     let lattice = curtain(Vec2::ONE, 17, 17, MassLumping::Lumped);
     let material = Material { drag: 4.0, thread_stiffness: 2000.0, ..plain() };
-    let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 24));
+    let mut solver =
+        at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ImplicitThreads, 24));
     solver.set_pins(&(0..17).collect::<Vec<_>>()).unwrap();
     let (force, weight) = (200.0_f64, 0.2 * 9.81);
     let pins = still(&solver);
@@ -269,7 +270,7 @@ fn tethers_make_room_for_forces() {
 #[test]
 fn every_instruction_set_agrees_and_no_push_is_none() {
     for (what, topology) in topologies() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             let run = |isa: Isa, pushes: bool| {
                 let mut solver = at_rest(&topology, Vec3::ZERO, plain(), settings(form, 9));
                 solver.set_isa(isa);
@@ -357,8 +358,12 @@ fn a_limited_soft_pin_pulls_with_its_limit_and_no_more() {
     let lattice = sheet(Vec2::splat(0.2), 2, 2, MassLumping::Lumped);
     let most = 0.05_f32;
     for substeps in [4, 32] {
-        let mut solver =
-            at_rest(&lattice, Vec3::ZERO, plain(), settings(FormChoice::Threads, substeps));
+        let mut solver = at_rest(
+            &lattice,
+            Vec3::ZERO,
+            plain(),
+            settings(StretchMethod::ImplicitThreads, substeps),
+        );
         let m = f64::from(solver.mass(0));
         let soft = (0..4).map(|particle| SoftPin { particle, stiffness: 100.0, damping: 0.0 });
         solver.set_soft_pins(&soft.collect::<Vec<_>>()).unwrap();
@@ -377,7 +382,8 @@ fn a_limited_soft_pin_pulls_with_its_limit_and_no_more() {
     // Four hands that hold it, and four that do not.
     let weight = 0.2 * 0.04 * 9.81;
     for (share, holds) in [(1.3, true), (0.7, false)] {
-        let mut solver = at_rest(&lattice, Vec3::ZERO, plain(), settings(FormChoice::Threads, 8));
+        let mut solver =
+            at_rest(&lattice, Vec3::ZERO, plain(), settings(StretchMethod::ImplicitThreads, 8));
         let soft = (0..4).map(|particle| SoftPin { particle, stiffness: 100.0, damping: 0.5 });
         solver.set_soft_pins(&soft.collect::<Vec<_>>()).unwrap();
         (0..4).for_each(|particle| solver.limit_soft_pin(particle, share * weight / 4.0));
@@ -399,7 +405,7 @@ fn a_limited_soft_pin_pulls_with_its_limit_and_no_more() {
 /// Where threads pull on it, a spring at its limit is as heavy as its particle: it does not hold on.
 #[test]
 fn a_pulled_hem_bears_no_more_than_the_limit() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let lattice = curtain(Vec2::ONE, 9, 9, MassLumping::Lumped);
         let material = Material { drag: 3.0, ..plain() };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings(form, 24));

@@ -2,8 +2,8 @@
 
 use bevy::math::{Quat, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, Lattice, LatticeError, MassLumping, Material, PinMotion,
-    Pose, Settings, SolverError, StepInput, Substeps,
+    ClothSolver, Collider, Lattice, LatticeError, MassLumping, Material, PinMotion, Pose, Settings,
+    SolverError, StepInput, StretchMethod, Substeps,
 };
 
 use super::common::*;
@@ -12,7 +12,8 @@ const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
 
 fn solver() -> ClothSolver {
     let lattice = sheet(Vec2::ONE, 4, 5, MassLumping::Lumped);
-    let mut solver = at_rest(&lattice, Vec3::ZERO, plain(), settings(FormChoice::Threads, 4));
+    let mut solver =
+        at_rest(&lattice, Vec3::ZERO, plain(), settings(StretchMethod::ImplicitThreads, 4));
     solver.set_pins(&[0, 4]).unwrap();
     run(&mut solver, 3, GRAVITY, &[]);
     solver
@@ -67,7 +68,7 @@ fn every_number_of_the_material_has_a_range() {
 
 #[test]
 fn every_number_of_the_settings_has_a_range() {
-    let base = settings(FormChoice::Threads, 4);
+    let base = settings(StretchMethod::ImplicitThreads, 4);
     for (name, bad) in [
         ("substeps", Settings { substeps: Substeps::Fixed(0), ..base }),
         ("substeps", Settings { substeps: Substeps::Fixed(5000), ..base }),
@@ -238,7 +239,7 @@ fn what_is_no_lattice_is_refused() {
 #[test]
 fn a_cloth_that_leaves_the_world_is_put_back_at_rest() {
     let lattice = sheet(Vec2::ONE, 3, 3, MassLumping::Lumped);
-    let settings = Settings { max_speed: 1e5, ..settings(FormChoice::Threads, 1) };
+    let settings = Settings { max_speed: 1e5, ..settings(StretchMethod::ImplicitThreads, 1) };
     let mut solver = at_rest(&lattice, Vec3::X * 9.99e6, plain(), settings);
     for i in 0..9 {
         solver.set_velocity(i, Vec3::X * 1e5).unwrap();

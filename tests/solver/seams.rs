@@ -4,8 +4,8 @@
 
 use bevy::math::{DVec3, Quat, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Air, Bending, ClothSolver, Collider, FormChoice, Gusts, Isa, MassLumping, Material, PinMotion,
-    Pose, Settings, SoftPin, StepInput, Topology, Wind, WindFlow, WindShape, Zone,
+    Air, Bending, ClothSolver, Collider, Gusts, Isa, MassLumping, Material, PinMotion, Pose,
+    Settings, SoftPin, StepInput, StretchMethod, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 use super::common::*;
@@ -43,7 +43,7 @@ fn momentum(solver: &ClothSolver) -> DVec3 {
 #[test]
 fn a_level_mesh_falls_by_the_law_of_drag_as_a_sheet_does() {
     for topology in both() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             let mut solver = laid(&topology, Vec3::ZERO, plain(), settings(form, 8));
             let air = Air { lift: 0.0, ..Air::default() };
             solver.set_air(Some(air)).unwrap();
@@ -89,7 +89,7 @@ fn a_mesh_goes_with_the_wind_of_its_zone_and_no_faster() {
 }
 
 /// Everything on, and changed on the way: what is left of it.
-fn busy(topology: &Topology, form: FormChoice, isa: Isa, staged: bool) -> Vec<[u32; 6]> {
+fn busy(topology: &Topology, form: StretchMethod, isa: Isa, staged: bool) -> Vec<[u32; 6]> {
     let material = Material {
         shear_stiffness: 30.0,
         flexural_rigidity: 1e-5,
@@ -171,7 +171,7 @@ fn busy(topology: &Topology, form: FormChoice, isa: Isa, staged: bool) -> Vec<[u
 #[test]
 fn all_features_at_once_give_the_same_bits_on_every_instruction_set() {
     for topology in both() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             let reference = busy(&topology, form, Isa::Baseline, false);
             assert!(reference.iter().flatten().all(|bits| f32::from_bits(*bits).is_finite()));
             for isa in Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
@@ -247,7 +247,7 @@ fn what_a_mesh_loses_the_collider_is_given() {
 #[test]
 fn a_mesh_on_soft_pins_hangs_by_its_weight_over_their_stiffness() {
     for topology in both() {
-        for form in [FormChoice::Springs, FormChoice::Threads] {
+        for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
             let material = Material { drag: 4.0, max_strain: 0.1, ..plain() };
             let mut solver = laid(&topology, Vec3::ZERO, material, settings(form, 16));
             let pins: Vec<_> = (0..33)

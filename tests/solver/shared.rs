@@ -3,8 +3,8 @@
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, Lattice, MassLumping, Material,
-    PinMotion, Pose, Settings, Stage, StepInput,
+    Bending, ClothSolver, Collider, DampingForm, Lattice, MassLumping, Material, PinMotion, Pose,
+    Settings, Stage, StepInput, StretchMethod,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
@@ -46,8 +46,8 @@ fn variants() -> [Variant; 4] {
     let soft =
         Material { thread_stiffness: 300.0, shear_stiffness: 20.0, friction: 0.4, ..plain() };
     let stiff = Material { thread_stiffness: 1e4, shear_stiffness: 1e3, ..soft };
-    let threads = settings(FormChoice::Threads, 5);
-    let springs = Settings { provot_passes: 2, ..settings(FormChoice::Springs, 5) };
+    let threads = settings(StretchMethod::ImplicitThreads, 5);
+    let springs = Settings { provot_passes: 2, ..settings(StretchMethod::ExplicitSprings, 5) };
     let damped = Material { flexural_rigidity: 1e-5, damping: 0.002, ..soft };
     let axial = Material { damping_form: DampingForm::Axial, max_strain: 0.02, ..damped };
     let flexion = Settings { lumping: MassLumping::Equal, bending: Bending::Flexion, ..springs };

@@ -4,8 +4,8 @@
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, FormChoice, Isa, MassLumping, Material, ParameterError, PinMotion, Settings,
-    SoftPin, SolverError, StepInput,
+    ClothSolver, Isa, MassLumping, Material, ParameterError, PinMotion, Settings, SoftPin,
+    SolverError, StepInput, StretchMethod,
 };
 
 use super::common::*;
@@ -14,7 +14,7 @@ use super::common::*;
 fn on_springs(stiffness: f32, damping: f32, substeps: u32) -> (ClothSolver, f64) {
     let lattice = sheet(Vec2::splat(0.2), 2, 2, MassLumping::Lumped);
     let mut solver =
-        at_rest(&lattice, Vec3::ZERO, plain(), settings(FormChoice::Threads, substeps));
+        at_rest(&lattice, Vec3::ZERO, plain(), settings(StretchMethod::ImplicitThreads, substeps));
     let pins: Vec<_> = (0..4).map(|particle| SoftPin { particle, stiffness, damping }).collect();
     solver.set_soft_pins(&pins).unwrap();
     // 0.2 kg/m2 of 0.04 m2 on four particles.
@@ -76,7 +76,7 @@ fn a_mass_swings_in_its_period_and_decays_as_its_damper_says() {
 
 #[test]
 fn soft_pins_carry_the_weight_of_a_cloth_in_both_forms() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         // Far stiffer than a particle of the cloth could feel alone in a substep, and softer.
         for stiffness in [5.0, 50.0, 500.0] {
             let lattice = curtain(Vec2::ONE, 17, 17, MassLumping::Lumped);

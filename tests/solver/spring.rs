@@ -8,7 +8,7 @@
 //! with equal masses two whole ones, twice that.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping, Material, Settings};
+use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -20,7 +20,7 @@ fn stretched(axis: usize, lumping: MassLumping, k: f32, substeps: u32) -> ClothS
     let mut wide = Vec3::ONE;
     wide[axis] += 0.2;
     let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p * wide).collect();
-    let settings = Settings { lumping, ..settings(FormChoice::Springs, substeps) };
+    let settings = Settings { lumping, ..settings(StretchMethod::ExplicitSprings, substeps) };
     let material = Material { thread_stiffness: k, ..plain() };
     ClothSolver::new(lattice, &start, material, settings).unwrap()
 }
@@ -28,10 +28,10 @@ fn stretched(axis: usize, lumping: MassLumping, k: f32, substeps: u32) -> ClothS
 #[test]
 fn a_stretched_spring_pulls_its_ends_together_and_a_short_one_apart() {
     for (form, stretch) in [
-        (FormChoice::Springs, 1.1),
-        (FormChoice::Threads, 1.1),
-        (FormChoice::Springs, 0.9),
-        (FormChoice::Threads, 0.9),
+        (StretchMethod::ExplicitSprings, 1.1),
+        (StretchMethod::ImplicitThreads, 1.1),
+        (StretchMethod::ExplicitSprings, 0.9),
+        (StretchMethod::ImplicitThreads, 0.9),
     ] {
         let lattice = sheet(Vec2::splat(CELL), 2, 2, MassLumping::Lumped);
         let start: Vec<_> = lattice.rest_positions().iter().map(|&p| p * stretch).collect();
@@ -118,8 +118,12 @@ fn damping_is_of_second_order_and_brakes_at_its_rate() {
     let error = |substeps| {
         let material = Material { thread_stiffness: 0.0, damping: c as f32, ..plain() };
         let lattice = sheet(Vec2::splat(CELL), 2, 2, MassLumping::Lumped);
-        let mut solver =
-            at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Springs, substeps));
+        let mut solver = at_rest(
+            &lattice,
+            Vec3::ZERO,
+            material,
+            settings(StretchMethod::ExplicitSprings, substeps),
+        );
         for i in 0..4 {
             let away = solver.position(i).x.signum();
             solver.set_velocity(i, Vec3::X * away * 0.1).unwrap();

@@ -4,7 +4,7 @@
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Form, FormChoice, Lattice, MassLumping, Material, PlanReason, Settings,
+    ClothSolver, Lattice, MassLumping, Material, PlanReason, Settings, StretchMethod, Stretching,
 };
 use std::sync::Arc;
 
@@ -112,7 +112,8 @@ fn the_plan_covers_the_graph_laplacian_on_every_lattice() {
                 let lattice = sheet(size, rows, columns, lumping);
                 for (what, material) in materials {
                     for clamped in [false, true] {
-                        let settings = Settings { lumping, ..settings(FormChoice::Springs, 4) };
+                        let settings =
+                            Settings { lumping, ..settings(StretchMethod::ExplicitSprings, 4) };
                         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
                         if clamped && rows > 3 {
                             solver.set_pins(&(0..2 * columns as u32).collect::<Vec<_>>()).unwrap();
@@ -152,7 +153,8 @@ fn an_uneven_lattice_is_covered_too() {
         .collect();
     let lattice = Arc::new(Lattice::new(rows, columns, &positions, MassLumping::Lumped).unwrap());
     let material = Material { thread_stiffness: 0.05, shear_stiffness: 0.02, ..plain() };
-    let solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Springs, 4));
+    let solver =
+        at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ExplicitSprings, 4));
     assert_eq!(solver.plan().clamped, Default::default(), "{}", solver.plan());
     // Constants of the springs: width over length, where the width is half of both cells.
     let height = |r: usize| f64::from(positions[(r + 1) * columns].z - positions[r * columns].z);
@@ -200,7 +202,7 @@ fn the_largest_stiffness_that_is_kept_is_the_closed_form() {
         let h = 1.0 / 960.0;
         let expected = 0.9 * 4.0 / (h * h) * mass / 8.0;
         let lattice = sheet(Vec2::ONE, n, n, lumping);
-        let settings = Settings { lumping, ..settings(FormChoice::Springs, 16) };
+        let settings = Settings { lumping, ..settings(StretchMethod::ExplicitSprings, 16) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, plain(), settings);
         let (mut kept, mut clamped) = (0.0_f32, 1e4_f32);
         for _ in 0..40 {
@@ -234,7 +236,7 @@ fn the_largest_stiffness_that_is_kept_is_the_closed_form() {
 fn each_family_is_clamped_by_itself() {
     let lattice = sheet(Vec2::ONE, 33, 33, MassLumping::Lumped);
     let plan = |material| {
-        *at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Springs, 8)).plan()
+        *at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ExplicitSprings, 8)).plan()
     };
     let soft = Material { thread_stiffness: 1.0, ..plain() };
     assert_eq!(plan(soft).clamped, Default::default());
@@ -258,7 +260,7 @@ fn real_fabric_takes_threads_and_soft_cloth_springs() {
             let material =
                 Material { thread_stiffness: stiffness, shear_stiffness: 30.0, ..plain() };
             let plan = *at_rest(&lattice, Vec3::ZERO, material, Settings::default()).plan();
-            assert_eq!(plan.form, Form::Threads, "{n}: {plan}");
+            assert_eq!(plan.stretching, Stretching::ImplicitThreads, "{n}: {plan}");
             assert!(matches!(plan.reason, PlanReason::SpringsNeed(count) if count > 20), "{plan}");
             assert_eq!(plan.thread_stiffness, stiffness);
             assert!(plan.substeps <= 20 && !plan.clamped.thread && !plan.clamped.shear, "{plan}");
@@ -267,7 +269,11 @@ fn real_fabric_takes_threads_and_soft_cloth_springs() {
     let lattice = sheet(Vec2::ONE, 32, 32, MassLumping::Lumped);
     let material = Material { thread_stiffness: 10.0, ..plain() };
     let plan = *at_rest(&lattice, Vec3::ZERO, material, Settings::default()).plan();
-    assert_eq!((plan.form, plan.reason), (Form::Springs, PlanReason::SpringsSuffice), "{plan}");
+    assert_eq!(
+        (plan.stretching, plan.reason),
+        (Stretching::ExplicitSprings, PlanReason::SpringsSuffice),
+        "{plan}"
+    );
     // 8 k / (rho a^2) = 3.84e5 1/s2 and 1/64 s: h <= 2 sqrt(0.9 / 3.84e5), so 6 substeps.
     assert_eq!(plan.substeps, 6, "{plan}");
     assert_eq!(plan.clamped, Default::default());
@@ -278,12 +284,12 @@ fn cloth_that_its_springs_do_not_carry_takes_threads() {
     // A metre of 0.2 kg/m2 pulls with 1.962 N/m at its upper side, which 19.62 N/m carry at a strain of 0.1.
     let lattice = sheet(Vec2::ONE, 32, 32, MassLumping::Lumped);
     for (stiffness, form, reason) in [
-        (19.7, Form::Springs, PlanReason::SpringsSuffice),
-        (19.5, Form::Threads, PlanReason::SpringsGive),
+        (19.7, Stretching::ExplicitSprings, PlanReason::SpringsSuffice),
+        (19.5, Stretching::ImplicitThreads, PlanReason::SpringsGive),
     ] {
         let material = Material { thread_stiffness: stiffness, max_strain: 0.1, ..plain() };
         let plan = *at_rest(&lattice, Vec3::ZERO, material, Settings::default()).plan();
-        assert_eq!((plan.form, plan.reason), (form, reason), "{stiffness} N/m: {plan}");
+        assert_eq!((plan.stretching, plan.reason), (form, reason), "{stiffness} N/m: {plan}");
     }
 }
 
@@ -331,7 +337,7 @@ fn folded_and_random_sheets_do_not_blow_up_at_the_planned_step() {
     let n = 20;
     let lattice = sheet(Vec2::ONE, n, n, MassLumping::Lumped);
     let material = Material { thread_stiffness: 1e4, ..plain() };
-    let settings = Settings { max_speed: 1e5, ..settings(FormChoice::Springs, 8) };
+    let settings = Settings { max_speed: 1e5, ..settings(StretchMethod::ExplicitSprings, 8) };
     let mut dice = Dice(11);
     let folded: Vec<_> = lattice
         .rest_positions()
@@ -361,7 +367,7 @@ fn folded_and_random_sheets_do_not_blow_up_at_the_planned_step() {
 fn a_folded_strip_two_particles_wide_does_not_blow_up() {
     let lattice = sheet(Vec2::new(1.0, 0.05), 2, 21, MassLumping::Lumped);
     let material = Material { thread_stiffness: 1e4, ..plain() };
-    let settings = Settings { max_speed: 1e5, ..settings(FormChoice::Springs, 8) };
+    let settings = Settings { max_speed: 1e5, ..settings(StretchMethod::ExplicitSprings, 8) };
     let mut dice = Dice(11);
     // Every cell folded onto one line of cells: each spring lies along z.
     let folded: Vec<_> = (0..42)

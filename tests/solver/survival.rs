@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, DampingForm, FormChoice, Lattice, MassLumping, Material, Settings, Substeps,
+    ClothSolver, DampingForm, Lattice, MassLumping, Material, Settings, StretchMethod, Substeps,
 };
 
 use super::common::*;
@@ -29,7 +29,7 @@ fn survives(lattice: &Arc<Lattice>, material: Material, settings: Settings, tick
     let columns = lattice.columns();
     let mut solver = at_rest(lattice, Vec3::ZERO, material, settings);
     solver.set_pins(&(0..columns as u32).collect::<Vec<_>>()).unwrap();
-    let what = format!("{:?} {:?}", settings.form, settings.substeps);
+    let what = format!("{:?} {:?}", settings.stretch_method, settings.substeps);
     for _ in 0..ticks {
         run(&mut solver, 1, GRAVITY, &[]);
         for p in positions(&solver) {
@@ -54,8 +54,9 @@ fn a_hundred_by_a_hundred_of_stiffness_1e12_lives_ten_seconds() {
 fn both_forms_live_with_any_substeps() {
     let lattice = sheet(Vec2::ONE, 40, 40, MassLumping::Lumped);
     for substeps in [1, 4, 16] {
-        survives(&lattice, stiff(), settings(FormChoice::Threads, substeps), 640);
-        let passes = Settings { provot_passes: 8, ..settings(FormChoice::Springs, substeps) };
+        survives(&lattice, stiff(), settings(StretchMethod::ImplicitThreads, substeps), 640);
+        let passes =
+            Settings { provot_passes: 8, ..settings(StretchMethod::ExplicitSprings, substeps) };
         survives(&lattice, stiff(), passes, 640);
     }
     let relative = Material { damping_form: DampingForm::Relative, ..stiff() };
@@ -64,7 +65,7 @@ fn both_forms_live_with_any_substeps() {
 
 #[test]
 fn a_straight_line_held_at_both_ends_stays() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for stretch in [0.9, 1.0, 1.02, 1.5] {
             let lattice = sheet(Vec2::new(1.0, 0.1), 3, 33, MassLumping::Lumped);
             let start: Vec<_> = lattice
@@ -88,9 +89,11 @@ fn a_straight_line_held_at_both_ends_stays() {
 
 #[test]
 fn all_pinned_or_none_is_a_cloth_too() {
-    for form in [FormChoice::Springs, FormChoice::Threads, FormChoice::Automatic] {
+    for form in
+        [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads, StretchMethod::Automatic]
+    {
         let lattice = sheet(Vec2::ONE, 7, 19, MassLumping::Lumped);
-        let settings = Settings { form, ..Settings::default() };
+        let settings = Settings { stretch_method: form, ..Settings::default() };
         let mut solver = at_rest(&lattice, Vec3::ONE, stiff(), settings);
         solver.set_pins(&(0..7 * 19).collect::<Vec<_>>()).unwrap();
         let before = positions(&solver);
@@ -124,13 +127,16 @@ fn soft_cloth() -> Material {
 
 /// Every form with every kind of masses.
 fn kinds() -> impl Iterator<Item = (Arc<Lattice>, Settings)> {
-    [FormChoice::Springs, FormChoice::Threads, FormChoice::Automatic].into_iter().flat_map(|form| {
-        [MassLumping::Lumped, MassLumping::Equal].into_iter().map(move |lumping| {
-            let substeps = Substeps::Automatic { budget: 16 };
-            let settings = Settings { form, lumping, substeps, ..Settings::default() };
-            (curtain(Vec2::ONE, 25, 25, lumping), settings)
+    [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads, StretchMethod::Automatic]
+        .into_iter()
+        .flat_map(|form| {
+            [MassLumping::Lumped, MassLumping::Equal].into_iter().map(move |lumping| {
+                let substeps = Substeps::Automatic { budget: 16 };
+                let settings =
+                    Settings { stretch_method: form, lumping, substeps, ..Settings::default() };
+                (curtain(Vec2::ONE, 25, 25, lumping), settings)
+            })
         })
-    })
 }
 
 #[test]
@@ -144,10 +150,11 @@ fn a_scrambled_start_sorts_itself_out() {
         let mut solver = ClothSolver::new(lattice, &start, soft_cloth(), settings).unwrap();
         solver.set_pins(&[0, 24]).unwrap();
         run(&mut solver, 640, GRAVITY, &[]);
-        let what = format!("{:?} {:?} after 10 s", settings.form, settings.lumping);
+        let what = format!("{:?} {:?} after 10 s", settings.stretch_method, settings.lumping);
         check_at_most(&format!("{what}, speed [m/s]"), fastest(&solver), 0.05);
         // The spring form's constants are clamped to what its substeps carry.
-        let most = if settings.form == FormChoice::Springs { 0.4 } else { 0.11 };
+        let most =
+            if settings.stretch_method == StretchMethod::ExplicitSprings { 0.4 } else { 0.11 };
         check_at_most(&format!("{what}, strain"), solver.strain().max.into(), most);
     }
 }
@@ -188,11 +195,19 @@ fn the_extremes_of_every_number_stay_finite() {
         }),
     ];
     for (what, change) in extremes {
-        for form in [FormChoice::Springs, FormChoice::Threads, FormChoice::Automatic] {
+        for form in [
+            StretchMethod::ExplicitSprings,
+            StretchMethod::ImplicitThreads,
+            StretchMethod::Automatic,
+        ] {
             let mut material = Material { shear_stiffness: 1.0, damping: 0.001, ..plain() };
             change(&mut material);
-            let mut solver =
-                at_rest(&lattice, Vec3::ZERO, material, Settings { form, ..Settings::default() });
+            let mut solver = at_rest(
+                &lattice,
+                Vec3::ZERO,
+                material,
+                Settings { stretch_method: form, ..Settings::default() },
+            );
             solver.set_pins(&[0, 17]).unwrap();
             run(&mut solver, 128, GRAVITY, &[]);
             let (low, high) = solver.bounds();

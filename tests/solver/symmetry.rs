@@ -3,7 +3,8 @@
 
 use bevy::math::{Vec2, Vec3, Vec3Swizzles, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, FormChoice, MassLumping, Material, Pose, Settings,
+    Bending, ClothSolver, Collider, DampingForm, MassLumping, Material, Pose, Settings,
+    StretchMethod,
 };
 
 use super::common::*;
@@ -65,7 +66,8 @@ fn a_square_keeps_its_symmetries_in_the_spring_form() {
     for damping_form in [DampingForm::Axial, DampingForm::Relative] {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             for lumping in [MassLumping::Lumped, MassLumping::Equal] {
-                let settings = Settings { bending, lumping, ..settings(FormChoice::Springs, 16) };
+                let settings =
+                    Settings { bending, lumping, ..settings(StretchMethod::ExplicitSprings, 16) };
                 let solver = held_at_corners(Material { damping_form, ..all() }, settings);
                 let what = format!("{damping_form:?} {bending:?} {lumping:?}");
                 let sag = -solver.position(SIDE / 4 * SIDE + SIDE / 2).y;
@@ -82,16 +84,16 @@ fn a_square_keeps_its_symmetries_in_the_spring_form() {
 #[test]
 fn the_corrections_order_breaks_symmetry_only_a_little() {
     let limited = Material { max_strain: 0.02, ..all() };
-    let solver = held_at_corners(limited, settings(FormChoice::Springs, 16));
+    let solver = held_at_corners(limited, settings(StretchMethod::ExplicitSprings, 16));
     check_at_most("asymmetry with Provot's passes [m]", asymmetry(&solver), 6e-3);
     let threads = Material { thread_stiffness: 2000.0, ..all() };
-    let solver = held_at_corners(threads, settings(FormChoice::Threads, 16));
+    let solver = held_at_corners(threads, settings(StretchMethod::ImplicitThreads, 16));
     check_at_most("asymmetry of threads [m]", asymmetry(&solver), 2e-3);
 }
 
 #[test]
 fn a_plane_scene_stays_plane_to_the_bit() {
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let lattice = curtain(Vec2::new(1.0, 1.3), 17, 23, MassLumping::Lumped);
             let mut dice = Dice(3);

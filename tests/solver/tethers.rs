@@ -2,7 +2,7 @@
 //! them.
 
 use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{ClothSolver, FormChoice, MassLumping, Material, Settings};
+use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -19,7 +19,8 @@ fn a_hanging_strip_is_the_same_with_and_without() {
     for stiffness in [20.0, 200.0, 2000.0] {
         let lattice = curtain(Vec2::new(0.4, 1.0), 21, 5, MassLumping::Lumped);
         let material = Material { thread_stiffness: stiffness, drag: 15.0, ..plain() };
-        let solver = at_rest(&lattice, Vec3::ZERO, material, settings(FormChoice::Threads, 16));
+        let solver =
+            at_rest(&lattice, Vec3::ZERO, material, settings(StretchMethod::ImplicitThreads, 16));
         for pins in [vec![0, 1, 2, 3, 4], vec![0, 4], vec![0, 1, 3, 4]] {
             let with = settled(&solver, true, &pins, 320);
             let without = settled(&solver, false, &pins, 320);
@@ -44,7 +45,8 @@ fn a_sheet_hung_on_the_bias_shears_as_far_as_without() {
             drag: 4.0,
             ..plain()
         };
-        let settings = Settings { provot_passes: 2, ..settings(FormChoice::Threads, 16) };
+        let settings =
+            Settings { provot_passes: 2, ..settings(StretchMethod::ImplicitThreads, 16) };
         let solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         let with = settled(&solver, true, &[0], 384);
         let without = settled(&solver, false, &[0], 384);

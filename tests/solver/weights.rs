@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3};
-use bevy_drape::solver::{FormChoice, Lattice, LatticeError, MassLumping, Material, Settings};
+use bevy_drape::solver::{Lattice, LatticeError, MassLumping, Material, Settings, StretchMethod};
 
 use super::common::*;
 
@@ -34,7 +34,7 @@ fn equal_factors_are_another_material_to_the_bit() {
     let lattice = sheet(Vec2::new(1.0, 0.8), 5, 7, MassLumping::Lumped);
     let heavier = weighted(&lattice, &[m; 35], &[s; 35]);
     assert!((heavier.total_area() - 0.8).abs() < 1e-6, "no more cloth, only more of it");
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let settings = Settings { tethers: false, ..settings(form, 16) };
         let hung = |lattice: &Arc<Lattice>, material| {
             let mut solver = at_rest(lattice, Vec3::ZERO, material, settings);
@@ -58,7 +58,7 @@ fn each_spring_of_a_chain_carries_what_hangs_below_it() {
     let both = |f: [f32; 6]| f.iter().flat_map(|&f| [f, f]).collect::<Vec<_>>();
     let lattice = weighted(&lattice, &both(mass), &both(stiffness));
     let material = Material { drag: 4.0, thread_stiffness: 100.0, ..plain() };
-    for form in [FormChoice::Springs, FormChoice::Threads] {
+    for form in [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads] {
         let settings = Settings { tethers: false, ..settings(form, 24) };
         let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
         solver.set_pins(&[0, 1]).unwrap();

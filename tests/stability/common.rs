@@ -4,8 +4,8 @@ use std::{fmt, sync::Arc};
 
 use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, Graph, Lattice, MassLumping, Material, PinMotion, Settings,
-    StepInput, Topology, Weights,
+    ClothSolver, Collider, Graph, Lattice, MassLumping, Material, PinMotion, Settings, StepInput,
+    StretchMethod, Topology, Weights,
 };
 
 pub use crate::other::common::Dice;
@@ -74,10 +74,10 @@ impl Variant {
 
     pub fn settings(self) -> Settings {
         let form = match self.stuff {
-            Stuff::Springs => FormChoice::Springs,
-            _ => FormChoice::Automatic,
+            Stuff::Springs => StretchMethod::ExplicitSprings,
+            _ => StretchMethod::Automatic,
         };
-        Settings { form, ..Settings::default() }
+        Settings { stretch_method: form, ..Settings::default() }
     }
 
     /// A sheet in the xz plane around the origin, `size` along x and z.

@@ -5,7 +5,7 @@
 //! `tests/solver/survival.rs`. Shapes that cannot be hung: `tests/hang/refusals.rs`, `tests/ecs/hung.rs`.
 
 use super::other::{common::*, *};
-use bevy_drape::solver::{DampingForm, FormChoice, Material, Substeps};
+use bevy_drape::solver::{DampingForm, Material, StretchMethod, Substeps};
 
 const N: usize = 9;
 
@@ -27,7 +27,11 @@ fn h21_no_strain_no_stiffness_and_damping_beyond_its_limit() {
         ("in honey", Material { drag: 1e6, ..usual() }),
     ];
     for kind in kinds_of(1.0, N, &materials) {
-        for form in [FormChoice::Automatic, FormChoice::Springs, FormChoice::Threads] {
+        for form in [
+            StretchMethod::Automatic,
+            StretchMethod::ExplicitSprings,
+            StretchMethod::ImplicitThreads,
+        ] {
             for damping_form in [DampingForm::Axial, DampingForm::Relative] {
                 for substeps in [Substeps::default(), Substeps::Fixed(1)] {
                     let mut kind = kind.clone().with_form(form);

@@ -1,7 +1,7 @@
 //! Masses and stiffness far apart, or far from what is usual.
 
 use bevy::math::Vec2;
-use bevy_drape::solver::{Form, Material, PlanReason};
+use bevy_drape::solver::{Material, PlanReason, Stretching};
 
 use crate::common::*;
 
@@ -70,7 +70,7 @@ fn h07_ten_million_newton_a_metre() {
             let mut trial = Trial::with(&name, variant, sheet, material, settings, &pins, |_, p| p);
             let plan = *trial.solver.plan();
             trial.require(plan.margin <= 0.9001, |_| format!("{plan}"));
-            let told = plan.form == Form::Threads || plan.clamped.thread;
+            let told = plan.stretching == Stretching::ImplicitThreads || plan.clamped.thread;
             trial.require(told, |_| format!("explicit springs carry it? {plan}"));
             trial.run_on();
             trial.recovers_within([0, 0, 0]);

@@ -8,8 +8,8 @@ use bevy::math::{Quat, Vec3};
 use bevy_drape::{
     ClothMaterial,
     solver::{
-        ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Settings, StepInput,
-        Topology,
+        ClothSolver, Collider, MassLumping, Material, PinMotion, Settings, StepInput,
+        StretchMethod, Topology,
     },
 };
 use common::*;
@@ -75,9 +75,9 @@ pub fn kinds_of(side: f32, n: usize, materials: &[(&str, Material)]) -> Vec<Kind
 }
 
 impl Kind {
-    pub fn with_form(mut self, form: FormChoice) -> Self {
+    pub fn with_form(mut self, form: StretchMethod) -> Self {
         self.what += &format!(", {form:?}");
-        self.settings.form = form;
+        self.settings.stretch_method = form;
         self
     }
 

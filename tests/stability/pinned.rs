@@ -6,13 +6,13 @@
 
 use super::other::{common::*, *};
 use bevy::math::Vec3;
-use bevy_drape::solver::FormChoice;
+use bevy_drape::solver::StretchMethod;
 
 const N: usize = 13;
 
 fn forms(side: f32) -> Vec<Kind> {
     let kinds = kinds(side, N);
-    let springs = kinds.iter().map(|kind| kind.clone().with_form(FormChoice::Springs));
+    let springs = kinds.iter().map(|kind| kind.clone().with_form(StretchMethod::ExplicitSprings));
     springs.chain(kinds.iter().cloned()).collect()
 }
 

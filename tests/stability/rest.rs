@@ -6,7 +6,7 @@ use bevy::math::{
     Quat, Vec3,
     primitives::{InfinitePlane3d, Sphere},
 };
-use bevy_drape::solver::{ClothSolver, Collider, FormChoice, Material, Pose};
+use bevy_drape::solver::{ClothSolver, Collider, Material, Pose, StretchMethod};
 
 const N: usize = 9;
 const MINUTE: usize = 60 * SECOND;
@@ -17,7 +17,7 @@ fn rested() -> Vec<Kind> {
     let soft = Material { thread_stiffness: 20.0, shear_stiffness: 5.0, ..usual };
     let threads = kinds_of(0.5, N, &[("automatic", usual)]);
     let springs = kinds_of(0.5, N, &[("soft", soft)]);
-    let springs = springs.into_iter().map(|kind| kind.with_form(FormChoice::Springs));
+    let springs = springs.into_iter().map(|kind| kind.with_form(StretchMethod::ExplicitSprings));
     // In four substeps, edges of explicit springs slip on a ball by some mm once in minutes: a limit that the README names.
     let springs = springs.map(|mut kind| {
         kind.settings.edges = false;

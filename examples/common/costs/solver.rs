@@ -7,9 +7,9 @@ use bevy::math::{Vec2, Vec3, bounding::Aabb3d, primitives::Sphere};
 use bevy_drape::{
     sdf::{KnownShape, SdfSample, SignedDistance},
     solver::{
-        Air, ClothSolver, Collider, FormChoice, Graph, Gusts, Lattice, MassLumping, Material,
-        PinMotion, Pose, Settings, SoftPin, StepInput, Substeps, Topology, Wind, WindFlow,
-        WindShape, Zone,
+        Air, ClothSolver, Collider, Graph, Gusts, Lattice, MassLumping, Material, PinMotion, Pose,
+        Settings, SoftPin, StepInput, StretchMethod, Substeps, Topology, Wind, WindFlow, WindShape,
+        Zone,
     },
 };
 
@@ -42,7 +42,7 @@ impl<'a> Scene<'a> {
             thickness: 0.005,
         };
         let settings = Settings {
-            form: FormChoice::Threads,
+            stretch_method: StretchMethod::ImplicitThreads,
             substeps: Substeps::Fixed(SUBSTEPS),
             ..Settings::default()
         };

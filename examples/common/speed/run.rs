@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, MassLumping, Material, PinMotion, Settings,
-    StepInput, Substeps, Wind,
+    ClothSolver, Collider, DampingForm, MassLumping, Material, PinMotion, Settings, StepInput,
+    StretchMethod, Substeps, Wind,
 };
 use stats_alloc::Region;
 
@@ -46,24 +46,30 @@ pub fn material(cell: f64) -> Material {
 #[derive(Clone, Copy, PartialEq)]
 pub struct Method {
     pub name: &'static str,
-    pub form: FormChoice,
+    pub form: StretchMethod,
     pub passes: u32,
     pub tethers: bool,
     pub graph: bool,
 }
 
 impl Method {
-    pub const THREADS: Self =
-        Self { name: "threads", form: FormChoice::Threads, passes: 1, tethers: true, graph: false };
+    pub const THREADS: Self = Self {
+        name: "threads",
+        form: StretchMethod::ImplicitThreads,
+        passes: 1,
+        tethers: true,
+        graph: false,
+    };
     pub const UNTETHERED: Self =
         Self { name: "threads, no tethers", tethers: false, ..Self::THREADS };
     pub const GRAPH: Self = Self { name: "mesh", graph: true, ..Self::THREADS };
-    pub const SPRINGS: Self = Self { name: "springs", form: FormChoice::Springs, ..Self::THREADS };
+    pub const SPRINGS: Self =
+        Self { name: "springs", form: StretchMethod::ExplicitSprings, ..Self::THREADS };
 
     pub fn settings(&self, substeps: u32, lumping: MassLumping) -> Settings {
         Settings {
             substeps: Substeps::Fixed(substeps),
-            form: self.form,
+            stretch_method: self.form,
             provot_passes: self.passes,
             tethers: self.tethers,
             lumping,

@@ -77,8 +77,8 @@ pub use crate::solver::input::{StepInput, TickReport};
 pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
 pub use crate::solver::settings::{
-    Bending, DampingForm, Form, FormChoice, Integrator, MassLumping, Material, ParameterError,
-    Settings, Substeps,
+    Bending, DampingForm, Integrator, MassLumping, Material, ParameterError, Settings,
+    StretchMethod, Stretching, Substeps,
 };
 pub use crate::solver::simd::isa::Isa;
 pub use crate::solver::simd::lanes::LANES;

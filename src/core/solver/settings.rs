@@ -94,18 +94,18 @@ pub enum Integrator {
     Midpoint,
 }
 
-/// How threads are held together.
+/// The method that is asked for, by which a cloth resists stretching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, bevy_reflect::Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub enum FormChoice {
+pub enum StretchMethod {
     /// Springs where the substeps allow the stiffness asked for, and where that carries the cloth's own
     /// weight within its limit of strain; else threads.
     #[default]
     Automatic,
     /// Explicit springs, then Provot's correction.
-    Springs,
-    /// Each thread solved whole.
-    Threads,
+    ExplicitSprings,
+    /// Each thread solved whole, implicitly.
+    ImplicitThreads,
 }
 
 /// How many substeps a tick takes.
@@ -133,7 +133,7 @@ pub struct Settings {
     /// Substeps in a tick. More are more accurate, carry stiffer springs, and cost in proportion.
     pub substeps: Substeps,
     /// Springs, whole threads, or whichever carries the material.
-    pub form: FormChoice,
+    pub stretch_method: StretchMethod,
     /// Passes of Provot's correction in a substep. More hold the strain limit closer.
     pub provot_passes: u32,
     /// Whether masses and springs of the border count half.
@@ -159,7 +159,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             substeps: Substeps::default(),
-            form: FormChoice::Automatic,
+            stretch_method: StretchMethod::Automatic,
             provot_passes: 1,
             lumping: MassLumping::Lumped,
             bending: Bending::SecondDifference,
@@ -252,13 +252,13 @@ pub enum MassLumping {
     Equal,
 }
 
-/// How threads are held together.
+/// The method that was chosen, by which a cloth resists stretching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Form {
+pub enum Stretching {
     /// Explicit springs, then Provot's correction.
-    Springs,
-    /// Each thread solved whole.
-    Threads,
+    ExplicitSprings,
+    /// Each thread solved whole, implicitly.
+    ImplicitThreads,
 }
 
 /// Coordinates and speeds beyond this are refused.

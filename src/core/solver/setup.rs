@@ -199,7 +199,7 @@ impl ClothSolver {
     pub(crate) fn is_to_share(&self) -> bool {
         self.shares
             && self.topology.as_lattice().is_some()
-            && Bands::pays(self.topology.layout(), self.plan.form)
+            && Bands::pays(self.topology.layout(), self.plan.stretching)
     }
 
     /// Cuts it where there is more than one thread to share it.

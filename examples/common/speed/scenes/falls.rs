@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use bevy::math::{Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, DampingForm, FormChoice, MassLumping, Material, Pose, Settings, Substeps,
+    ClothSolver, Collider, DampingForm, MassLumping, Material, Pose, Settings, StretchMethod,
+    Substeps,
 };
 
 use super::super::run::{Method, Run, cloth};
@@ -117,7 +118,7 @@ pub fn drape(extent: Extent) -> Outcome<Scene<'static>> {
 
 fn jobs(fall: Fall, extent: Extent) -> Outcome<Vec<Job<'static>>> {
     let exact = Rc::new(Motion::read()?);
-    let automatic = Method { name: "automatic", form: FormChoice::Automatic, ..Method::THREADS };
+    let automatic = Method { name: "automatic", form: StretchMethod::Automatic, ..Method::THREADS };
     let mut jobs = Vec::new();
     let mut push = |method: Method, n: usize, substeps: Substeps| {
         let exact = exact.clone();

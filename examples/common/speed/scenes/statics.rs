@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{FormChoice, MassLumping, Material};
+use bevy_drape::solver::{MassLumping, Material, StretchMethod};
 
 use super::super::run::{self, GRAVITY, Method, Run, cloth, places, rms};
 use super::super::{Extent, Job, Metric, Outcome, Plot, Scene};
@@ -21,7 +21,12 @@ const METHODS: [Method; 7] = [
     Method { name: "springs, no Provot", passes: 0, ..Method::SPRINGS },
     Method { name: "springs, Provot x1", passes: 1, ..Method::SPRINGS },
     Method { name: "springs, Provot x4", passes: 4, ..Method::SPRINGS },
-    Method { name: "mesh, springs", form: FormChoice::Springs, graph: true, ..Method::THREADS },
+    Method {
+        name: "mesh, springs",
+        form: StretchMethod::ExplicitSprings,
+        graph: true,
+        ..Method::THREADS
+    },
 ];
 
 /// A scene that is settled and compared with a model at rest.

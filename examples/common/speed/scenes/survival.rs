@@ -2,8 +2,8 @@
 
 use bevy::math::{Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    ClothSolver, Collider, FormChoice, MassLumping, Material, PinMotion, Pose, Settings, StepInput,
-    Substeps,
+    ClothSolver, Collider, MassLumping, Material, PinMotion, Pose, Settings, StepInput,
+    StretchMethod, Substeps,
 };
 
 use super::super::run::{self, FRAME, GRAVITY, Method, Run, cloth};
@@ -118,7 +118,7 @@ impl Case {
 }
 
 pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
-    let automatic = Method { name: "automatic", form: FormChoice::Automatic, ..Method::THREADS };
+    let automatic = Method { name: "automatic", form: StretchMethod::Automatic, ..Method::THREADS };
     let mut choices = vec![(automatic, Substeps::default(), "the default".to_owned())];
     if !extent.quick {
         for substeps in [4, 8, 20] {

@@ -13,7 +13,7 @@ use crate::solver::forces::bending::Hinges;
 use crate::solver::forces::springs::SpringConstants;
 use crate::solver::plan::graph_stiffness::{Demand, GraphStiffness};
 use crate::solver::plan::stability::{Bound, Constants, SAFETY};
-use crate::solver::settings::{Bending, Form, FormChoice, Material, Settings, Substeps};
+use crate::solver::settings::{Bending, Material, Settings, StretchMethod, Stretching, Substeps};
 use crate::solver::topology::Topology;
 
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
@@ -23,7 +23,7 @@ const USUAL_GRAVITY: f32 = 9.81;
 /// Curvature at which flexion springs resist as much as the flexural rigidity says \[1/m\].
 const FLEXION_CURVATURE: f32 = 20.0;
 
-/// Why a form was taken.
+/// Why a method was chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanReason {
     /// The settings ask for it.
@@ -54,7 +54,7 @@ pub struct Clamped {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     /// Springs or threads.
-    pub form: Form,
+    pub stretching: Stretching,
     /// Why.
     pub reason: PlanReason,
     /// Substeps in a tick.
@@ -87,9 +87,9 @@ pub struct Plan {
 
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let form = match self.form {
-            Form::Springs => "springs",
-            Form::Threads => "threads",
+        let form = match self.stretching {
+            Stretching::ExplicitSprings => "springs",
+            Stretching::ImplicitThreads => "threads",
         };
         write!(f, "{form}, {} substeps of {:.3} ms", self.substeps, self.step * 1e3)?;
         match self.reason {
@@ -139,40 +139,44 @@ impl Plan {
         };
         let needed = substeps_for(bound.rate(&asked), tick);
         let gives = material.thread_stiffness * material.max_strain < hung * USUAL_GRAVITY;
-        let (form, reason) = match settings.form {
-            FormChoice::Springs => (Form::Springs, PlanReason::Asked),
-            FormChoice::Threads => (Form::Threads, PlanReason::Asked),
-            FormChoice::Automatic if gives => (Form::Threads, PlanReason::SpringsGive),
-            FormChoice::Automatic if needed <= budget => {
-                (Form::Springs, PlanReason::SpringsSuffice)
+        let (stretching, reason) = match settings.stretch_method {
+            StretchMethod::ExplicitSprings => (Stretching::ExplicitSprings, PlanReason::Asked),
+            StretchMethod::ImplicitThreads => (Stretching::ImplicitThreads, PlanReason::Asked),
+            StretchMethod::Automatic if gives => {
+                (Stretching::ImplicitThreads, PlanReason::SpringsGive)
             }
-            FormChoice::Automatic => (Form::Threads, PlanReason::SpringsNeed(needed)),
+            StretchMethod::Automatic if needed <= budget => {
+                (Stretching::ExplicitSprings, PlanReason::SpringsSuffice)
+            }
+            StretchMethod::Automatic => {
+                (Stretching::ImplicitThreads, PlanReason::SpringsNeed(needed))
+            }
         };
-        let substeps = match (settings.substeps, form) {
+        let substeps = match (settings.substeps, stretching) {
             // What Provot's correction leaves of the excess goes by the square of the substep.
-            (Substeps::Automatic { .. }, Form::Springs) if !gives => {
+            (Substeps::Automatic { .. }, Stretching::ExplicitSprings) if !gives => {
                 needed.max(in_proportion(FEWEST, tick)).min(budget)
             }
             _ => budget,
         };
-        Self { gives, ..Self::with(bound, material, asked, form, reason, substeps, tick) }
+        Self { gives, ..Self::with(bound, material, asked, stretching, reason, substeps, tick) }
     }
 
     fn with(
         bound: &Bound,
         material: &Material,
         asked: Constants,
-        form: Form,
+        stretching: Stretching,
         reason: PlanReason,
         substeps: u32,
         tick: f32,
     ) -> Self {
         let step = tick / substeps as f32;
         let stable = 4.0 * SAFETY / (step * step);
-        let explicit = match form {
-            Form::Springs => asked,
+        let explicit = match stretching {
+            Stretching::ExplicitSprings => asked,
             // Threads and their shear are corrected, not pulled.
-            Form::Threads => Constants { thread: 0.0, shear: 0.0, ..asked },
+            Stretching::ImplicitThreads => Constants { thread: 0.0, shear: 0.0, ..asked },
         };
         let used = bound.clamp(explicit, stable);
         let highest = match bound {
@@ -189,12 +193,12 @@ impl Plan {
             _ => material.damping * (1.0 / (rate * step)).min(1.0),
         };
         // Threads are solved with the stiffness asked for.
-        let (thread_stiffness, shear_stiffness) = match form {
-            Form::Springs => (used.thread, used.shear),
-            Form::Threads => (asked.thread, asked.shear),
+        let (thread_stiffness, shear_stiffness) = match stretching {
+            Stretching::ExplicitSprings => (used.thread, used.shear),
+            Stretching::ImplicitThreads => (asked.thread, asked.shear),
         };
         Self {
-            form,
+            stretching,
             reason,
             substeps,
             step,

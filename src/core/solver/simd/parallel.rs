@@ -9,7 +9,7 @@
 use core::ops::Range;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use crate::solver::settings::Form;
+use crate::solver::settings::Stretching;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
@@ -90,10 +90,10 @@ pub(crate) struct Bands {
 
 impl Bands {
     /// Whether cores can share a sheet to any profit.
-    pub fn pays(layout: Layout, form: Form) -> bool {
+    pub fn pays(layout: Layout, form: Stretching) -> bool {
         let least = match form {
-            Form::Threads => LEAST_WOVEN,
-            Form::Springs => LEAST_CUT,
+            Stretching::ImplicitThreads => LEAST_WOVEN,
+            Stretching::ExplicitSprings => LEAST_CUT,
         };
         layout.rows * layout.columns >= least
     }

@@ -4,7 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::forces::bending_friction::{
     Brake, Brakes, EVERY, MOST_OF_SPRINGS, MOST_OF_THREADS, PART, Resist, Thread, WideHinges,
 };
-use crate::solver::settings::Form;
+use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
 use crate::solver::simd::soa::ValuesMut;
 use crate::solver::state::State;
@@ -20,9 +20,9 @@ impl ClothSolver {
             return;
         }
         let time = self.plan.step * every.min(self.plan.substeps - self.done) as f32;
-        let part = match self.plan.form {
-            Form::Threads => MOST_OF_THREADS,
-            Form::Springs => MOST_OF_SPRINGS,
+        let part = match self.plan.stretching {
+            Stretching::ImplicitThreads => MOST_OF_THREADS,
+            Stretching::ExplicitSprings => MOST_OF_SPRINGS,
         };
         // Displacement of a mass of one for a force that acts until the next time.
         let most = moment * time * self.state.unit;

@@ -10,7 +10,7 @@ use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::constraints::threads::warp::{PutBack, SolveWarp, SolveWarpApart};
 use crate::solver::constraints::threads::weft::SolveWeft;
 use crate::solver::contact::HoldOnto;
-use crate::solver::settings::Form;
+use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::soa::ValuesMut;
 use crate::solver::state::{State, Workspace};
@@ -24,15 +24,15 @@ impl ClothSolver {
         self.gather_particles(true);
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let mut tethered = self.plan.clamped.thread || self.plan.gives;
-        match self.plan.form {
-            Form::Threads => {
+        match self.plan.stretching {
+            Stretching::ImplicitThreads => {
                 self.correct_shear();
                 if self.solve_threads() {
                     self.limit_strain();
                 }
                 tethered = true;
             }
-            Form::Springs => self.limit_strain(),
+            Stretching::ExplicitSprings => self.limit_strain(),
         }
         self.scatter_particles();
         if tethered {
@@ -92,7 +92,8 @@ impl ClothSolver {
 
     pub(crate) fn limit_strain(&mut self) {
         // The thread form holds shear springs to the limit where it corrects them.
-        let shear = self.plan.form == Form::Springs && self.material.shear_stiffness > 0.0;
+        let shear = self.plan.stretching == Stretching::ExplicitSprings
+            && self.material.shear_stiffness > 0.0;
         let limit = self.limit();
         for _ in 0..self.settings.provot_passes {
             if !self.exceeds_limit(limit, shear) {

@@ -4,7 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::contact::NoteUnfollowed;
 use crate::solver::integrate::houbolt::{CARRIED, MOST_STRAIN};
 use crate::solver::integrate::verlet::Add;
-use crate::solver::settings::{Form, Integrator};
+use crate::solver::settings::{Integrator, Stretching};
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 
@@ -12,7 +12,7 @@ impl ClothSolver {
     /// Decides for a tick whether corrections are carried on in it.
     pub(crate) fn begin_filtering(&mut self) {
         self.workspace.carries = matches!(self.topology, Topology::Lattice(_))
-            && self.plan.form == Form::Threads
+            && self.plan.stretching == Stretching::ImplicitThreads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
             && self.survey.max_strain <= MOST_STRAIN;
