@@ -132,7 +132,6 @@ pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
 pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
-pub use cloth::quality::ClothQuality;
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
 pub use cloth::sleep::{ClothPaused, ClothSleepThreshold};
 pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
@@ -181,9 +180,8 @@ pub use wind::zone::WindZone;
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,
-        ClothPlugin, ClothQuality, ClothReady, ClothSettings, ClothSimulation, ClothSystems,
-        ClothWind, HangOnStart, PinSelection, ResetCloth, SdfCollider, SdfShape, TeleportCloth,
-        WindZone,
+        ClothPlugin, ClothReady, ClothSettings, ClothSimulation, ClothSystems, ClothWind,
+        HangOnStart, PinSelection, ResetCloth, SdfCollider, SdfShape, TeleportCloth, WindZone,
     };
 }
 

@@ -38,14 +38,11 @@ pub struct ClothSettings {
     pub edges: bool,
 }
 
-impl Default for ClothSettings {
-    fn default() -> Self {
-        Settings::default().into()
-    }
-}
+impl ClothSettings {
+    /// The default: up to 20 substeps in 1/60 s, by whichever method carries the material.
+    pub const USUAL: Self = Self::from_solver(Settings::USUAL);
 
-impl From<Settings> for ClothSettings {
-    fn from(settings: Settings) -> Self {
+    const fn from_solver(settings: Settings) -> Self {
         Self {
             substeps: settings.substeps,
             stretch_method: settings.stretch_method,
@@ -59,6 +56,18 @@ impl From<Settings> for ClothSettings {
             layers: settings.layers,
             edges: settings.edges,
         }
+    }
+}
+
+impl Default for ClothSettings {
+    fn default() -> Self {
+        Self::USUAL
+    }
+}
+
+impl From<Settings> for ClothSettings {
+    fn from(settings: Settings) -> Self {
+        Self::from_solver(settings)
     }
 }
 

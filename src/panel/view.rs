@@ -9,7 +9,6 @@ use bevy_egui::egui::{self, DragValue, Slider, Ui};
 use crate::cloth::air::ClothAir;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::{ClothPins, PinHold, PinSelection};
-use crate::cloth::quality::ClothQuality;
 use crate::cloth::settings::ClothSettings;
 use crate::panel::explain::{explain, short};
 use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
@@ -166,10 +165,10 @@ fn edit_settings(ui: &mut Ui, was: ClothSettings, asked: &mut Vec<PanelAction>) 
     ui.horizontal(|ui| {
         ui.label("quality");
         let qualities = [
-            ("game", ClothQuality::Game.into()),
+            ("game", ClothSettings::GAME),
             ("default", ClothSettings::default()),
-            ("accurate", ClothQuality::Accurate.into()),
-            ("reference", ClothQuality::Reference.into()),
+            ("accurate", ClothSettings::ACCURATE),
+            ("reference", ClothSettings::REFERENCE),
         ];
         for (name, quality) in qualities {
             ui.selectable_value(&mut to, ClothSettings { layers: was.layers, ..quality }, name);

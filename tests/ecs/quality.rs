@@ -24,11 +24,11 @@ fn each_quality_is_what_it_says() {
         *simulation(&app, cloth).plan()
     };
     // Ticks are of 1/64 s.
-    let game = plan(ClothQuality::Game.into());
+    let game = plan(ClothSettings::GAME);
     assert_eq!((game.stretching, game.substeps), (Stretching::ImplicitThreads, 8));
-    let accurate = plan(ClothQuality::Accurate.into());
+    let accurate = plan(ClothSettings::ACCURATE);
     assert_eq!((accurate.stretching, accurate.substeps), (Stretching::ImplicitThreads, 32));
-    let reference = plan(ClothQuality::Reference.into());
+    let reference = plan(ClothSettings::REFERENCE);
     let mass = 0.2 / (63.0_f64 * 63.0);
     let omega = (8000.0 / mass).sqrt();
     // Nine tenths of what is stable, of the square.

@@ -32,9 +32,7 @@ fn asleep_since(solid: impl Into<SdfShape>, middle: f32, settings: ClothSettings
 
 fn check(solid: impl Into<SdfShape>, middle: f32) {
     let solid = solid.into();
-    for (name, settings) in
-        [("default", ClothSettings::default()), ("game", ClothQuality::Game.into())]
-    {
+    for (name, settings) in [("default", ClothSettings::default()), ("game", ClothSettings::GAME)] {
         let since = asleep_since(solid.clone(), middle, settings);
         check_at_most(&format!("{name}: asleep after [s]"), since, 15.0);
     }

@@ -60,7 +60,7 @@ fn it_changes_the_components() {
     let mut app = panel_app();
     let cloth = spawn(&mut app, sheet());
     updates(&mut app, 2);
-    let settings = ClothSettings::from(ClothQuality::Accurate);
+    let settings = ClothSettings::ACCURATE;
     let pins = ClothPins::from(PinSelection::Corners);
     let air = ClothAir { lift: 2.0, ..default() };
     let wind = ClothWind::steady(Vec3::X * 3.0);

@@ -155,21 +155,26 @@ pub struct Settings {
     pub edges: bool,
 }
 
+impl Settings {
+    /// The default: up to 20 substeps in 1/60 s, by whichever method carries the material.
+    pub const USUAL: Self = Self {
+        substeps: Substeps::Automatic { budget: 20 },
+        stretch_method: StretchMethod::Automatic,
+        provot_passes: 1,
+        lumping: MassLumping::Lumped,
+        bending: Bending::SecondDifference,
+        integrator: Integrator::Verlet,
+        tethers: true,
+        max_speed: 100.0,
+        max_depenetration_speed: 2.0,
+        layers: u32::MAX,
+        edges: true,
+    };
+}
+
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            substeps: Substeps::default(),
-            stretch_method: StretchMethod::Automatic,
-            provot_passes: 1,
-            lumping: MassLumping::Lumped,
-            bending: Bending::SecondDifference,
-            integrator: Integrator::Verlet,
-            tethers: true,
-            max_speed: 100.0,
-            max_depenetration_speed: 2.0,
-            layers: u32::MAX,
-            edges: true,
-        }
+        Self::USUAL
     }
 }
 
