@@ -1,4 +1,4 @@
-//! What is wrong, each with what to do about it.
+//! Problems of cloths and colliders, each with what to do about it.
 
 use bevy::mesh::MeshAccessError;
 use bevy::prelude::*;

@@ -1,4 +1,4 @@
-//! What the stages of a tick take, where that is asked for.
+//! Times of the stages of a tick, where they are asked for.
 
 use core::time::Duration;
 

@@ -1,4 +1,4 @@
-//! What a cloth takes of the world in a tick.
+//! The surroundings of a cloth in a tick.
 
 use bevy::prelude::*;
 

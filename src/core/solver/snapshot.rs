@@ -270,7 +270,7 @@ impl ClothSolver {
             }),
             tick: plan.tick,
             pins: held.particles.clone(),
-            soft: soft.iter().map(|spring| (spring.pin, spring.most_force())).collect(),
+            soft: soft.iter().map(|spring| (spring.pin, spring.most_force)).collect(),
             air: air.as_ref().map(|surface| surface.air),
             tethered_under: *tethered_under,
             mark_origin: *mark_origin,

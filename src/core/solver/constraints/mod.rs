@@ -1,4 +1,4 @@
-//! What corrects displacements: threads, shear, the strain limit, tethers, pins.
+//! Constraints, which correct displacements: threads, shear, the strain limit, tethers, pins.
 
 pub(crate) mod graph_strain_limit;
 pub(crate) mod pin_motion;

@@ -1,4 +1,4 @@
-//! What depends on which particles are held: inverse masses, tethers, clamped hinges.
+//! The pins of a cloth, and all that depends on which particles are held: inverse masses, tethers, clamped hinges.
 
 use bevy_math::Vec3;
 

@@ -64,11 +64,6 @@ pub(crate) struct Spring {
 }
 
 impl Spring {
-    /// Force that it does not exceed \[N\].
-    pub fn most_force(&self) -> f32 {
-        self.most_force
-    }
-
     /// Displacement that the spring makes by each metre of its length, and the damper by each metre of
     /// relative displacement, for a displacement `response` made by a newton \[m/N\].
     pub(crate) fn gains(&self, response: f32, h: f32) -> (f32, f32) {
@@ -79,6 +74,7 @@ impl Spring {
     }
 }
 
+/// The displacement, or as much of it as is `longest` \[m\].
 pub(crate) fn shortened(d: Vec3, longest: f32) -> Vec3 {
     let square = d.dot(d);
     if square > longest * longest { d * (longest / square.sqrt()) } else { d }

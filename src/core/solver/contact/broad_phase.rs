@@ -1,4 +1,4 @@
-//! What contact remembers within a tick, so that it looks only at what may touch.
+//! The broad phase: contact looks only at blocks of particles that may touch a collider.
 //!
 //! Twice the same thought: something at a known distance cannot touch before that much way has been
 //! gone. A collider sleeps until the cloth has gone as far as there was between their boxes when the

@@ -1,4 +1,4 @@
-//! What colliders are given of pulls that moved nothing, at the beginning of corrections and at the end of contact.
+//! Momentum that colliders are given of pulls that moved nothing, at the beginning of corrections and at the end of contact.
 
 use bevy_math::Vec3;
 

@@ -1,4 +1,4 @@
-//! What kernels compute with.
+//! The data and the machinery that kernels compute with.
 //!
 //! | file | what it holds |
 //! | --- | --- |

@@ -1,5 +1,5 @@
-//! What the stages of a triangle mesh work in: places, particles one after the other, which are filled before and emptied
-//! after.
+//! Working memory of the stages of a triangle mesh: particles one after the other, gathered before corrections and
+//! scattered after.
 
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::ActiveSet;

@@ -1,4 +1,4 @@
-//! What moves: positions and displacements of one cloth, and the room its stages work in.
+//! The state of one cloth, positions and displacements, and the workspace of its stages.
 
 pub(crate) mod measure;
 pub(crate) mod mesh;

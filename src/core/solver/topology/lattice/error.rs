@@ -1,4 +1,4 @@
-//! What is no lattice.
+//! Why rest positions make no lattice.
 
 /// Why a set of rest positions is no lattice.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
