@@ -11,6 +11,7 @@ mod common;
 mod contact;
 mod determinism;
 mod fast;
+mod fingerprints;
 mod free_flight;
 mod graph;
 mod graph_bending;
