@@ -33,6 +33,7 @@
 //! | `constraints` | pins, soft pins, threads, shear, strain limit, tethers |
 //! | `input` | what a tick is given and gives back |
 //! | `state` | positions, displacements, workspace, measures |
+//! | `model` | what stages do differently on a sheet and on a mesh, with the constants and the workspace of each |
 //! | `stages` and the files beside this one | [`ClothSolver`]: what it does in each stage; setting it up, reading, moving and saving it |
 //!
 //! # A new force
@@ -40,7 +41,7 @@
 //! It has a file of its own in `forces`, with a `Kernel` that adds to the accelerations. `external` is the shortest to
 //! start from (a vector each particle), `aerodynamics` one with a state, a law and settings. No compiler tells the rest:
 //!
-//! - `accelerate` in `stages/forces` calls it for sheets, `accumulate_graph_forces` for meshes;
+//! - `accelerate` calls it: in `stages/forces` where it is the same for both models, else in `model/sheet` and `model/mesh`;
 //! - `has_forces` knows of it: where gravity acts alone, the first stage is left out;
 //! - `begin_tick` counts it in the load that tethers are bounded for, if it may be as strong as gravity;
 //! - a force that is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
@@ -52,6 +53,7 @@ mod error;
 mod forces;
 mod input;
 mod integrate;
+mod model;
 mod particles;
 mod plan;
 mod rest_detection;
@@ -91,16 +93,18 @@ pub use crate::solver::topology::lattice::{Lattice, LatticeError};
 use crate::solver::constraints::pins::Pins;
 use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
+use crate::solver::model::Model;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::is_near;
 use crate::solver::simd::parallel::{self, Bands};
-use crate::solver::state::measure::{Survey, TakeSurvey};
+use crate::solver::state::measure::Survey;
 use crate::solver::state::{State, Workspace};
 
 /// The solver of one cloth: its rest shape, what it is made of, and what moves.
 #[derive(Clone, Debug)]
 pub struct ClothSolver {
     topology: Topology,
+    model: Model,
     material: Material,
     settings: Settings,
     isa: Isa,
@@ -263,18 +267,7 @@ impl ClothSolver {
     }
 
     fn take_survey(&self) -> Survey {
-        let survey = TakeSurvey {
-            band: self.bands.rows.clone(),
-            lattice: self.topology.as_lattice().map(|lattice| &**lattice),
-            x: &self.state.x,
-            d: &self.state.d,
-            start: &self.state.start,
-        };
-        let mut survey = parallel::run(self.isa, survey);
-        if let Topology::Graph(graph) = &self.topology {
-            survey.max_strain = stages::mesh::largest_strain(self.isa, graph, &self.state.x);
-        }
-        survey
+        self.model.stages().survey(self.isa, &self.bands, &self.state)
     }
 
     fn survey_anew(&mut self) {

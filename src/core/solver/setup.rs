@@ -5,10 +5,11 @@ use bevy_math::Vec3;
 use crate::solver::ClothSolver;
 use crate::solver::constraints::pins::Pins;
 use crate::solver::constraints::threads::geometric_stiffness::steady;
+use crate::solver::contact::Edges;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::{Air, Surface};
+use crate::solver::model::Model;
 use crate::solver::plan::Plan;
-use crate::solver::plan::stability::Bound;
 use crate::solver::rest_detection::Mark;
 use crate::solver::settings::{Material, ParameterError, Settings, is_near};
 use crate::solver::simd::isa::Isa;
@@ -19,8 +20,6 @@ use crate::solver::topology::Topology;
 
 /// The tick that a solver plans for until it is given one \[s\].
 const USUAL_TICK: f32 = 1.0 / 64.0;
-
-use crate::solver::contact::Edges;
 
 impl ClothSolver {
     /// A cloth at rest at the given start positions in world space \[m\], one a particle, nothing pinned.
@@ -47,12 +46,13 @@ impl ClothSolver {
         }
         let mut pins = Pins::new(&topology, Vec::new());
         pins.set_density(&topology, material.area_density);
-        let bound = bound(&topology, &pins);
+        let model = Model::new(&topology);
+        let bound = model.stages().bound(&pins.inverse_mass);
         let state = State::new(&topology, positions);
         let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: Plan::new(&bound, &material, &settings, pins.hung, USUAL_TICK),
-            workspace: Workspace::new(&topology, settings.edges.then_some(edges.count())),
+            workspace: Workspace::new(topology.layout(), settings.edges.then_some(edges.count())),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
             shares: true,
@@ -69,6 +69,7 @@ impl ClothSolver {
             soft: Vec::new(),
             pushes: None,
             topology,
+            model,
             material,
             settings,
             pins,
@@ -168,6 +169,8 @@ impl ClothSolver {
         sorted.dedup();
         if sorted != self.pins.particles {
             self.pins = Pins::new(&self.topology, sorted);
+            let held = self.pins.mask(self.topology.layout());
+            self.model.stages_mut().hold(&held);
             self.stop_filtering();
             self.replan();
         }
@@ -211,15 +214,9 @@ impl ClothSolver {
     /// Works out again what follows from rest shape, pins, material and settings.
     fn replan(&mut self) {
         self.pins.set_density(&self.topology, self.material.area_density);
-        self.bound = bound(&self.topology, &self.pins);
-        if let (Topology::Graph(graph), Some(strengths)) =
-            (&self.topology, &mut self.pins.strengths)
-        {
-            strengths.set_bending(graph, self.settings.bending);
-            if self.material.bending_friction > 0.0 {
-                graph.wide_hinges();
-            }
-        }
+        let model = self.model.stages_mut();
+        self.bound = model.bound(&self.pins.inverse_mass);
+        model.bend(self.settings.bending, self.material.bending_friction > 0.0);
         self.make_room_for_study();
         self.plan_ticks(self.plan.tick);
         self.tethered_under = None;
@@ -239,11 +236,7 @@ impl ClothSolver {
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
         let hung = self.pins.hung;
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
-        if let (Topology::Graph(graph), Some(strengths)) =
-            (&self.topology, &mut self.pins.strengths)
-        {
-            strengths.set(graph, &self.bound, &self.plan.demand);
-        }
+        self.model.stages_mut().follow(&self.plan, &self.bound);
     }
 }
 
@@ -254,9 +247,4 @@ fn check_settings(topology: &Topology, settings: &Settings) -> Result<(), Solver
         return Err(SolverError::OtherLumping { made, asked: settings.lumping });
     }
     Ok(())
-}
-
-/// The bound on the frequencies of a cloth with these pins.
-fn bound(topology: &Topology, pins: &Pins) -> Bound {
-    Bound::new(topology, &pins.hinges, &pins.inverse_mass, pins.strengths.as_ref())
 }

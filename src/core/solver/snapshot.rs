@@ -202,6 +202,7 @@ impl ClothSolver {
             // These follow from what is kept of them.
             pins: held,
             soft,
+            model: _,
             bound: _,
             steady: _,
             plan,

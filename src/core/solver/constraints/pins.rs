@@ -1,10 +1,8 @@
-//! The pins of a cloth, and all that depends on which particles are held: inverse masses, tethers, clamped hinges.
+//! The pins of a cloth, and all that depends on which particles are held: inverse masses, tethers.
 
 use bevy_math::Vec3;
 
 use crate::solver::constraints::tethers::TetherSet;
-use crate::solver::forces::bending::Hinges;
-use crate::solver::plan::graph_stiffness::GraphStiffness;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::Topology;
@@ -26,10 +24,6 @@ pub(crate) struct Pins {
     pub hung: f32,
     /// Tethers to the pins.
     pub tethers: Vec<TetherSet>,
-    /// Hinges of a lattice's weft and warp.
-    pub hinges: [Hinges; 2],
-    /// Explicit constants of a graph.
-    pub strengths: Option<GraphStiffness>,
 }
 
 impl Pins {
@@ -37,13 +31,9 @@ impl Pins {
     pub fn new(topology: &Topology, particles: Vec<u32>) -> Self {
         let layout = topology.layout();
         let slots: Vec<usize> = particles.iter().map(|&p| topology.slot(p as usize)).collect();
-        let held = mask(layout, &slots);
-        let lattice = topology.as_lattice();
-        let transposed = lattice.map_or(0, |_| layout.transposed().len());
+        let transposed = topology.as_lattice().map_or(0, |_| layout.transposed().len());
         Self {
             tethers: TetherSet::build(topology, &slots),
-            hinges: lattice.map_or_else(Default::default, |l| Hinges::build(l, &held)),
-            strengths: topology.as_graph().map(|graph| GraphStiffness::new(graph, &held)),
             hung: 0.0,
             particles,
             places: vec![Vec3::ZERO; slots.len()],
@@ -66,7 +56,7 @@ impl Pins {
         let layout = topology.layout();
         let mass = layout.slots().map(|slot| topology.area(slot) * density).sum::<f32>();
         self.hung = mass / topology.total_area().sqrt();
-        let held = mask(layout, &self.slots);
+        let held = self.mask(layout);
         for slot in layout.slots() {
             let w = 1.0 / (topology.area(slot) * density);
             self.inverse_mass[slot] = if held[slot] { 0.0 } else { w };
@@ -81,13 +71,13 @@ impl Pins {
             }
         }
     }
-}
 
-/// Which slots are held.
-fn mask(layout: Layout, slots: &[usize]) -> Vec<bool> {
-    let mut held = vec![false; layout.len()];
-    for &slot in slots {
-        held[slot] = true;
+    /// Which slots are held.
+    pub fn mask(&self, layout: Layout) -> Vec<bool> {
+        let mut held = vec![false; layout.len()];
+        for &slot in &self.slots {
+            held[slot] = true;
+        }
+        held
     }
-    held
 }

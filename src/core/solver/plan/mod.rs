@@ -9,12 +9,10 @@ pub(crate) mod stability;
 
 use core::fmt;
 
-use crate::solver::forces::bending::Hinges;
 use crate::solver::forces::springs::SpringConstants;
-use crate::solver::plan::graph_stiffness::{Demand, GraphStiffness};
+use crate::solver::plan::graph_stiffness::Demand;
 use crate::solver::plan::stability::{Bound, Constants, SAFETY};
 use crate::solver::settings::{Bending, Material, Settings, StretchMethod, Stretching, Substeps};
-use crate::solver::topology::Topology;
 
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
 const FEWEST: f32 = 4.0;
@@ -252,24 +250,4 @@ fn substeps_for(rate: f32, tick: f32) -> u32 {
 /// rigidity at one curvature: `k a^5 = 8 B / kappa^2` for each unit of width.
 fn flexion_constant(rigidity: f32) -> f32 {
     8.0 * rigidity / (FLEXION_CURVATURE * FLEXION_CURVATURE)
-}
-
-impl Bound {
-    /// For a cloth with these hinges of its threads and these inverse masses; a mesh has strengths.
-    pub fn new(
-        topology: &Topology,
-        hinges: &[Hinges; 2],
-        inverse_mass: &[f32],
-        strengths: Option<&GraphStiffness>,
-    ) -> Self {
-        match topology {
-            Topology::Lattice(lattice) if lattice.uniform => {
-                Self::uniform(lattice, hinges, inverse_mass)
-            }
-            Topology::Lattice(lattice) => Self::circles(lattice, hinges, inverse_mass),
-            Topology::Graph(graph) => {
-                Self::Graph(strengths.map_or(Vec::new(), |s| s.circles(graph, inverse_mass)))
-            }
-        }
-    }
 }

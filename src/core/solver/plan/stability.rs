@@ -86,7 +86,16 @@ impl Circle {
 }
 
 impl Bound {
-    pub fn uniform(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+    /// Of a sheet with these hinges and inverse masses.
+    pub fn of_lattice(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+        if lattice.uniform {
+            Self::uniform(lattice, hinges, inverse_mass)
+        } else {
+            Self::circles(lattice, hinges, inverse_mass)
+        }
+    }
+
+    fn uniform(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
         let largest = |values: &[f32]| values.iter().copied().fold(0.0, f32::max);
         let (a, b) = (largest(&lattice.weft.rest), largest(&lattice.warp.rest));
         let free = lattice.layout.slots().find(|&slot| inverse_mass[slot] > 0.0);
@@ -111,7 +120,7 @@ impl Bound {
         }
     }
 
-    pub fn circles(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+    fn circles(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
         let s = lattice.layout.stride;
         let circle = |slot: usize| {
             let w = inverse_mass[slot];

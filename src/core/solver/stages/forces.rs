@@ -4,16 +4,11 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::forces::aerodynamics::Push;
-use crate::solver::forces::bending::Bend;
-use crate::solver::forces::damping::{AddDamping, DampedSprings, DampingTarget};
-use crate::solver::forces::springs::AccumulateForces;
 use crate::solver::forces::wind::Place;
 use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Kick;
+use crate::solver::model::{Acting, Particles};
 use crate::solver::settings::Integrator;
-use crate::solver::simd::parallel;
-use crate::solver::state::Workspace;
-use crate::solver::topology::Topology;
 
 impl ClothSolver {
     /// First stage: accelerations from springs, bending, damping, gravity and air. Nothing to do where
@@ -31,62 +26,18 @@ impl ClothSolver {
 
     /// Accelerations where the particles are.
     pub(crate) fn accelerate(&mut self, input: &StepInput<'_>) {
-        let Topology::Lattice(lattice) = &self.topology else {
-            self.accumulate_graph_forces(input);
-            self.add_air();
-            return;
-        };
-        let plan = self.plan;
-        let x = &self.state.x;
-        let layout = lattice.layout;
-        let Workspace { a, moments, rows, .. } = &mut self.workspace;
-        let (hinges, rigidity) = (&self.pins.hinges, plan.hinge_rigidity);
-        let forces = AccumulateForces {
-            band: self.bands.rows.clone(),
-            lattice,
-            constants: plan.explicit,
-            bend: (rigidity > 0.0).then_some(Bend { hinges, rigidity, layout, x }),
+        let half_kick = self.half_kick();
+        let Self { model, isa, bands, pins, state, workspace, .. } = self;
+        let acting = Acting {
+            plan: &self.plan,
+            damping_form: self.material.damping_form,
+            half_kick,
             gravity: input.gravity,
-            inverse_mass: &self.pins.inverse_mass,
-            x,
-            a: a.part_mut(),
-            rows,
-            moments,
+            pushes: self.pushes.as_deref(),
         };
-        parallel::run(self.isa, forces);
-        if let Some(pushes) = &self.pushes {
-            pushes.add(self.isa, layout, &self.pins.inverse_mass, &mut self.workspace.a);
-        }
-        if plan.damping > 0.0 {
-            self.add_damping();
-        }
+        let on = Particles { isa: *isa, bands, pins, state };
+        model.stages_mut().accelerate(on, &acting, &mut workspace.a);
         self.add_air();
-    }
-
-    /// Damping with the velocity of this instant, not of half a substep ago: a half kick predicts it,
-    /// without which the whole scheme would be of first order; and so it would, were drag left out of it.
-    pub(crate) fn add_damping(&mut self) {
-        let half = self.half_kick();
-        let Topology::Lattice(lattice) = &self.topology else { return };
-        let Workspace { a, b, rows, .. } = &mut self.workspace;
-        let rows = &*rows;
-        let state = &self.state;
-        let springs = DampedSprings {
-            lattice,
-            damping: self.plan.damping / state.unit,
-            form: self.material.damping_form,
-            shear: self.plan.shear_stiffness > 0.0,
-            inverse_mass: &self.pins.inverse_mass,
-            x: &state.x,
-        };
-        let gain = half.gain * state.unit;
-        let band = &self.bands.rows;
-        let predicted = b.part_mut();
-        let target = DampingTarget::Predict { keep: half.decay, gain, a, predicted };
-        let damping = AddDamping { band: band.clone(), springs, d: &state.d, rows, target };
-        parallel::run(self.isa, damping);
-        let target = DampingTarget::Accelerations(a.part_mut());
-        parallel::run(self.isa, AddDamping { band: band.clone(), springs, d: b, rows, target });
     }
 
     /// From the middle of the last substep to its end.
@@ -136,24 +87,5 @@ impl ClothSolver {
             || self.air.is_some()
             || self.is_pushed()
             || self.settings.integrator != Integrator::Verlet
-    }
-
-    pub(crate) fn accumulate_graph_forces(&mut self, input: &StepInput<'_>) {
-        self.gather_particles(false);
-        let half = self.half_kick();
-        let (Topology::Graph(graph), Some(strengths)) = (&self.topology, &self.pins.strengths)
-        else {
-            return;
-        };
-        let Workspace { a, graph: Some(room), .. } = &mut self.workspace else { return };
-        let (isa, plan) = (self.isa, &self.plan);
-        room.accumulate_forces(isa, graph, strengths, plan, input.gravity, a);
-        if let Some(pushes) = &self.pushes {
-            pushes.add(isa, graph.layout, &self.pins.inverse_mass, a);
-        }
-        if plan.damping > 0.0 {
-            let form = self.material.damping_form;
-            room.add_damping(isa, graph, strengths, form, half, &self.state, a);
-        }
     }
 }

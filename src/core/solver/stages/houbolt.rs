@@ -6,12 +6,11 @@ use crate::solver::integrate::houbolt::{CARRIED, MOST_STRAIN};
 use crate::solver::integrate::verlet::Add;
 use crate::solver::settings::{Integrator, Stretching};
 use crate::solver::state::State;
-use crate::solver::topology::Topology;
 
 impl ClothSolver {
     /// Decides for a tick whether corrections are carried on in it.
     pub(crate) fn begin_filtering(&mut self) {
-        self.workspace.carries = matches!(self.topology, Topology::Lattice(_))
+        self.workspace.carries = self.model.stages().carries_pulls()
             && self.plan.stretching == Stretching::ImplicitThreads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet

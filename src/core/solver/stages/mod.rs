@@ -7,7 +7,7 @@
 //! | 3 | `correct` | `soft_pins` |
 //! | 4 | `collide` | |
 //!
-//! The stages of a triangle mesh that differ from those of a sheet are in `mesh`.
+//! What a stage does differently on a sheet and on a mesh is in `model`.
 
 mod bending_friction;
 mod collide;
@@ -17,5 +17,4 @@ mod external;
 mod forces;
 mod houbolt;
 mod integrate;
-pub(crate) mod mesh;
 mod soft_pins;

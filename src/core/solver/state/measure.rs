@@ -7,6 +7,7 @@ use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Merge, cut_between_rows};
 use crate::solver::simd::soa::Soa;
+use crate::solver::state::State;
 use crate::solver::topology::Topology;
 use crate::solver::topology::lattice::Lattice;
 
@@ -64,6 +65,13 @@ pub(crate) struct TakeSurvey<'a> {
     pub x: &'a Soa,
     pub d: &'a Soa,
     pub start: &'a Soa,
+}
+
+impl<'a> TakeSurvey<'a> {
+    pub fn new(band: Band, lattice: Option<&'a Lattice>, state: &'a State) -> Self {
+        let State { x, d, start, .. } = state;
+        Self { band, lattice, x, d, start }
+    }
 }
 
 impl Kernel for TakeSurvey<'_> {

@@ -1,22 +1,14 @@
 //! The state of one cloth, positions and displacements, and the workspace of its stages.
 
 pub(crate) mod measure;
-pub(crate) mod mesh;
 
 use bevy_math::Vec3;
 
-use crate::solver::constraints::shear::RowPulls;
-use crate::solver::constraints::threads;
 use crate::solver::contact::{ActiveSet, BroadPhase};
-use crate::solver::forces::bending::Moments;
-use crate::solver::forces::bending_friction::Brakes;
-use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::explicit::ExplicitWorkspace;
-use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
-use crate::solver::simd::parallel::{Band, Bands, Seams, Workspaces};
-use crate::solver::simd::soa::{Array, Soa};
-use crate::solver::state::mesh::MeshWorkspace;
+use crate::solver::simd::parallel::Band;
+use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -97,31 +89,11 @@ fn on_grid(p: Vec3) -> Vec3 {
     (p / State::GRID).round() * State::GRID
 }
 
-/// Room that the stages work in; nothing in it outlives a tick.
+/// Room that the stages work in, of sheets and meshes alike; nothing in it outlives a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
-    /// Forces of a lattice's springs, while a row is worked on.
-    pub rows: Workspaces<SpringRows>,
-    /// Moments of the hinges.
-    pub moments: Workspaces<Moments>,
-    /// Pulls of a lattice's shear springs.
-    pub row_pulls: Workspaces<RowPulls>,
-    /// What a lattice's threads are solved in.
-    pub threads: Workspaces<threads::ThreadWorkspace>,
-    /// Displacements of the rows on both sides of each cut.
-    pub seams: Seams,
-    /// Displacements of columns, where they are solved apart from each other.
-    pub apart: Soa,
-    /// What is borne by what particles of such columns lie on.
-    pub load_apart: Array,
-    /// Displacements predicted for the damping.
-    pub b: Soa,
-    /// Room for braking a lattice's bending.
-    pub brakes: Brakes,
-    /// What only a graph's stages work in.
-    pub graph: Option<MeshWorkspace>,
     /// What the integrators for study work in, where one is chosen.
     pub study: Option<ExplicitWorkspace>,
     /// Whether corrections are carried on in this tick.
@@ -132,30 +104,12 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     /// For a cloth of so many edges, where these are held.
-    pub fn new(topology: &Topology, edges: Option<usize>) -> Self {
-        let layout = topology.layout();
-        let len = layout.len();
-        // What only a lattice's threads and hinges work in.
-        let woven = topology.as_lattice().map_or(Layout::one_row(0), |lattice| lattice.layout);
-        let bands = Bands::new(woven, true);
-        let count = bands.rows.count();
-        let is_apart = bands.columns.count() > 1;
-        let apart = if is_apart { woven.columns.next_multiple_of(LANES) * woven.rows } else { 0 };
+    pub fn new(layout: Layout, edges: Option<usize>) -> Self {
         Self {
-            a: Soa::zeros(len),
-            b: Soa::zeros(len),
-            brakes: Brakes::new(topology.as_lattice().map_or(0, |_| len)),
-            rows: Workspaces::new(count, || SpringRows::new(woven)),
-            moments: Workspaces::new(count, || Moments::new(woven)),
-            row_pulls: Workspaces::new(count, || RowPulls::new(woven.columns)),
-            threads: Workspaces::new(bands.most(), || threads::ThreadWorkspace::new(woven)),
-            apart: Soa::zeros(apart),
-            load_apart: Array::zeros(apart),
-            graph: topology.as_graph().map(|graph| MeshWorkspace::new(graph)),
+            a: Soa::zeros(layout.len()),
             study: None,
             carries: false,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
-            seams: Seams::new(bands.rows),
         }
     }
 }

@@ -1,0 +1,182 @@
+//! The mesh: particles that are gathered by index. Its stages work on *places*, particles one after the other, which are
+//! filled before and emptied after.
+
+mod workspace;
+
+use std::sync::Arc;
+
+use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
+use crate::solver::constraints::strain_limit::Rule;
+use crate::solver::constraints::threads::chains::SolveChains;
+use crate::solver::constraints::threads::tridiagonal::Reach;
+use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
+use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
+use crate::solver::model::mesh::workspace::MeshWorkspace;
+use crate::solver::model::{Acting, Particles, Stages};
+use crate::solver::plan::Plan;
+use crate::solver::plan::graph_stiffness::GraphStiffness;
+use crate::solver::plan::stability::Bound;
+use crate::solver::settings::Bending;
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::parallel::{self, Bands};
+use crate::solver::simd::soa::Soa;
+use crate::solver::state::State;
+use crate::solver::state::measure::{Survey, TakeSurvey};
+use crate::solver::topology::graph::Graph;
+
+/// A mesh's rest shape, the constants of its springs and hinges, and what its stages work in.
+#[derive(Clone, Debug)]
+pub(crate) struct Mesh {
+    graph: Arc<Graph>,
+    stiffness: GraphStiffness,
+    workspace: MeshWorkspace,
+}
+
+impl Mesh {
+    /// Nothing held.
+    pub fn new(graph: Arc<Graph>) -> Self {
+        let stiffness = GraphStiffness::new(&graph, &vec![false; graph.layout.len()]);
+        let workspace = MeshWorkspace::new(&graph);
+        Self { graph, stiffness, workspace }
+    }
+
+    /// Springs, hinges and gravity, from places as they are.
+    fn accumulate_forces(&mut self, isa: Isa, acting: &Acting<'_>, a: &mut Soa) {
+        let Self { graph, stiffness, workspace } = self;
+        let Acting { plan, gravity, .. } = *acting;
+        let MeshWorkspace { places, moments, .. } = workspace;
+        let places = &*places;
+        let hinges = &graph.hinges;
+        let bends = plan.hinge_rigidity > 0.0;
+        if bends {
+            let (hinges, constants) = (&hinges.curved, &stiffness.hinges);
+            isa.run_transposing(Turn { hinges, constants, places, moments });
+        }
+        let flat = Coupled { couplings: &hinges.flat, constants: &stiffness.couplings };
+        let curved = Turned { hinges: &hinges.curved, moments };
+        let explicit = plan.explicit;
+        let springs =
+            Pulls { table: &graph.springs, rest: &graph.spring_rest, constant: &stiffness.springs };
+        let flexion =
+            stiffness.flexion.as_ref().filter(|_| explicit.flexion > 0.0).map(|flexion| Pulls {
+                table: &flexion.table,
+                rest: &flexion.rest,
+                constant: &flexion.constants,
+            });
+        let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
+        isa.run_transposing(GatherForces {
+            springs: [pulls.then_some(springs), flexion],
+            bent: bends.then_some((flat, curved)),
+            gravity,
+            places,
+            a,
+        });
+    }
+
+    /// Damping, in the two steps that it takes on a sheet.
+    fn add_damping(&mut self, on: &Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
+        let (half, unit) = (acting.half_kick, on.state.unit);
+        let springs = Damped {
+            table: &self.graph.springs,
+            constant: &self.stiffness.damping,
+            rate: 1.0 / unit,
+            form: acting.damping_form,
+        };
+        let MeshWorkspace { places, predicted, .. } = &mut self.workspace;
+        let target = Target::Predict { keep: half.decay, gain: half.gain * unit, a, predicted };
+        on.isa.run_transposing(GatherDamping { springs, places, target });
+        let target = Target::Accelerations { predicted, a };
+        on.isa.run_transposing(GatherDamping { springs, places, target });
+    }
+}
+
+impl Stages for Mesh {
+    fn hold(&mut self, held: &[bool]) {
+        self.stiffness = GraphStiffness::new(&self.graph, held);
+    }
+
+    fn bound(&self, inverse_mass: &[f32]) -> Bound {
+        Bound::Graph(self.stiffness.circles(&self.graph, inverse_mass))
+    }
+
+    fn bend(&mut self, bending: Bending, rubs: bool) {
+        self.stiffness.set_bending(&self.graph, bending);
+        if rubs {
+            self.graph.wide_hinges();
+        }
+    }
+
+    fn follow(&mut self, plan: &Plan, bound: &Bound) {
+        self.stiffness.set(&self.graph, bound, &plan.demand);
+    }
+
+    fn carries_pulls(&self) -> bool {
+        false
+    }
+
+    fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {
+        let State { x, d, .. } = on.state;
+        self.graph.wide_hinges().brake(part, most, &on.pins.inverse_mass, x, d);
+    }
+
+    fn accelerate(&mut self, on: Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
+        self.workspace.fill(on.isa, &on.pins.inverse_mass, on.state, false);
+        self.accumulate_forces(on.isa, acting, a);
+        if let Some(pushes) = acting.pushes {
+            pushes.add(on.isa, self.graph.layout, &on.pins.inverse_mass, a);
+        }
+        if acting.plan.damping > 0.0 {
+            self.add_damping(&on, acting, a);
+        }
+    }
+
+    fn begin_corrections(&mut self, on: Particles<'_>) {
+        self.workspace.fill(on.isa, &on.pins.inverse_mass, on.state, true);
+    }
+
+    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
+        self.correct_springs(on, Rule::Shear { compliance, limit });
+    }
+
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool {
+        let MeshWorkspace { places, line, inverse_mass, .. } = &mut self.workspace;
+        on.isa.run_transposing(SolveChains {
+            touches: on.state.contacts.now.any,
+            chains: &self.graph.chains,
+            reach,
+            places,
+            line,
+            inverse_mass,
+        })
+    }
+
+    /// The pass looks for itself, as it goes.
+    fn exceeds_limit(&self, _: Particles<'_>, _: f32, _: bool) -> bool {
+        true
+    }
+
+    /// One batch of springs after the other.
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) {
+        let touches = on.state.contacts.now.any;
+        let (structural, shear) = match rule {
+            Rule::Shear { .. } => (false, true),
+            Rule::Limit { shear, .. } => (true, shear),
+        };
+        let families =
+            [(structural, &self.graph.structural_pairs), (shear, &self.graph.shear_pairs)];
+        let places = &mut self.workspace.places;
+        for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
+            on.isa.run_transposing(CorrectPairs { pairs, rule, touches, places });
+        }
+    }
+
+    fn end_corrections(&mut self, on: Particles<'_>) {
+        self.workspace.empty(on.isa, on.state);
+    }
+
+    fn survey(&self, isa: Isa, bands: &Bands, state: &State) -> Survey {
+        let survey = parallel::run(isa, TakeSurvey::new(bands.rows.clone(), None, state));
+        let pairs = &self.graph.structural_pairs;
+        Survey { max_strain: isa.run(LargestStrain { pairs, x: &state.x }), ..survey }
+    }
+}

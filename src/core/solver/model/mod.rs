@@ -1,0 +1,116 @@
+//! What is different of a sheet and of a mesh: the constants of their springs and hinges, and what the stages of a substep
+//! do with them. All else is the same for both, and in `stages`.
+//!
+//! | | rest shape | its particles | its threads |
+//! | --- | --- | --- | --- |
+//! | [`Sheet`] | [`Lattice`](crate::solver::Lattice) | rows of blocks | weft and warp |
+//! | [`Mesh`] | [`Graph`](crate::solver::Graph) | gathered by index | chains of edges |
+
+pub(crate) mod mesh;
+pub(crate) mod sheet;
+
+use bevy_math::Vec3;
+
+use crate::solver::constraints::pins::Pins;
+use crate::solver::constraints::strain_limit::Rule;
+use crate::solver::constraints::threads::tridiagonal::Reach;
+use crate::solver::forces::external::Pushes;
+use crate::solver::integrate::verlet::Kick;
+use crate::solver::model::mesh::Mesh;
+use crate::solver::model::sheet::Sheet;
+use crate::solver::plan::Plan;
+use crate::solver::plan::stability::Bound;
+use crate::solver::settings::{Bending, DampingForm};
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::parallel::Bands;
+use crate::solver::simd::soa::Soa;
+use crate::solver::state::State;
+use crate::solver::state::measure::Survey;
+use crate::solver::topology::Topology;
+
+/// The model of a cloth: which of the two it is, with its constants and its workspace.
+#[derive(Clone, Debug)]
+pub(crate) enum Model {
+    Sheet(Sheet),
+    Mesh(Mesh),
+}
+
+impl Model {
+    /// For a rest shape, nothing held.
+    pub fn new(topology: &Topology) -> Self {
+        match topology {
+            Topology::Lattice(lattice) => Self::Sheet(Sheet::new(lattice.clone())),
+            Topology::Graph(graph) => Self::Mesh(Mesh::new(graph.clone())),
+        }
+    }
+
+    pub fn stages(&self) -> &dyn Stages {
+        match self {
+            Self::Sheet(sheet) => sheet,
+            Self::Mesh(mesh) => mesh,
+        }
+    }
+
+    pub fn stages_mut(&mut self) -> &mut dyn Stages {
+        match self {
+            Self::Sheet(sheet) => sheet,
+            Self::Mesh(mesh) => mesh,
+        }
+    }
+}
+
+/// What a stage works on, beside the model.
+pub(crate) struct Particles<'a> {
+    pub isa: Isa,
+    pub bands: &'a Bands,
+    pub pins: &'a Pins,
+    pub state: &'a mut State,
+}
+
+/// What acts on the particles in a substep.
+pub(crate) struct Acting<'a> {
+    pub plan: &'a Plan,
+    pub damping_form: DampingForm,
+    /// From the middle of the last substep to its end: what predicts the velocity of this instant, for the damping.
+    pub half_kick: Kick,
+    /// \[m/s2\]
+    pub gravity: Vec3,
+    pub pushes: Option<&'a Pushes>,
+}
+
+/// The stages of a substep that are different on a sheet and on a mesh, and what they need beforehand.
+pub(crate) trait Stages {
+    /// Makes what depends on which slots are held.
+    fn hold(&mut self, held: &[bool]);
+    /// The bound on the frequencies of its explicit forces.
+    fn bound(&self, inverse_mass: &[f32]) -> Bound;
+    /// Makes what a form of bending needs, and what friction of bending does where there is any.
+    fn bend(&mut self, bending: Bending, rubs: bool);
+    /// Takes over the constants that a plan chose.
+    fn follow(&mut self, plan: &Plan, bound: &Bound);
+    /// Whether corrections of a substep are expected again in the next (`integrate::houbolt`).
+    fn carries_pulls(&self) -> bool;
+
+    /// First stage: slows what bends by friction. Takes no more than `part` of a motion, nor more than `most`
+    /// of displacement of a mass of one \[kg m\].
+    fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32);
+    /// First stage: accelerations by springs, bending, damping, gravity and loads from outside.
+    fn accelerate(&mut self, on: Particles<'_>, acting: &Acting<'_>, a: &mut Soa);
+
+    /// Begins the third stage.
+    fn begin_corrections(&mut self, on: Particles<'_>);
+    /// Third stage: shear springs of a finite compliance.
+    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32);
+    /// Third stage: solves the threads. Tells whether any spring came to them beyond its limit: where none did, none
+    /// has to be held to it.
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
+    /// Whether any spring may be beyond the limit.
+    fn exceeds_limit(&self, on: Particles<'_>, limit: f32, shear: bool) -> bool;
+    /// Third stage: one pass over the springs.
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule);
+    /// Ends the third stage's part that differs.
+    fn end_corrections(&mut self, on: Particles<'_>);
+
+    /// Bounds, strain and motion.
+    fn survey(&self, isa: Isa, bands: &Bands, state: &State) -> Survey;
+}

@@ -1,0 +1,164 @@
+//! The sheet: rows of blocks of particles. Its stages may be cut into bands of rows, which threads share.
+
+mod correct;
+mod forces;
+
+use std::sync::Arc;
+
+use crate::solver::constraints::shear::RowPulls;
+use crate::solver::constraints::strain_check::ExceedsLimit;
+use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
+use crate::solver::constraints::threads::ThreadWorkspace;
+use crate::solver::constraints::threads::tridiagonal::Reach;
+use crate::solver::forces::bending::{Hinges, Moments};
+use crate::solver::forces::bending_friction::Brakes;
+use crate::solver::forces::spring_rows::SpringRows;
+use crate::solver::model::{Acting, Particles, Stages};
+use crate::solver::plan::Plan;
+use crate::solver::plan::stability::Bound;
+use crate::solver::settings::Bending;
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::parallel::{self, Bands, Seams, Workspaces};
+use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::state::State;
+use crate::solver::state::measure::{Survey, TakeSurvey};
+use crate::solver::topology::lattice::Lattice;
+
+/// A sheet's rest shape, the hinges of its threads, and what its stages work in.
+#[derive(Clone, Debug)]
+pub(crate) struct Sheet {
+    lattice: Arc<Lattice>,
+    /// Hinges of weft and warp.
+    hinges: [Hinges; 2],
+    workspace: SheetWorkspace,
+}
+
+/// Room that the stages work in; nothing in it outlives a substep.
+#[derive(Clone, Debug)]
+struct SheetWorkspace {
+    /// Forces of springs, while a row is worked on.
+    rows: Workspaces<SpringRows>,
+    /// Moments of the hinges.
+    moments: Workspaces<Moments>,
+    /// Displacements predicted for the damping.
+    predicted: Soa,
+    /// Room for braking what bends.
+    brakes: Brakes,
+    /// Pulls of shear springs.
+    row_pulls: Workspaces<RowPulls>,
+    /// What threads are solved in.
+    threads: Workspaces<ThreadWorkspace>,
+    /// Displacements of the rows on both sides of each cut.
+    seams: Seams,
+    /// Displacements of columns, where they are solved apart from each other.
+    apart: Soa,
+    /// What is borne by what particles of such columns lie on.
+    load_apart: Array,
+}
+
+impl Sheet {
+    /// Nothing held.
+    pub fn new(lattice: Arc<Lattice>) -> Self {
+        let hinges = Hinges::build(&lattice, &vec![false; lattice.layout.len()]);
+        let workspace = SheetWorkspace::new(&lattice);
+        Self { lattice, hinges, workspace }
+    }
+}
+
+impl SheetWorkspace {
+    fn new(lattice: &Lattice) -> Self {
+        let layout = lattice.layout;
+        let len = layout.len();
+        let bands = Bands::new(layout, true);
+        let count = bands.rows.count();
+        let is_apart = bands.columns.count() > 1;
+        let apart = if is_apart { layout.columns.next_multiple_of(LANES) * layout.rows } else { 0 };
+        Self {
+            rows: Workspaces::new(count, || SpringRows::new(layout)),
+            moments: Workspaces::new(count, || Moments::new(layout)),
+            predicted: Soa::zeros(len),
+            brakes: Brakes::new(len),
+            row_pulls: Workspaces::new(count, || RowPulls::new(layout.columns)),
+            threads: Workspaces::new(bands.most(), || ThreadWorkspace::new(layout)),
+            seams: Seams::new(bands.rows),
+            apart: Soa::zeros(apart),
+            load_apart: Array::zeros(apart),
+        }
+    }
+}
+
+impl Stages for Sheet {
+    fn hold(&mut self, held: &[bool]) {
+        self.hinges = Hinges::build(&self.lattice, held);
+    }
+
+    fn bound(&self, inverse_mass: &[f32]) -> Bound {
+        Bound::of_lattice(&self.lattice, &self.hinges, inverse_mass)
+    }
+
+    fn bend(&mut self, _: Bending, _: bool) {}
+
+    fn follow(&mut self, _: &Plan, _: &Bound) {}
+
+    fn carries_pulls(&self) -> bool {
+        true
+    }
+
+    fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {
+        self.brake_threads(on, part, most);
+    }
+
+    fn accelerate(&mut self, mut on: Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
+        self.accumulate_forces(&mut on, acting, a);
+        if let Some(pushes) = acting.pushes {
+            pushes.add(on.isa, self.lattice.layout, &on.pins.inverse_mass, a);
+        }
+        if acting.plan.damping > 0.0 {
+            self.add_damping(&mut on, acting, a);
+        }
+    }
+
+    fn begin_corrections(&mut self, _: Particles<'_>) {}
+
+    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
+        if on.state.carries {
+            self.correct_cells(on, compliance, limit);
+        } else {
+            self.correct_springs(on, Rule::Shear { compliance, limit });
+        }
+    }
+
+    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach) -> bool {
+        let weft_beyond = self.solve_weft(&mut on, reach);
+        let warp_beyond = self.solve_warp(&mut on, reach);
+        weft_beyond || warp_beyond
+    }
+
+    fn exceeds_limit(&self, on: Particles<'_>, limit: f32, shear: bool) -> bool {
+        let State { x, d, .. } = on.state;
+        let (band, lattice) = (on.bands.rows.clone(), &*self.lattice);
+        parallel::run(on.isa, ExceedsLimit { band, lattice, limit, shear, x, d })
+    }
+
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) {
+        let State { x, d, contacts, .. } = on.state;
+        let springs = CorrectSprings {
+            band: on.bands.rows.clone(),
+            lattice: &self.lattice,
+            inverse_mass: &on.pins.inverse_mass,
+            x,
+            d,
+            rule,
+            contacts: contacts.contacts(),
+        };
+        springs.run(on.isa);
+    }
+
+    fn end_corrections(&mut self, _: Particles<'_>) {}
+
+    fn survey(&self, isa: Isa, bands: &Bands, state: &State) -> Survey {
+        let lattice = Some(&*self.lattice);
+        parallel::run(isa, TakeSurvey::new(bands.rows.clone(), lattice, state))
+    }
+}
