@@ -5,6 +5,7 @@ pub(crate) mod bending;
 pub(crate) mod bending_friction;
 pub(crate) mod damping;
 pub(crate) mod external;
+pub(crate) mod families;
 pub(crate) mod graph_bending;
 pub(crate) mod graph_bending_friction;
 pub(crate) mod graph_springs;

@@ -3,6 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::forces::bending::{Bend, Moments};
+use crate::solver::forces::families::Constants;
 use crate::solver::forces::spring_rows::{SpringBlock, SpringForce, SpringRows, Springs};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::Kernel;
@@ -14,29 +15,12 @@ use crate::solver::topology::lattice::{Family, Lattice};
 /// Least length of a spring \[m\]: a collapsed one has no direction and pulls nowhere.
 pub(crate) const LEAST_LENGTH: f32 = 1e-12;
 
-/// Constants of the explicit springs, for a spring of shape factor one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct SpringConstants {
-    /// Structural springs \[N/m\].
-    pub thread: f32,
-    /// Shear springs \[N/m\].
-    pub shear: f32,
-    /// Flexion springs, between every second particle \[N m4\]: over the fourth power of their cells.
-    pub flexion: f32,
-}
-
-impl SpringConstants {
-    pub fn is_zero(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 /// Sets every acceleration to gravity plus what springs and hinges pull: on particle i, a spring's
 /// `F_i = k (|d| - L) d / |d|` with `d = x_j - x_i`.
 pub(crate) struct AccumulateForces<'a> {
     pub band: Band,
     pub lattice: &'a Lattice,
-    pub constants: SpringConstants,
+    pub constants: Constants,
     /// The hinges of both families, where they have any rigidity.
     pub bend: Option<Bend<'a>>,
     pub gravity: Vec3,
@@ -53,9 +37,9 @@ impl Kernel for AccumulateForces<'_> {
     #[inline(always)]
     fn run(mut self) {
         let Band { layout, rows, .. } = self.band.clone();
-        let pulls = !self.constants.is_zero();
+        let pulls = self.constants.pull();
         let (mut springs, mut moments) = (self.rows.take(), self.moments.take());
-        let SpringConstants { flexion: constant, .. } = self.constants;
+        let Constants { flexion: constant, .. } = self.constants;
         let (flexed, flexion) =
             (constant > 0.0, Flexion { lattice: self.lattice, constant, x: self.x });
         if pulls {
@@ -114,7 +98,7 @@ cut_between_rows!(AccumulateForces, a);
 
 impl<'a> AccumulateForces<'a> {
     fn springs(&self) -> Springs<'a> {
-        let SpringConstants { thread, shear, .. } = self.constants;
+        let Constants { thread, shear, .. } = self.constants;
         Springs { lattice: self.lattice, thread, shear }
     }
 }

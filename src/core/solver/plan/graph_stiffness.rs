@@ -2,7 +2,8 @@
 //! carry a particle's, those of its springs are lowered and no others: a sliver of a triangle must not
 //! take its stiffness from the whole cloth.
 
-use crate::solver::plan::stability::{Bound, Circle, Constants, Shares};
+use crate::solver::forces::families::Constants;
+use crate::solver::plan::stability::{Bound, Shares};
 use crate::solver::settings::Bending;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
@@ -80,8 +81,8 @@ impl GraphStiffness {
     }
 
     /// Row sums of each particle, over its mass.
-    pub fn circles(&self, graph: &Graph, inverse_mass: &[f32]) -> Vec<Circle> {
-        let mut circles = vec![Circle::default(); graph.layout.len()];
+    pub fn circles(&self, graph: &Graph, inverse_mass: &[f32]) -> Vec<Constants> {
+        let mut circles = vec![Constants::default(); graph.layout.len()];
         for link in &graph.structural {
             for slot in link.ends {
                 circles[slot as usize].thread += 2.0 * link.shape;
@@ -104,10 +105,7 @@ impl GraphStiffness {
             }
         }
         for (circle, &w) in circles.iter_mut().zip(inverse_mass) {
-            circle.thread *= w;
-            circle.shear *= w;
-            circle.bend *= w;
-            circle.flexion *= w;
+            *circle = circle.scaled(w);
         }
         circles
     }
@@ -117,7 +115,7 @@ impl GraphStiffness {
         let Bound::Graph(circles) = bound else { return };
         let Demand { asked, stable, damping, stable_damping } = *demand;
         for (share, circle) in self.shares.iter_mut().zip(circles) {
-            *share = circle.shares(&asked, stable);
+            *share = Shares::of(circle, &asked, stable);
             let rate = damping[0] * circle.thread + damping[1] * circle.shear;
             share.damping = (stable_damping / rate).min(1.0);
         }

@@ -9,9 +9,9 @@ pub(crate) mod stability;
 
 use core::fmt;
 
-use crate::solver::forces::springs::SpringConstants;
+use crate::solver::forces::families::Constants;
 use crate::solver::plan::graph_stiffness::Demand;
-use crate::solver::plan::stability::{Bound, Constants, SAFETY};
+use crate::solver::plan::stability::{Bound, SAFETY};
 use crate::solver::settings::{Bending, Material, Settings, StretchMethod, Stretching, Substeps};
 
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
@@ -75,10 +75,8 @@ pub struct Plan {
     pub(crate) gives: bool,
     /// The tick it was made for \[s\].
     pub(crate) tick: f32,
-    /// Constants of the explicit springs.
-    pub(crate) explicit: SpringConstants,
-    /// Rigidity of the second-difference hinges \[N m\]; 0 where flexion springs stand in.
-    pub(crate) hinge_rigidity: f32,
+    /// Constants of the explicit forces. Either of hinges and flexion springs stands in for the other.
+    pub(crate) explicit: Constants,
     /// The demand that a graph makes the constants of its springs from.
     pub(crate) demand: Demand,
 }
@@ -218,12 +216,7 @@ impl Plan {
             damping,
             gives: false,
             tick,
-            explicit: SpringConstants {
-                thread: used.thread,
-                shear: used.shear,
-                flexion: used.flexion,
-            },
-            hinge_rigidity: used.bend,
+            explicit: used,
             demand: Demand {
                 asked: explicit,
                 stable,

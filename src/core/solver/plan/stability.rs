@@ -1,6 +1,7 @@
 //! Bounds on the frequencies of explicit forces, and constants that keep below what a substep carries.
 
 use crate::solver::forces::bending::Hinges;
+use crate::solver::forces::families::Constants;
 use crate::solver::settings::MassLumping;
 use crate::solver::topology::lattice::{Family, Lattice};
 
@@ -8,15 +9,6 @@ use crate::solver::topology::lattice::{Family, Lattice};
 pub(crate) const SAFETY: f32 = 0.9;
 /// Part of that range which bending may take, and shear springs may take, before they are clamped.
 const SHARE: f32 = 0.25;
-
-/// Constants of explicit forces.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Constants {
-    pub thread: f32,
-    pub shear: f32,
-    pub bend: f32,
-    pub flexion: f32,
-}
 
 /// Squared frequencies that a lattice's explicit forces reach at most, for constants of one.
 #[derive(Clone, Debug)]
@@ -34,18 +26,9 @@ pub(crate) enum Bound {
         flexion: [f32; 2],
     },
     /// Any other lattice: Gershgorin's circles, an entry a particle.
-    Circles(Vec<Circle>),
+    Circles(Vec<Constants>),
     /// A graph: the same, and each particle's springs are lowered by themselves.
-    Graph(Vec<Circle>),
-}
-
-/// Row sums of one particle, over its mass.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Circle {
-    pub thread: f32,
-    pub shear: f32,
-    pub bend: f32,
-    pub flexion: f32,
+    Graph(Vec<Constants>),
 }
 
 /// Parts of a particle's constants that the substeps carry.
@@ -59,29 +42,20 @@ pub(crate) struct Shares {
 
 impl Shares {
     pub const WHOLE: Self = Self { thread: 1.0, shear: 1.0, bending: 1.0, damping: 1.0 };
-}
-
-impl Circle {
-    fn rate(&self, k: &Constants) -> f32 {
-        k.thread * self.thread
-            + k.shear * self.shear
-            + k.bend * self.bend
-            + k.flexion * self.flexion
-    }
 
     /// Lowers the constants of one particle as [`Bound::clamp`] does those of all.
-    pub fn shares(&self, asked: &Constants, stable: f32) -> Shares {
-        if self.rate(asked) <= stable {
-            return Shares::WHOLE;
+    pub fn of(circle: &Constants, asked: &Constants, stable: f32) -> Self {
+        if circle.dot(asked) <= stable {
+            return Self::WHOLE;
         }
         let part = if asked.thread + asked.shear > 0.0 { SHARE } else { 1.0 };
-        let bending = asked.bend * self.bend + asked.flexion * self.flexion;
-        let (shear, thread) = (asked.shear * self.shear, asked.thread * self.thread);
+        let bending = asked.bend * circle.bend + asked.flexion * circle.flexion;
+        let (shear, thread) = (asked.shear * circle.shear, asked.thread * circle.thread);
         // A quotient by zero is infinite: the whole.
         let lowered = |rate: f32, to: f32| (to / rate).min(1.0);
         let shares = (lowered(bending, part * stable), lowered(shear, part * stable));
         let left = (stable - bending * shares.0 - shear * shares.1).max(0.0);
-        Shares { thread: lowered(thread, left), shear: shares.1, bending: shares.0, damping: 1.0 }
+        Self { thread: lowered(thread, left), shear: shares.1, bending: shares.0, damping: 1.0 }
     }
 }
 
@@ -134,7 +108,7 @@ impl Bound {
                 };
                 spring(slot) + spring(slot - 2 * step)
             };
-            Circle {
+            Constants {
                 thread: 2.0 * w * thread,
                 shear: 2.0
                     * w
@@ -158,7 +132,7 @@ impl Bound {
                 (highest + 4.0 * k.flexion * (flexion[0] + flexion[1])) * inverse_mass
             }
             Self::Circles(circles) | Self::Graph(circles) => {
-                circles.iter().map(|circle| circle.rate(k)).fold(0.0, f32::max)
+                circles.iter().map(|circle| circle.dot(k)).fold(0.0, f32::max)
             }
         }
     }
@@ -192,11 +166,11 @@ impl Bound {
 }
 
 /// The constants that particles have in the mean, where each has what the substeps carry.
-fn mean(circles: &[Circle], asked: Constants, stable: f32) -> Constants {
+fn mean(circles: &[Constants], asked: Constants, stable: f32) -> Constants {
     let mut sums = [0.0_f64; 3];
     // Neither what is held nor what stands beside the cloth has springs to lower.
-    let moving = || circles.iter().filter(|circle| circle.rate(&asked) > 0.0);
-    for shares in moving().map(|circle| circle.shares(&asked, stable)) {
+    let moving = || circles.iter().filter(|circle| circle.dot(&asked) > 0.0);
+    for shares in moving().map(|circle| Shares::of(circle, &asked, stable)) {
         for (sum, share) in sums.iter_mut().zip([shares.thread, shares.shear, shares.bending]) {
             *sum += f64::from(1.0 - share);
         }

@@ -4,6 +4,7 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::forces::aerodynamics::Push;
+use crate::solver::forces::families::Constants;
 use crate::solver::forces::wind::Place;
 use crate::solver::input::StepInput;
 use crate::solver::integrate::verlet::Kick;
@@ -81,8 +82,7 @@ impl ClothSolver {
 
     pub(crate) fn has_forces(&self) -> bool {
         let plan = &self.plan;
-        !plan.explicit.is_zero()
-            || plan.hinge_rigidity > 0.0
+        plan.explicit != Constants::default()
             || plan.damping > 0.0
             || self.air.is_some()
             || self.is_pushed()

@@ -47,7 +47,7 @@ impl Mesh {
         let MeshWorkspace { places, moments, .. } = workspace;
         let places = &*places;
         let hinges = &graph.hinges;
-        let bends = plan.hinge_rigidity > 0.0;
+        let bends = plan.explicit.bend > 0.0;
         if bends {
             let (hinges, constants) = (&hinges.curved, &stiffness.hinges);
             isa.run_transposing(Turn { hinges, constants, places, moments });

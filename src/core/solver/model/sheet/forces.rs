@@ -21,7 +21,7 @@ impl Sheet {
     ) {
         let Self { lattice, hinges, workspace } = self;
         let Acting { plan, gravity, .. } = *acting;
-        let (layout, rigidity, x) = (lattice.layout, plan.hinge_rigidity, &on.state.x);
+        let (layout, rigidity, x) = (lattice.layout, plan.explicit.bend, &on.state.x);
         let SheetWorkspace { rows, moments, .. } = workspace;
         let forces = AccumulateForces {
             band: on.bands.rows.clone(),
