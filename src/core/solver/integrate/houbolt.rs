@@ -15,7 +15,8 @@
 //! What lies on a collider does not follow all of what pulls it, and the collider bears the rest. That is a pull all
 //! the same, and is noted as one (`contact`). What holds springs to their strain limit is not carried on, nor is
 //! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
-//! first order there, and on a mesh, whose chains of edges pull one after the other.
+//! first order there, and so is a mesh that touches a collider, or is so stiff that one pass over its chains of edges leaves
+//! too much to do.
 
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};

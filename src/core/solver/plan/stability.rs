@@ -60,12 +60,20 @@ impl Shares {
 }
 
 impl Bound {
+    /// Row sums by particle, where they are kept.
+    pub fn circles(&self) -> &[Constants] {
+        match self {
+            Self::Uniform { .. } => &[],
+            Self::Circles(circles) | Self::Graph(circles) => circles,
+        }
+    }
+
     /// Of a sheet with these hinges and inverse masses.
     pub fn of_lattice(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
         if lattice.uniform {
             Self::uniform(lattice, hinges, inverse_mass)
         } else {
-            Self::circles(lattice, hinges, inverse_mass)
+            Self::of_cells(lattice, hinges, inverse_mass)
         }
     }
 
@@ -94,7 +102,7 @@ impl Bound {
         }
     }
 
-    fn circles(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
+    fn of_cells(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
         let s = lattice.layout.stride;
         let circle = |slot: usize| {
             let w = inverse_mass[slot];

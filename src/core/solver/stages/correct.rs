@@ -15,8 +15,7 @@ impl ClothSolver {
     pub fn correct(&mut self) {
         self.weigh_soft_pins();
         self.hold_onto_colliders();
-        let (model, on) = self.model_and_particles();
-        model.begin_corrections(on);
+        self.begin_corrections();
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.stretching {
@@ -29,8 +28,7 @@ impl ClothSolver {
             }
             Stretching::ExplicitSprings => self.limit_strain(),
         }
-        let (model, on) = self.model_and_particles();
-        model.end_corrections(on);
+        self.end_corrections();
         if tethered {
             self.pull_tethers();
         }
@@ -89,11 +87,25 @@ impl ClothSolver {
             if !model.exceeds_limit(on, limit, shear) {
                 return;
             }
+            self.end_corrections();
             self.pause_pulls();
+            self.begin_corrections();
             let (model, on) = self.model_and_particles();
             model.correct_springs(on, Rule::Limit { limit, shear });
+            self.end_corrections();
             self.go_on_pulling();
+            self.begin_corrections();
         }
+    }
+
+    fn begin_corrections(&mut self) {
+        let (model, on) = self.model_and_particles();
+        model.begin_corrections(on);
+    }
+
+    fn end_corrections(&mut self) {
+        let (model, on) = self.model_and_particles();
+        model.end_corrections(on);
     }
 
     /// Longest that a spring may be, in rest lengths.

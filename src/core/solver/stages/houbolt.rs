@@ -10,7 +10,7 @@ use crate::solver::state::State;
 impl ClothSolver {
     /// Decides for a tick whether corrections are carried on in it.
     pub(crate) fn begin_filtering(&mut self) {
-        self.workspace.carries = self.model.stages().carries_pulls()
+        self.workspace.carries = self.model.stages().carries_pulls(self.state.contacts.now.any)
             && self.plan.stretching == Stretching::ImplicitThreads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet

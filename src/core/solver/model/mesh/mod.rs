@@ -30,19 +30,24 @@ pub(crate) struct Mesh {
     graph: Arc<Graph>,
     stiffness: GraphStiffness,
     workspace: MeshWorkspace,
+    /// Whether one pass over the chains comes near enough to their solution that its pulls are forces, not noise.
+    is_solved_enough: bool,
 }
+
+/// `h^2 k` times the row sums over the masses, in the mean of the particles, up to which pulls of chains are carried on.
+const STIFFEST_CARRIED: f32 = 1e5;
 
 impl Mesh {
     /// Nothing held.
     pub fn new(graph: Arc<Graph>) -> Self {
         let stiffness = GraphStiffness::new(&graph, &vec![false; graph.layout.len()]);
         let workspace = MeshWorkspace::new(&graph);
-        Self { graph, stiffness, workspace }
+        Self { graph, stiffness, workspace, is_solved_enough: false }
     }
 
     /// Springs, hinges and gravity, from places as they are.
     fn accumulate_forces(&mut self, isa: Isa, acting: &Acting<'_>, a: &mut Soa) {
-        let Self { graph, stiffness, workspace } = self;
+        let Self { graph, stiffness, workspace, .. } = self;
         let Acting { plan, gravity, .. } = *acting;
         let MeshWorkspace { places, moments, .. } = workspace;
         let places = &*places;
@@ -108,10 +113,16 @@ impl Stages for Mesh {
 
     fn follow(&mut self, plan: &Plan, bound: &Bound) {
         self.stiffness.set(&self.graph, bound, &plan.demand);
+        let moving = bound.circles().iter().map(|circle| circle.thread).filter(|&sum| sum > 0.0);
+        let (sum, count) = moving.fold((0.0, 0), |(all, count), one| (all + one, count + 1));
+        let ratio = plan.thread_stiffness * plan.step * plan.step * (sum / count as f32);
+        // None where nothing moves.
+        self.is_solved_enough = ratio <= STIFFEST_CARRIED;
     }
 
-    fn carries_pulls(&self) -> bool {
-        false
+    /// What lies on colliders is of first order: there one pass over the chains leaves too much to do.
+    fn carries_pulls(&self, touches: bool) -> bool {
+        self.is_solved_enough && !touches
     }
 
     fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {

@@ -101,7 +101,7 @@ impl Stages for Sheet {
 
     fn follow(&mut self, _: &Plan, _: &Bound) {}
 
-    fn carries_pulls(&self) -> bool {
+    fn carries_pulls(&self, _: bool) -> bool {
         true
     }
 
