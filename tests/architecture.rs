@@ -1,7 +1,7 @@
 //! The rooms of the house: which file may know which. Read off the sources, as they are parsed by `syn`.
 //!
 //! Truths: the tables of rooms in `src/core/solver/mod.rs` and `src/plugin.rs`, whose order is the order of
-//! knowing; and that no circle of imports joins any files.
+//! knowing; that no circle of imports joins any files; and that the diagrams of `ARCHITECTURE.md` are those of the sources.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -191,30 +191,85 @@ fn no_circle_of_imports_joins_any_files() {
     }
 }
 
-/// Of a crate, the table of rooms in a file whose folder they are in; what is in no room of the table is in its last.
-fn knows_only_what_is_above(root: &str, folder: &[&str], file: &str) {
-    let sources = Sources::read(root);
-    let rooms = sources.rooms(file);
-    let room = |module: &Module| {
-        let inside =
-            module.iter().zip(folder).all(|(a, b)| a == b).then(|| module.get(folder.len()));
-        let name = inside.filter(|_| module.len() >= folder.len())?;
-        let known = name.and_then(|name| rooms.iter().position(|room| room == name));
-        Some(known.unwrap_or(rooms.len() - 1))
-    };
-    for (module, others) in sources.imports() {
-        let Some(own) = room(module) else { continue };
-        for other in others {
-            let Some(known) = room(other) else { continue };
+/// The rooms of a folder of a crate, as a table in the documentation of a file has them. What is in no room of the table
+/// is in its last.
+struct Rooms {
+    root: &'static str,
+    folder: &'static [&'static str],
+    file: &'static str,
+}
+
+const SOLVER: Rooms = Rooms { root: "src/core", folder: &["solver"], file: "solver/mod.rs" };
+const PLUGIN: Rooms = Rooms { root: "src", folder: &[], file: "plugin.rs" };
+
+impl Rooms {
+    /// Their names in order, and which of them import from which, each with an example.
+    fn read(&self) -> (Vec<String>, BTreeMap<(usize, usize), [String; 2]>) {
+        let sources = Sources::read(self.root);
+        let names = sources.rooms(self.file);
+        let room = |module: &Module| {
+            let is_inside = module.len() >= self.folder.len()
+                && module.iter().zip(self.folder).all(|(a, b)| a == b);
+            let name = module.get(self.folder.len());
+            let known = name.and_then(|name| names.iter().position(|room| room == name));
+            is_inside.then(|| known.unwrap_or(names.len() - 1))
+        };
+        let mut imports = BTreeMap::new();
+        for (module, others) in sources.imports() {
+            for other in others {
+                if let (Some(own), Some(known)) = (room(module), room(other)) {
+                    let example = || [module.join("::"), other.join("::")];
+                    imports.entry((own, known)).or_insert_with(example);
+                }
+            }
+        }
+        (names, imports)
+    }
+
+    fn know_only_those_above(&self) {
+        let (names, imports) = self.read();
+        for ((own, known), [module, other]) in imports {
             assert!(
                 known <= own,
-                "`{}` of the room `{}` imports from `{}`, but `{}` comes after it in {root}/{file}",
-                module.join("::"),
-                rooms[own],
-                other.join("::"),
-                rooms[known],
+                "`{module}` of the room `{}` imports from `{other}`, but `{}` comes after it in {}/{}",
+                names[own],
+                names[known],
+                self.root,
+                self.file,
             );
         }
+    }
+
+    /// A diagram in Mermaid's language: from each room to those that it knows, but for those that it knows by way of another.
+    fn diagram(&self) -> String {
+        let (names, imports) = self.read();
+        let knows = |own: usize, known: usize| own != known && imports.contains_key(&(own, known));
+        let mut text = String::from("```mermaid\ngraph RL\n");
+        for own in 0..names.len() {
+            // What the rooms know that this one knows, directly or not: a later room is known by later ones alone.
+            let mut behind = BTreeSet::new();
+            for known in (0..own).rev().filter(|&known| knows(own, known)) {
+                if !behind.contains(&known) {
+                    text += &format!("    {} --> {}\n", names[own], names[known]);
+                }
+                let mut front = vec![known];
+                while let Some(at) = front.pop() {
+                    front.extend((0..at).filter(|&next| knows(at, next) && behind.insert(next)));
+                }
+            }
+        }
+        text + "```\n"
+    }
+}
+
+#[test]
+fn the_diagrams_show_the_rooms_as_they_are() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md");
+    let text = fs::read_to_string(path).unwrap();
+    for rooms in [SOLVER, PLUGIN] {
+        let diagram = rooms.diagram();
+        assert!(diagram.lines().count() > 10, "{} has hardly any imports", rooms.root);
+        assert!(text.contains(&diagram), "ARCHITECTURE.md is to have this diagram:\n{diagram}");
     }
 }
 
@@ -236,10 +291,10 @@ fn nothing_is_imported_by_way_of_the_root() {
 
 #[test]
 fn rooms_of_the_solver_know_only_those_above_them() {
-    knows_only_what_is_above("src/core", &["solver"], "solver/mod.rs");
+    SOLVER.know_only_those_above();
 }
 
 #[test]
 fn rooms_of_the_plugin_know_only_those_above_them() {
-    knows_only_what_is_above("src", &[], "plugin.rs");
+    PLUGIN.know_only_those_above();
 }
