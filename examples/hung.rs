@@ -32,9 +32,9 @@ const HALF_SPAN: f32 = 0.68;
 fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, particles: Res<Particles>) {
     commands.spawn(ground(&mut meshes));
     let rings = spawn_rings(&mut commands, &mut meshes, -1.0, HALF_SPAN);
-    let hung = (curtain(rings, particles.0, -1.0), linen(TEAL));
-    // Where it hangs is worked out in the background, from its pins. Until then it is not there.
-    commands.spawn((hung, HangOnStart::default()));
+    let mut hung = commands.spawn((curtain(rings, particles.0, -1.0), linen(TEAL)));
+    // Where it hangs is worked out in the background, from its pins. It starts there.
+    hung.insert(HangOnStart::default());
 
     let rings = spawn_rings(&mut commands, &mut meshes, 1.0, 0.5 * SIDE);
     commands.spawn((curtain(rings, particles.0, 1.0), linen(INDIGO)));
