@@ -2,27 +2,64 @@
 //! denim, canvas and rubber.
 //!
 //! `cargo run --example fabrics --features demo`
-//!
-//! ```
-//! commands.spawn((Cloth::sheet(Vec2::ONE, UVec2::splat(64)), ClothMaterial::SILK));
-//! ```
-
-mod common;
 
 use bevy::prelude::*;
-use clap::Parser;
-use common::{Options, light::View, scene::Scene, window};
+use bevy_drape::prelude::*;
+use examples_common::{
+    BRASS, CORAL, Example, INDIGO, IVORY, Particles, TEAL, View, clay, ground, linen,
+};
 
-/// Six fabrics, each over the same post.
-///
-/// Where there is no display or no graphics adapter it says so and runs headless.
-#[derive(Parser)]
-struct Cli {
-    #[command(flatten)]
-    options: Options,
-}
+pub const FABRICS: Example = Example {
+    name: "fabrics",
+    about: "Six fabrics, each over the same post",
+    scene,
+    view: View { from: Vec3::new(0.0, 1.9, 3.5), at: Vec3::new(0.0, 0.3, 0.12) },
+    bounds: [[-2.2, 0.0, -1.7], [2.2, 1.0, 1.7]],
+};
 
 fn main() -> AppExit {
-    let view = View { from: Vec3::new(0.0, 1.9, 3.5), at: Vec3::new(0.0, 0.3, 0.12) };
-    window::run(Scene::Fabrics, &Cli::parse().options, "bevy_drape: fabrics", view)
+    FABRICS.show()
+}
+
+fn scene(app: &mut App) {
+    app.add_systems(Startup, spawn);
+}
+
+/// The fabrics, and a color for each.
+const CLOTHS: [(&str, ClothMaterial, Srgba); 6] = [
+    ("silk", ClothMaterial::SILK, CORAL),
+    ("cotton", ClothMaterial::COTTON, TEAL),
+    ("wool", ClothMaterial::WOOL, INDIGO),
+    ("denim", ClothMaterial::DENIM, Srgba::rgb(0.16, 0.24, 0.38)),
+    ("canvas", ClothMaterial::CANVAS, BRASS),
+    ("rubber", ClothMaterial::RUBBER, Srgba::rgb(0.16, 0.16, 0.17)),
+];
+
+/// Radius and height of a post \[m\].
+const RADIUS: f32 = 0.2;
+const HEIGHT: f32 = 0.62;
+
+fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, particles: Res<Particles>) {
+    commands.spawn(ground(&mut meshes));
+    // Drawn slightly smaller: its edge is sharper than the cloths are fine, and would show through.
+    let drawn = Cylinder::new(RADIUS - 0.004, HEIGHT - 0.008).mesh().resolution(96);
+    let drawn = meshes.add(drawn);
+    for (number, (name, fabric, color)) in CLOTHS.into_iter().enumerate() {
+        let (column, row) = (number % 3, number / 3);
+        let place = Vec3::new(1.1 * (column as f32 - 1.0), 0.0, 1.2 * (row as f32 - 0.5));
+        let post = Cylinder::new(RADIUS, HEIGHT);
+        commands.spawn((
+            SdfCollider::from(post),
+            Mesh3d(drawn.clone()),
+            Transform::from_translation(place + Vec3::Y * post.half_height),
+            clay(IVORY),
+        ));
+        commands.spawn((
+            Name::new(name),
+            Cloth::sheet(Vec2::splat(0.95), UVec2::splat(particles.0)),
+            fabric,
+            Transform::from_translation(place + Vec3::Y * (HEIGHT + 0.08)),
+            linen(color),
+        ));
+    }
 }

@@ -2,10 +2,13 @@
 //!
 //! `cargo run --example headless`
 
-mod common;
+// A program may print.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod gallery;
 
 use clap::Parser;
-use common::{headless, scene::Scene, seconds};
+use examples_common::{Example, headless, seconds};
 use std::{path::PathBuf, process::ExitCode};
 
 /// Runs a scene without a window, reports, and writes the final meshes.
@@ -14,8 +17,8 @@ use std::{path::PathBuf, process::ExitCode};
 #[derive(Parser)]
 struct Cli {
     /// What to run.
-    #[arg(value_enum, default_value_t = Scene::Drape)]
-    scene: Scene,
+    #[arg(default_value = "drape", value_parser = gallery::parser())]
+    scene: Example,
     /// Particles a side of each cloth.
     #[arg(short, long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=512))]
     particles: u32,

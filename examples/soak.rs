@@ -5,12 +5,15 @@
 //!
 //! The exit code is 1 if a cloth is not finite, anything is refused, or memory grows.
 
-mod common;
+// A program may print.
+#![allow(clippy::print_stdout)]
+
+mod gallery;
 
 use bevy::prelude::*;
 use bevy_drape::{ClothGrab, ClothPaused, ClothWindOverride, prelude::*};
-use clap::{Parser, ValueEnum};
-use common::{headless, scene::Scene};
+use clap::Parser;
+use examples_common::{Example, headless};
 use std::{fs, process::ExitCode, time::Instant};
 
 /// Memory that a scene may grow by after its first fifth \[MiB\]: what is kept of it, and no more.
@@ -33,17 +36,17 @@ struct Cli {
 fn main() -> ExitCode {
     let Cli { minutes, particles, seed } = Cli::parse();
     // A hundred thousand particles are for a look at speed, and would take all of the time.
-    let scenes: Vec<Scene> =
-        Scene::value_variants().iter().copied().filter(|scene| *scene != Scene::Stress).collect();
+    let scenes: Vec<Example> =
+        gallery::SCENES.into_iter().filter(|scene| scene.name != "stress").collect();
     let ticks = (minutes * 60.0 * 64.0 / scenes.len() as f64).ceil() as usize;
     println!("{ticks} ticks of 1/64 s for each of {} scenes", scenes.len());
     let mut well = true;
     for (number, scene) in scenes.iter().enumerate() {
         let report = soak(*scene, particles, ticks, Chance(seed + number as u64));
         match report {
-            Ok(report) => println!("{scene:?}: {report}"),
+            Ok(report) => println!("{}: {report}", scene.name),
             Err(reason) => {
-                println!("{scene:?}: FAILED: {reason}");
+                println!("{}: FAILED: {reason}", scene.name);
                 well = false;
             }
         }
@@ -52,7 +55,12 @@ fn main() -> ExitCode {
 }
 
 /// Runs a scene, an event every quarter of a second or so.
-fn soak(scene: Scene, particles: u32, ticks: usize, mut chance: Chance) -> Result<String, String> {
+fn soak(
+    scene: Example,
+    particles: u32,
+    ticks: usize,
+    mut chance: Chance,
+) -> Result<String, String> {
     let started = Instant::now();
     let mut app = headless::app(scene, particles, 1);
     headless::simulate(&mut app, 0.1)?;

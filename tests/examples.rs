@@ -5,8 +5,8 @@
 #[path = "../examples/bake.rs"]
 #[allow(dead_code)]
 mod bake;
-#[path = "../examples/common/mod.rs"]
-mod common;
+#[path = "../examples/gallery/mod.rs"]
+mod gallery;
 
 use bevy::prelude::*;
 use bevy_drape::{
@@ -14,11 +14,17 @@ use bevy_drape::{
     sdf::{BakeSettings, DistanceField, SignedDistance},
 };
 use clap::Parser;
-use common::{check::check, headless, report::Report, repository::repository, scene::Scene};
+use examples_common::{
+    check::{Bounds, check},
+    headless,
+    report::Report,
+    repository,
+};
+use gallery::scene;
 use std::{fs, path::Path};
 
-fn run(scene: Scene, seconds: f32) -> (App, Report) {
-    let mut app = headless::app(scene, 64, 1);
+fn run(name: &str, seconds: f32) -> (App, Report) {
+    let mut app = headless::app(scene(name), 64, 1);
     let report = headless::simulate(&mut app, seconds).unwrap();
     println!("{report}");
     check(app.world_mut()).unwrap();
@@ -46,7 +52,7 @@ fn highest(cloth: &[Vec3]) -> f32 {
 
 #[test]
 fn drape() {
-    let (mut app, report) = run(Scene::Drape, 4.0);
+    let (mut app, report) = run("drape", 4.0);
     let cloths = cloths(&mut app);
     assert_eq!(cloths.len(), 2);
     for cloth in cloths {
@@ -60,7 +66,7 @@ fn drape() {
 
 #[test]
 fn curtain() {
-    let (mut app, report) = run(Scene::Curtain, 6.0);
+    let (mut app, report) = run("curtain", 6.0);
     let cloth = cloths(&mut app).remove(0);
     // It hangs from rings at its height, that have come to 0.64 of 2.2 m (within the first tick's way), and
     // falls in folds between them.
@@ -77,7 +83,7 @@ fn curtain() {
 
 #[test]
 fn tablecloth() {
-    let (mut app, report) = run(Scene::Tablecloth, 3.3);
+    let (mut app, report) = run("tablecloth", 3.3);
     let cloth = cloths(&mut app).remove(0);
     // It lies on the table, and hangs over its edge.
     assert!((cloth[64 * 32 + 32].y - 0.762).abs() < 2e-3, "{}", cloth[64 * 32 + 32]);
@@ -95,7 +101,7 @@ fn tablecloth() {
 
 #[test]
 fn fabrics() {
-    let (mut app, report) = run(Scene::Fabrics, 3.0);
+    let (mut app, report) = run("fabrics", 3.0);
     let cloths = cloths(&mut app);
     assert_eq!(cloths.len(), 6);
     for cloth in &cloths {
@@ -108,7 +114,7 @@ fn fabrics() {
 
 #[test]
 fn stress() {
-    let (mut app, report) = run(Scene::Stress, 1.5);
+    let (mut app, report) = run("stress", 1.5);
     let cloths = cloths(&mut app);
     let particles: usize = cloths.iter().map(Vec::len).sum();
     assert!(particles >= 100_000 && cloths.len() >= 50, "{particles} in {}", cloths.len());
@@ -118,7 +124,7 @@ fn stress() {
 
 #[test]
 fn tuned() {
-    let (mut app, report) = run(Scene::Tuned, 4.0);
+    let (mut app, report) = run("tuned", 4.0);
     assert_eq!(cloths(&mut app).len(), 2);
     // Corners whip onto the ground, and friction stops them within a substep.
     hold_within(&report, 0.04);
@@ -126,7 +132,7 @@ fn tuned() {
 
 #[test]
 fn flag() {
-    let (mut app, report) = run(Scene::Flag, 3.0);
+    let (mut app, report) = run("flag", 3.0);
     let early = cloths(&mut app).remove(0);
     headless::simulate(&mut app, 3.25).unwrap();
     let late = cloths(&mut app).remove(0);
@@ -142,7 +148,7 @@ fn flag() {
 
 #[test]
 fn sail() {
-    let (mut app, report) = run(Scene::Sail, 4.0);
+    let (mut app, report) = run("sail", 4.0);
     let cloth = cloths(&mut app).remove(0);
     let corners = [0, 63, 64 * 63, 64 * 64 - 1].map(|corner| cloth[corner]);
     assert!(corners.iter().all(|corner| corner.z.abs() < 1e-3), "{corners:?}");
@@ -153,7 +159,7 @@ fn sail() {
 
 #[test]
 fn cape() {
-    let (mut app, report) = run(Scene::Cape, 5.0);
+    let (mut app, report) = run("cape", 5.0);
     let cloth = cloths(&mut app).remove(0);
     // It hangs from its collar, which is its highest part, on a circle of 1 m.
     let collar = cloth[16];
@@ -167,7 +173,7 @@ fn cape() {
 
 #[test]
 fn bunny() {
-    let (mut app, report) = run(Scene::Bunny, 3.4);
+    let (mut app, report) = run("bunny", 3.4);
     // On the way it is lifted far from the rod, at z = 0; then it hangs at the bunny's tail.
     let depth = |cloth: &[Vec3]| cloth.iter().map(|at| at.z).fold(f32::MIN, f32::max);
     let cloth = cloths(&mut app).remove(0);
@@ -182,7 +188,7 @@ fn bunny() {
 
 #[test]
 fn hung() {
-    let mut app = headless::app(Scene::Hung, 64, 1);
+    let mut app = headless::app(scene("hung"), 64, 1);
     headless::simulate(&mut app, 0.1).unwrap();
     let before = cloths(&mut app);
     let report = headless::simulate(&mut app, 1.1).unwrap();
@@ -200,13 +206,13 @@ fn hung() {
 
 #[test]
 fn the_check_sees_what_is_wrong() {
-    let mut app = headless::app(Scene::Spheres, 8, 1);
+    let mut app = headless::app(scene("spheres"), 8, 1);
     assert!(check(app.world_mut()).is_err(), "it has not run");
     headless::simulate(&mut app, 0.2).unwrap();
     assert_eq!(check(app.world_mut()), Ok(()));
-    app.world_mut().resource_mut::<common::check::Bounds>().max.y = 0.5;
+    app.world_mut().resource_mut::<Bounds>().max.y = 0.5;
     assert!(check(app.world_mut()).unwrap_err().contains("left"));
-    app.world_mut().resource_mut::<common::check::Bounds>().max.y = 1.6;
+    app.world_mut().resource_mut::<Bounds>().max.y = 1.6;
     app.world_mut()
         .spawn(SdfCollider::from(Sphere::default()))
         .insert(Transform::from_scale(Vec3::new(1.0, 2.0, 1.0)));

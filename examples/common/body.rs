@@ -7,7 +7,7 @@ use bevy::{
 };
 
 /// A capsule of the body, in the pose that the mesh is bound in: from, to and radius \[m\].
-pub type Bone = (Vec3, Vec3, f32);
+pub(crate) type Bone = (Vec3, Vec3, f32);
 
 /// Spacing of the vertices \[m\].
 const CELL: f32 = 0.015;
@@ -18,7 +18,7 @@ const BLEND: f32 = 0.05;
 /// The skin of some bones, each moved by the joint of its number; `parents` tells which hang together.
 ///
 /// Surface nets: a vertex for each cell of a grid that the surface goes through, a quad for each edge.
-pub fn body(bones: &[Bone], parents: &[Option<usize>]) -> Mesh {
+pub(crate) fn body(bones: &[Bone], parents: &[Option<usize>]) -> Mesh {
     let reach = |(from, to, radius): &Bone| {
         let around = Vec3::splat(radius + 3.0 * CELL);
         (from.min(*to) - around, from.max(*to) + around)

@@ -6,7 +6,9 @@ use bevy_drape::prelude::*;
 /// Where the scene's cloths must be at the end \[m\]; the ground is at y = 0.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Bounds {
+    /// Their lowest corner.
     pub min: Vec3,
+    /// Their highest.
     pub max: Vec3,
 }
 

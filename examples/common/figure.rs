@@ -1,18 +1,14 @@
-//! A character that walks in a circle: joints, a capsule to collide with on each, and a skin over all.
+//! A character that walks in a circle: joints, and a skin over all.
 
-use super::{
-    body::body,
-    scene::{IVORY, clay},
-};
+use crate::{IVORY, body::body, clay};
 use bevy::{
     camera::visibility::NoFrustumCulling,
     mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
     prelude::*,
 };
-use bevy_drape::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// A joint, the capsule on it, and how it turns about its x axis as the figure walks.
+/// A joint, the capsule around its bone, and how it turns about its x axis as the figure walks.
 #[derive(Component, Clone, Copy)]
 pub struct Joint {
     /// The joint that it hangs on, by its place in [`JOINTS`].
@@ -70,24 +66,43 @@ const JOINTS: [Joint; 15] = [
     joint(Some(13), [0.0, -0.4, 0.0], ([0.0, 0.0, 0.0], [0.0, 0.0, -0.13], 0.045), (0.0, 0.0, 0.0)),
 ];
 
-/// Adds the figure; tells its joints.
-pub fn spawn_figure(world: &mut World) -> Vec<Entity> {
-    let mut joints: Vec<Entity> = Vec::new();
-    for joint in JOINTS {
-        let (from, to, radius) = joint.bone;
-        let collider = SdfCollider::capsule_between(from, to, radius).with_friction(0.2);
-        let mut new = world.spawn((joint, collider, pose(&joint, 0.0), Visibility::default()));
-        if let Some(parent) = joint.parent {
-            new.insert(ChildOf(joints[parent]));
-        }
-        joints.push(new.id());
-    }
-    dress_in_skin(world, joints.clone());
-    joints
+/// A joint that is there, and the capsule around its bone, in the joint's frame \[m\].
+pub struct Limb {
+    /// The joint.
+    pub joint: Entity,
+    /// One end of the bone.
+    pub from: Vec3,
+    /// The other end.
+    pub to: Vec3,
+    /// How thick the flesh on it is.
+    pub radius: f32,
 }
 
-/// Adds the mesh that the joints move.
-fn dress_in_skin(world: &mut World, joints: Vec<Entity>) {
+/// Adds the figure; tells its limbs, of which [`CHEST`] is one.
+pub fn spawn_figure(
+    commands: &mut Commands,
+    meshes: &mut Assets<Mesh>,
+    bindposes: &mut Assets<SkinnedMeshInverseBindposes>,
+) -> Vec<Limb> {
+    let mut limbs: Vec<Limb> = Vec::new();
+    for joint in JOINTS {
+        let (from, to, radius) = joint.bone;
+        let mut new = commands.spawn((joint, pose(&joint, 0.0), Visibility::default()));
+        if let Some(parent) = joint.parent {
+            new.insert(ChildOf(limbs[parent].joint));
+        }
+        limbs.push(Limb { joint: new.id(), from, to, radius });
+    }
+    let joints = limbs.iter().map(|limb| limb.joint).collect();
+    let (mesh, back) = skin();
+    let skin = SkinnedMesh { inverse_bindposes: bindposes.add(back), joints };
+    // Its bounds are those of the start.
+    commands.spawn((Mesh3d(meshes.add(mesh)), skin, NoFrustumCulling, clay(IVORY)));
+    limbs
+}
+
+/// The mesh that the joints move, and from where each moves it.
+fn skin() -> (Mesh, Vec<Mat4>) {
     // At the start no joint is turned.
     let mut places: Vec<Vec3> = Vec::new();
     for joint in JOINTS {
@@ -99,11 +114,7 @@ fn dress_in_skin(world: &mut World, joints: Vec<Entity>) {
     };
     let bones: Vec<_> = JOINTS.iter().zip(&places).map(moved).collect();
     let mesh = body(&bones, &JOINTS.map(|joint| joint.parent));
-    let mesh = Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh));
-    let back: Vec<Mat4> = places.iter().map(|place| Mat4::from_translation(-place)).collect();
-    let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(back);
-    // Its bounds are those of the start.
-    world.spawn((mesh, SkinnedMesh { inverse_bindposes, joints }, NoFrustumCulling, clay(IVORY)));
+    (mesh, places.iter().map(|place| Mat4::from_translation(-place)).collect())
 }
 
 /// Walks.

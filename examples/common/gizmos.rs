@@ -21,7 +21,7 @@ pub enum Lines {
 }
 
 /// Adds those that are named; threads and pins where none is.
-pub fn add_gizmos(app: &mut App, lines: &[Lines]) {
+pub(crate) fn add_gizmos(app: &mut App, lines: &[Lines]) {
     app.add_plugins(ClothGizmosPlugin);
     if !lines.is_empty() {
         let has = |line| lines.contains(&line);

@@ -1,11 +1,11 @@
-//! Runs a scene without a window, a tick an update, and reports.
+//! Runs an example without a window, a tick an update, and reports.
 
-use super::{
+use crate::{
+    Example,
     check::check,
     obj::write_obj,
     report::{Report, Watch, watch},
-    scene::Scene,
-    series::run_in_series,
+    run_in_series,
 };
 use bevy::{
     app::{TaskPoolOptions, TaskPoolPlugin},
@@ -25,8 +25,8 @@ use std::{
 /// How long a bake may take.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An app with a scene and without a window, which runs a tick an update.
-pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
+/// An app with an example's scene and without a window, which runs a tick an update.
+pub fn app(example: Example, particles: u32, threads: usize) -> App {
     let mut app = App::new();
     let pools = TaskPoolOptions::with_num_threads(threads);
     // Where large cloths are shared out. An app before this one has set it up, perhaps.
@@ -46,7 +46,7 @@ pub fn app(scene: Scene, particles: u32, threads: usize) -> App {
     app.add_observer(|added: On<Add, Cloth>, mut commands: Commands| {
         commands.entity(added.entity).insert(ClothSleepThreshold::NEVER);
     });
-    scene.add_to(&mut app, particles);
+    example.add_to(&mut app, particles);
     watch(&mut app);
     app.finish();
     app.cleanup();
@@ -83,18 +83,18 @@ pub fn simulate(app: &mut App, seconds: f32) -> Result<Report, String> {
     Ok(Report::new(app.world_mut()))
 }
 
-/// Runs a scene, prints the report, writes the meshes into a folder if one is given, and checks.
+/// Runs an example, prints the report, writes the meshes into a folder if one is given, and checks.
 ///
 /// # Errors
 /// What is wrong, in words.
 pub fn run(
-    scene: Scene,
+    example: Example,
     particles: u32,
     seconds: f32,
     threads: usize,
     folder: Option<&Path>,
 ) -> Result<(), String> {
-    let mut app = app(scene, particles, threads);
+    let mut app = app(example, particles, threads);
     let report = simulate(&mut app, seconds)?;
     println!("{report}");
     if let Some(folder) = folder {

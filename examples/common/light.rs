@@ -1,23 +1,17 @@
 //! Camera, sun and sky.
 
+use crate::View;
 use bevy::{
     light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, NotShadowCaster},
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
 };
 
-/// Where the camera is, what it looks at \[m\].
-#[derive(Resource, Clone, Copy)]
-pub struct View {
-    pub from: Vec3,
-    pub at: Vec3,
-}
-
 /// Color of the sky, and of the ground far away.
-pub const SKY: Color = Color::srgb(0.80, 0.84, 0.88);
+const SKY: Color = Color::srgb(0.80, 0.84, 0.88);
 
 /// Adds them.
-pub fn set_up_view(
+pub(crate) fn set_up_view(
     view: Res<View>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,

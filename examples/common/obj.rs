@@ -12,7 +12,7 @@ use std::{
 ///
 /// # Errors
 /// When the file cannot be written, or the mesh has no such data.
-pub fn write_obj(path: &Path, mesh: &Mesh, to_world: &GlobalTransform) -> io::Result<()> {
+pub(crate) fn write_obj(path: &Path, mesh: &Mesh, to_world: &GlobalTransform) -> io::Result<()> {
     let (Some(Float32x3(positions)), Some(Float32x3(normals)), Some(indices)) = (
         mesh.attribute(Mesh::ATTRIBUTE_POSITION),
         mesh.attribute(Mesh::ATTRIBUTE_NORMAL),

@@ -1,6 +1,6 @@
 //! What things look like.
 
-use super::scene::Look;
+use crate::Look;
 use bevy::{
     asset::RenderAssetUsages,
     prelude::*,
@@ -9,7 +9,7 @@ use bevy::{
 use bevy_drape::{prelude::*, two_sided};
 
 /// Gives new things their material; cloth has two sides and a hem.
-pub fn paint(
+pub(crate) fn paint(
     new: Query<(Entity, &Look, Has<Cloth>), Added<Look>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,

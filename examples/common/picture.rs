@@ -1,6 +1,6 @@
 //! Leaves after some frames, with a check and a picture of the last one, or pictures of all.
 
-use super::check::check;
+use crate::{check::check, example::fail};
 use bevy::{
     prelude::*,
     render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk},
@@ -46,7 +46,7 @@ impl Frames {
 }
 
 /// Lets an app leave after so many frames.
-pub fn leave_after(app: &mut App, frames: u32, picture: Option<PathBuf>) {
+pub(crate) fn leave_after(app: &mut App, frames: u32, picture: Option<PathBuf>) {
     let frames = Frames { left: frames, picture };
     let ticks = if frames.are_all_kept() { FILM_TICKS } else { TICKS };
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(ticks))
@@ -84,15 +84,12 @@ fn count_down(
 
 /// The last frame is done.
 fn leave(world: &mut World) {
-    let exit = check(world).map_or_else(fail, |()| {
-        println!("check: finite, inside the box, above the ground");
-        AppExit::Success
-    });
+    let exit = check(world).map_or_else(
+        |reason| fail(&reason),
+        |()| {
+            println!("check: finite, inside the box, above the ground");
+            AppExit::Success
+        },
+    );
     world.write_message(exit);
-}
-
-/// Says what is wrong.
-pub fn fail(reason: String) -> AppExit {
-    eprintln!("check failed: {reason}");
-    AppExit::error()
 }

@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 ///
 /// # Errors
 /// Why not.
-pub fn ask() -> Result<(), String> {
+pub(crate) fn ask() -> Result<(), String> {
     let child = env::current_exe().and_then(|program| {
         Command::new(program)
             .arg("--probe")
@@ -51,7 +51,7 @@ fn wait(mut child: Child) -> Result<(), String> {
 }
 
 /// Tries: opens an invisible window and draws a few frames.
-pub fn answer() -> AppExit {
+pub(crate) fn answer() -> AppExit {
     // A panic in a background task would leave the window waiting for it for ever.
     panic::set_hook(Box::new(|panic| {
         let payload = panic.payload_as_str().unwrap_or("a panic without words");

@@ -6,10 +6,10 @@ use std::{fmt, time::Instant};
 
 /// What has been seen so far of all cloths.
 #[derive(Resource, Default)]
-pub struct Watch {
+pub(crate) struct Watch {
     started: Option<Instant>,
     /// Time of each tick, from setting up to finishing [ms].
-    pub milliseconds: Vec<f64>,
+    pub(crate) milliseconds: Vec<f64>,
     /// Largest strain in each tick.
     peaks: Vec<f32>,
     /// Smallest distance of a particle from a solid in any tick [m].
@@ -17,7 +17,7 @@ pub struct Watch {
 }
 
 /// Watches every tick of an app.
-pub fn watch(app: &mut App) {
+pub(crate) fn watch(app: &mut App) {
     app.init_resource::<Watch>().add_systems(
         FixedPostUpdate,
         (
@@ -91,7 +91,7 @@ pub struct Report {
 
 impl Report {
     /// Sums up what has been watched.
-    pub fn new(world: &mut World) -> Self {
+    pub(crate) fn new(world: &mut World) -> Self {
         let mut query = world.query::<(&ClothSimulation, &ClothMaterial)>();
         let watch = world.resource::<Watch>();
         let mut times = watch.milliseconds.clone();

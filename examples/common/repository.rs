@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 /// A file or folder of the repository.
 ///
-/// Cargo says where it is when it runs a program. What was known when the program was compiled comes second:
+/// Cargo says where that is when it runs one of its programs. What was known when the program was compiled comes second:
 /// clones that share a target folder share what is in it.
 pub fn repository(path: &str) -> PathBuf {
     let root = std::env::var_os("CARGO_MANIFEST_DIR");
-    root.map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from).join(path)
+    root.map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../.."), PathBuf::from)
+        .join(path)
 }

@@ -6,6 +6,7 @@
 //! - [`tasks`]: what a cloth can do, and by which component.
 //! - [`how_it_works`]: a page of equations, with their sources.
 //! - [`accuracy`]: what the solver is held to, and what it gives up.
+//! - [`limits`]: what it cannot do, and where it is less than exact.
 //! - [`performance`]: what a tick and each optional part cost.
 
 #[doc = include_str!("cape.md")]
@@ -25,6 +26,9 @@ pub mod tasks {}
 
 #[doc = include_str!("accuracy.md")]
 pub mod accuracy {}
+
+#[doc = include_str!("limits.md")]
+pub mod limits {}
 
 #[doc = include_str!("performance.md")]
 pub mod performance {}

@@ -16,11 +16,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-// `tests/tools` has the examples' as well.
-#[allow(clippy::duplicate_mod)]
-#[path = "../../examples/common/series.rs"]
-mod series;
-pub use series::run_in_series;
+pub use examples_common::run_in_series;
 
 /// Set to run every test in the staged form.
 pub const STAGED: &str = "BEVY_DRAPE_TEST_STAGED";

@@ -10,8 +10,6 @@ mod corpus;
 mod decode;
 mod field;
 mod meshes;
-#[path = "../../examples/common/repository.rs"]
-mod repository;
 mod solvers;
 mod soup;
 

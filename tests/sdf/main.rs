@@ -11,7 +11,5 @@ mod baking;
 mod fields;
 mod meshes;
 mod random;
-#[path = "../../examples/common/repository.rs"]
-mod repository;
 mod saved;
 mod shapes;

@@ -1,9 +1,10 @@
 //! Meshes to bake, and the truth about them.
 
-use crate::{random::*, repository::repository};
+use crate::random::*;
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::sdf::{BakeSettings, DistanceField, SignedDistance};
 use core::f64::consts::{PI, TAU};
+use examples_common::repository;
 
 #[derive(Clone)]
 pub struct Mesh {

@@ -3,8 +3,9 @@
 //! Truth: a ring that is dragged comes to where the pointer's ray crosses the plane of the rail, as the camera
 //! projects it; the others keep their parts of the way, and the cloth follows its ends.
 
-#[path = "../../examples/common/mod.rs"]
-mod gallery;
+#[allow(dead_code)]
+#[path = "../../examples/curtain.rs"]
+mod curtain;
 
 use bevy::{
     camera::{
@@ -20,10 +21,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_drape::prelude::*;
-use gallery::{
-    curtain::{Ring, add_curtain, draw_curtain},
-    rings::draw_by_mouse,
-};
+use curtain::{Ring, draw, draw_by_mouse};
+use examples_common::Particles;
 
 use crate::common::*;
 
@@ -41,9 +40,10 @@ fn app_with_rings() -> (App, Entity) {
     let mut app =
         app_with((ClothPlugin::default(), VisibilityPlugin, CameraProjectionPlugin, picking));
     app.init_resource::<Cursor>()
-        .add_systems(FixedUpdate, draw_curtain)
+        .insert_resource(Particles(16))
+        .add_systems(FixedUpdate, draw)
         .add_observer(draw_by_mouse);
-    add_curtain(app.world_mut(), 16);
+    app.world_mut().run_system_cached(curtain::spawn).unwrap();
     let projection = PerspectiveProjection { fov: 0.6, aspect_ratio: 16.0 / 9.0, ..default() };
     let screen = RenderTargetInfo { physical_size: SCREEN, scale_factor: 1.0 };
     let computed = ComputedCameraValues {

@@ -2,8 +2,8 @@
 
 use std::{env, fmt, fs, process::Command, thread};
 
-use crate::repository::repository;
 use bevy_drape::solver::Isa;
+use examples_common::repository;
 
 /// What the yardstick takes where the peers were measured \[ms\].
 pub const PEERS_YARDSTICK: f64 = 0.42;

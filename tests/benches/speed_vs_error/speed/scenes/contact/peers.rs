@@ -1,7 +1,7 @@
 //! What other solvers reached in the same scenes, as recorded (`tests/data/peer_contact.csv`).
 
 use super::super::super::{Job, Measured, Outcome};
-use crate::repository::repository;
+use examples_common::repository;
 
 /// The records of a scene as jobs: their errors are the columns of these names.
 pub fn jobs(scene: &str, n: usize, errors: &[&str]) -> Outcome<Vec<Job<'static>>> {

@@ -1,49 +1,4 @@
-//! What the examples share: their options, the scenes, the run without a window, the window.
-//!
-//! The scenes know nothing of windows or graphics cards, so that `tests/examples.rs` runs the same
-//! ones.
-
-// Each example uses a part, and a program may print.
-#![allow(dead_code, clippy::print_stdout, clippy::print_stderr)]
-
-mod body;
-mod bunny;
-mod cape;
-pub mod check;
-pub mod curtain;
-mod drape;
-mod fabrics;
-mod figure;
-mod flag;
-#[cfg(all(feature = "demo", feature = "gizmos"))]
-mod gizmos;
-pub mod headless;
-mod hung;
-#[cfg(feature = "demo")]
-pub mod light;
-pub mod obj;
-#[cfg(feature = "demo")]
-mod paint;
-#[cfg(feature = "demo")]
-mod picture;
-#[cfg(feature = "demo")]
-mod probe;
-pub mod report;
-pub mod repository;
-#[cfg(feature = "demo")]
-pub mod rings;
-mod sail;
-pub mod scene;
-mod series;
-mod slide;
-mod stress;
-mod tablecloth;
-mod tuned;
-#[cfg(feature = "demo")]
-pub mod window;
-
-#[cfg(all(feature = "demo", feature = "gizmos"))]
-pub use gizmos::Lines;
+//! What is asked for on the command line.
 
 use clap::Args;
 use std::path::PathBuf;
@@ -66,13 +21,16 @@ pub struct Options {
     /// Draw lines to look inside: all of these, or threads and pins where none is named.
     #[cfg(all(feature = "demo", feature = "gizmos"))]
     #[arg(short, long, value_enum, value_delimiter = ',', num_args = 0..)]
-    pub gizmos: Option<Vec<Lines>>,
+    pub gizmos: Option<Vec<crate::gizmos::Lines>>,
     /// Only find out whether a window can be had: exit code 0 if so.
     #[arg(long, hide = true)]
     pub probe: bool,
 }
 
-/// Reads a time that can be simulated [s].
+/// Reads a time that can be simulated \[s\].
+///
+/// # Errors
+/// What to give in its place.
 pub fn seconds(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(seconds) if (0.1..=3600.0).contains(&seconds) => Ok(seconds),

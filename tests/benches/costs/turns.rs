@@ -1,9 +1,5 @@
 //! Times two things in turns, so that what else the machine does hits both alike, and prints them.
 
-pub mod app;
-pub mod fields;
-pub mod solver;
-
 /// Median times \[us\].
 pub struct Turns {
     pub without: f64,

@@ -3,16 +3,17 @@
 //!
 //! `cargo run --release --example costs`
 
-#[path = "common/costs/mod.rs"]
-mod costs;
-#[path = "common/repository.rs"]
-mod repository;
-#[path = "common/series.rs"]
-mod series;
+// A program may print.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod app;
+mod fields;
+mod solver;
+mod turns;
 
 use clap::{Parser, ValueEnum};
-use costs::{Wrong, app, fields, solver};
 use std::{error::Error, process::ExitCode};
+use turns::Wrong;
 
 /// Measures what each optional part costs: medians of times taken in turns with and without it, on one
 /// thread.

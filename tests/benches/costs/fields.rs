@@ -7,10 +7,12 @@ use bevy_drape::{
     sdf::{BakeSettings, DistanceField},
     solver::{Collider, Lattice, MassLumping, Pose},
 };
+use examples_common::repository;
 
-use super::solver::{Scene, compare};
-use super::{Bound, Wrong, heading, line};
-use crate::repository::repository;
+use crate::{
+    solver::{Scene, compare},
+    turns::{Bound, Wrong, heading, line},
+};
 
 /// A closed mesh: positions, and corners of triangles.
 type Closed = (Vec<Vec3>, Vec<u32>);

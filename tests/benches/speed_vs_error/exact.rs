@@ -2,8 +2,8 @@
 
 use std::{error::Error, fs};
 
-use crate::repository::repository;
 use bevy_drape::solver::ClothSolver;
+use examples_common::repository;
 
 /// One particle row at one time.
 struct Row {

@@ -1,7 +1,7 @@
 //! What other solvers reached in HANG and DRAPE, as recorded (`tests/data/peer_levels.csv`).
 
 use super::Outcome;
-use crate::repository::repository;
+use examples_common::repository;
 
 /// Which error of theirs is drawn.
 #[derive(Clone, Copy, PartialEq)]

@@ -16,17 +16,13 @@ use std::{
 use clap::{Parser, builder::PossibleValuesParser};
 use indicatif::{ProgressBar, ProgressStyle};
 
-#[path = "common/exact.rs"]
 mod exact;
 #[allow(dead_code)]
-#[path = "../tests/accuracy/reference.rs"]
+#[path = "../../accuracy/reference.rs"]
 mod reference;
-#[path = "common/repository.rs"]
-mod repository;
-#[path = "common/speed/mod.rs"]
 mod speed;
 
-use repository::repository;
+use examples_common::repository;
 use speed::{
     Extent, Outcome, Results, Runs, Scene, machine::Machine, peers, plot, readme, scenes, tables,
 };

@@ -2,7 +2,7 @@
 
 use std::{error::Error, sync::Arc, time::Instant};
 
-use super::{Bound, Turns, Wrong, heading, in_turns, line};
+use crate::turns::{Bound, Turns, Wrong, heading, in_turns, line};
 use bevy::math::{Vec2, Vec3, bounding::Aabb3d, primitives::Sphere};
 use bevy_drape::{
     sdf::{KnownShape, SdfSample, SignedDistance},

@@ -3,9 +3,7 @@
 
 use std::time::Instant;
 
-use crate::series::run_in_series;
-
-use super::{Bound, Turns, Wrong, heading, in_turns, line, median};
+use crate::turns::{Bound, Turns, Wrong, heading, in_turns, line, median};
 use bevy::{
     app::{TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::AssetPlugin,
@@ -15,6 +13,7 @@ use bevy::{
     transform::TransformPlugin,
 };
 use bevy_drape::{ClothInertia, ClothSleepThreshold, ClothTeleport, prelude::*};
+use examples_common::run_in_series;
 
 /// An app of `MinimalPlugins` on one thread, which draws its cloths or not. An update is a tick.
 fn app(drawn: bool) -> App {
