@@ -116,7 +116,7 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
         if let Err(problem) = solver.carry(&from, &to) {
             failures.report(entity, ClothError::Solver { entity, problem });
         }
-        cloth.stale = true;
+        cloth.shape_version += 1;
     }
     if stands {
         cloth.attachments.take_hold_anew();
@@ -135,7 +135,7 @@ fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures
             cloth.following.ride = None;
             cloth.rest.disturb();
             cloth.quarantined = false;
-            cloth.stale = true;
+            cloth.shape_version += 1;
             failures.clear(entity, Blame::Motion);
         }
         Err(problem) => failures.report(entity, ClothError::Solver { entity, problem }),

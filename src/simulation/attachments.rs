@@ -25,8 +25,6 @@ pub(crate) struct Anchor {
     pub holds: u32,
     /// Particles that it holds softly.
     pub pulls: u32,
-    /// The anchor's pose when the mesh was last written.
-    pub drawn: Option<Pose>,
 }
 
 impl Anchor {
@@ -37,7 +35,7 @@ impl Anchor {
             scale: 1.0,
         };
         let pose = MovingPose::new(now);
-        Self { entity, pose, tick: (now, now), cloth, holds: 0, pulls: 0, drawn: None }
+        Self { entity, pose, tick: (now, now), cloth, holds: 0, pulls: 0 }
     }
 
     /// Where the cloth is to be at rest, now that the anchor is where the tick ends.
@@ -144,11 +142,9 @@ impl Attachments {
             (holds as u32, pulls as u32)
         };
         let is_sound_anchor = |(i, anchor): (usize, &Anchor)| {
-            let &Anchor { entity: _, pose, tick: (start, end), cloth, holds, pulls, drawn } =
-                anchor;
+            let &Anchor { entity: _, pose, tick: (start, end), cloth, holds, pulls } = anchor;
             pose.is_sound()
                 && [start, end, cloth].iter().all(Pose::is_valid)
-                && drawn.is_none_or(|drawn| drawn.is_valid())
                 && counts(i) == (holds, pulls)
         };
         self.held().all(is_sound)
@@ -157,11 +153,9 @@ impl Attachments {
             && self.anchors.iter().enumerate().all(is_sound_anchor)
     }
 
-    /// The same, without what is worked out anew for each tick or frame.
+    /// The same, without what is worked out anew for each tick.
     pub fn kept(&self) -> Self {
-        let mut kept = Self { motions: Vec::new(), ..self.clone() };
-        kept.anchors.iter_mut().for_each(|anchor| anchor.drawn = None);
-        kept
+        Self { motions: Vec::new(), ..self.clone() }
     }
 
     /// Gives the attachments to another entity.

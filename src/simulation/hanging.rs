@@ -218,7 +218,7 @@ fn put(cloth: &mut ClothSimulation, entity: Entity, positions: &[Vec3]) {
             if anchor.entity == entity { at.local } else { local(anchor, at) }
         },
     );
-    cloth.stale = true;
+    cloth.shape_version += 1;
 }
 
 /// The result of the relaxation, once it is there.
@@ -237,7 +237,7 @@ fn settle(
 ) -> Result<(), SolverError> {
     let now = reference_pose(cloth);
     cloth.solver.place(positions)?;
-    cloth.stale = true;
+    cloth.shape_version += 1;
     let Some(hanging) = &mut cloth.hanging else { return Ok(()) };
     hanging.report = Some(report);
     match (hanging.from, now) {

@@ -109,9 +109,9 @@ pub struct ClothSimulation {
     pub(crate) times: Option<Box<StageTimes>>,
     /// The cloth diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
-    /// Something has moved since the mesh was last written.
+    /// Counts what has moved the cloth, for those who show it.
     #[reflect(ignore)]
-    pub(crate) stale: bool,
+    pub(crate) shape_version: u64,
 }
 
 impl ClothSimulation {

@@ -77,7 +77,7 @@ pub(crate) fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
         }
         cloth.rest.disturb();
         cloth.attachments = attachments;
-        cloth.stale = true;
+        cloth.shape_version += 1;
     }
 }
 

@@ -88,6 +88,9 @@ pub(crate) fn set_up_cloths(
             Ok(Some(mut made)) => {
                 // Only elsewhere.
                 made.told_ready = same.is_some_and(|running| running.told_ready);
+                // Where the mesh stays, another cloth was drawn into it.
+                let drawn = own.and_then(|own| own.drawn);
+                made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
                 let mut target = commands.entity(entity);
                 target.try_remove::<ClothFailure>();
                 if made.intake() != told {
@@ -268,7 +271,7 @@ fn build(
         told_ready: false,
         times: None,
         quarantined: false,
-        stale: true,
+        shape_version: 0,
     })
 }
 

@@ -142,7 +142,7 @@ impl ClothSimulation {
             // These are about what is shown and told.
             told_ready: _,
             times: _,
-            stale: _,
+            shape_version: _,
         } = self;
         let Following { teleport, inertia, teleport_asked, reset_asked, jumped, ride, room: _ } =
             following;
@@ -204,7 +204,7 @@ impl ClothSimulation {
         self.last_tick = last_tick;
         self.tick_count = tick_count;
         self.quarantined = quarantined;
-        self.stale = true;
+        self.shape_version += 1;
     }
 }
 

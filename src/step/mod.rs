@@ -295,7 +295,7 @@ pub(crate) fn finish_tick(
             Some(Ok(report)) => {
                 cloth.last_tick = Some(report);
                 cloth.tick_count += 1;
-                cloth.stale |= cloth.solver.has_moved();
+                cloth.shape_version += u64::from(cloth.solver.has_moved());
                 let ClothSimulation { rest, solver, step, .. } = &mut *cloth;
                 rest.note_tick(solver, step.dt);
                 failures.clear(entity, Blame::Motion);
