@@ -45,7 +45,6 @@ use crate::simulation::hanging::Hanging;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::Following;
 use crate::simulation::sleeping::Rest;
-use crate::simulation::stage_times::StageTimes;
 use crate::simulation::tick_input::ClothStep;
 use crate::solver::{
     ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
@@ -104,9 +103,6 @@ pub struct ClothSimulation {
     /// `ClothReady` has been told.
     #[reflect(ignore)]
     pub(crate) told_ready: bool,
-    /// Where the stages' times go, if they are asked for.
-    #[reflect(ignore)]
-    pub(crate) times: Option<Box<StageTimes>>,
     /// The cloth diverged, and waits for other numbers.
     pub(crate) quarantined: bool,
     /// Counts what has moved the cloth, for those who show it.

@@ -269,7 +269,6 @@ fn build(
         last_tick: None,
         tick_count: 0,
         told_ready: false,
-        times: None,
         quarantined: false,
         shape_version: 0,
     })

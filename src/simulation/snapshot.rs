@@ -141,7 +141,6 @@ impl ClothSimulation {
             outcome: _,
             // These are about what is shown and told.
             told_ready: _,
-            times: _,
             shape_version: _,
         } = self;
         let Following { teleport, inertia, teleport_asked, reset_asked, jumped, ride, room: _ } =

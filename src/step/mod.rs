@@ -13,10 +13,11 @@ use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
+use crate::simulation::ClothSimulation;
 use crate::simulation::anchors::note_pins;
 use crate::simulation::setup::solver_error;
+use crate::simulation::stage_times::{self, StageTimes};
 use crate::simulation::tick_input::{ClothStep, input};
-use crate::simulation::{ClothSimulation, stage_times};
 use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
 use crate::wind::zone::WindZones;
 
@@ -170,19 +171,21 @@ pub(crate) fn gather_step(
     }
 }
 
+/// A cloth in its substeps, and its times where they are asked for.
+type Stepped = (&'static mut ClothSimulation, Option<&'static mut StageTimes>);
+
 /// The fused form: all cloths in parallel, each all its substeps.
 pub(crate) fn solve_fused(
-    mut cloths: Query<&mut ClothSimulation>,
+    mut cloths: Query<Stepped>,
     mut surroundings: Surroundings,
     zones: Res<WindZones>,
 ) {
-    if !cloths.iter().any(|cloth| cloth.step.runs) {
+    if !cloths.iter().any(|(cloth, _)| cloth.step.runs) {
         return;
     }
     surroundings.with_colliders(|colliders| {
-        cloths.par_iter_mut().for_each(|mut cloth| {
-            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
-                &mut *cloth;
+        cloths.par_iter_mut().for_each(|(mut cloth, times)| {
+            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
             if step.runs {
                 *outcome = Some(following.with_colliders(colliders, |colliders| {
                     let input = input(*step, attachments, colliders, zones.get());
@@ -232,28 +235,28 @@ pub(crate) fn run_substeps(world: &mut World) {
 }
 
 /// Stage 1: springs, bending, damping, gravity, air.
-pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn accumulate_forces(mut cloths: Query<Stepped>) {
     let stage = ClothSubstepSystems::Forces;
     for_each_stepping(&mut cloths, stage, ClothSolver::accumulate_forces);
 }
 
 /// Stage 2: Verlet; pins go their way.
-pub(crate) fn integrate(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn integrate(mut cloths: Query<Stepped>) {
     for_each_stepping(&mut cloths, ClothSubstepSystems::Integrate, ClothSolver::integrate);
 }
 
 /// Stage 3: threads or Provot's correction, tethers.
-pub(crate) fn correct(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn correct(mut cloths: Query<Stepped>) {
     for_each_stepping(&mut cloths, ClothSubstepSystems::Correct, |solver, _| solver.correct());
 }
 
 fn for_each_stepping(
-    cloths: &mut Query<&mut ClothSimulation>,
+    cloths: &mut Query<Stepped>,
     stage: ClothSubstepSystems,
     act: impl Fn(&mut ClothSolver, &StepInput),
 ) {
-    for mut cloth in cloths {
-        let ClothSimulation { solver, attachments, step, times, .. } = &mut *cloth;
+    for (mut cloth, times) in cloths {
+        let ClothSimulation { solver, attachments, step, .. } = &mut *cloth;
         if step.rounds > 0 {
             let input = input(*step, attachments, &[], &[]);
             stage_times::stage(times, stage, || act(solver, &input));
@@ -262,11 +265,10 @@ fn for_each_stepping(
 }
 
 /// Stage 4: out of the colliders, friction. Ends the substep.
-pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
+pub(crate) fn collide(mut cloths: Query<Stepped>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
-        for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
-                &mut *cloth;
+        for (mut cloth, times) in &mut cloths {
+            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
             if step.rounds > 0 {
                 following.with_colliders(colliders, |colliders| {
                     let input = input(*step, attachments, colliders, &[]);
