@@ -190,7 +190,7 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
     let (mut strains, mut springs) = (0.0, 0);
     for (cloth, times) in &cloths {
         asleep += u32::from(cloth.is_asleep());
-        let (true, Some(tick)) = (cloth.step.runs, cloth.last_tick) else {
+        let (true, Some(tick)) = (cloth.tick.step.runs, cloth.progress.last_tick) else {
             continue;
         };
         awake += 1;

@@ -52,13 +52,13 @@ pub(crate) fn draw_cloths(
             ClothInterpolation::LastTick => 1.0,
         };
         let now = Drawn {
-            tick: cloth.tick_count,
+            tick: cloth.progress.tick_count,
             version: cloth.shape_version,
             blend,
             transform: global.affine(),
             settled: !cloth.solver.has_moved(),
         };
-        let anchors_moved = note_anchors(&cloth.attachments, &mut own.anchors, &transforms);
+        let anchors_moved = note_anchors(&cloth.held.attachments, &mut own.anchors, &transforms);
         if !anchors_moved && !looks_different(own.drawn, now) {
             continue;
         }
@@ -125,7 +125,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // The cloth's origin is near: far from the world's, the difference is exact where the sum is
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
-    let along = moved_since(&cloth.attachments, &own.anchors, now);
+    let along = moved_since(&cloth.held.attachments, &own.anchors, now);
     // From the cloth's coordinates to the world's axes, and from there into the entity's frame.
     let (turn, shift) = match along {
         Some(motion) => {
@@ -141,7 +141,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     }
     let placing = Placing { blend: now.blend, turn: turn.into(), shift };
     placing.write(solver, &mut own.points);
-    place_pinned(&cloth.attachments, own, now, &inverse);
+    place_pinned(&cloth.held.attachments, own, now, &inverse);
     let bounds = Aabb::enclosing(&own.points)?;
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use crate::cloth::pins::PinHold;
 use crate::pose::{MovingPose, to_local, to_world};
-use crate::solver::{PinMotion, Pose, SoftPin};
+use crate::solver::{Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,9 +86,6 @@ pub(crate) struct Attachments {
     /// An anchor whose pose cannot be used at present: its pin holds nothing until it can.
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub(crate) awaited: Option<Entity>,
-    /// The motion of each through the tick, hard pins first.
-    #[cfg_attr(feature = "serialize", serde(skip))]
-    pub motions: Vec<PinMotion>,
 }
 
 impl MapEntities for Attachments {
@@ -153,9 +150,16 @@ impl Attachments {
             && self.anchors.iter().enumerate().all(is_sound_anchor)
     }
 
-    /// The same, without what is worked out anew for each tick.
-    pub fn kept(&self) -> Self {
-        Self { motions: Vec::new(), ..self.clone() }
+    /// Forgets an anchor, and all that it holds.
+    pub fn release(&mut self, anchor: Entity) {
+        let Some(gone) = self.anchors.iter().position(|a| a.entity == anchor) else { return };
+        self.attached.retain(|a| a.anchor as usize != gone);
+        self.pulled.retain(|p| p.at.anchor as usize != gone);
+        self.anchors.remove(gone);
+        let pulled = self.pulled.iter_mut().map(|p| &mut p.at);
+        for attached in self.attached.iter_mut().chain(pulled) {
+            attached.anchor -= u32::from(attached.anchor as usize > gone);
+        }
     }
 
     /// Gives the attachments to another entity.
