@@ -61,7 +61,8 @@ use crate::solver::{ClothSolver, Isa, Lattice, Plan, StrainReport, TickReport, T
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
 /// starts the cloth anew.
 ///
-/// An inspector sees the shape, material, settings and pins that are in force, the count of ticks, and whether it has diverged.
+/// An inspector sees the shape, material, settings and pins that are in force (`in_force`), the count of ticks,
+/// and whether the cloth has diverged (`progress`).
 #[derive(Component, Reflect)]
 #[reflect(Component, from_reflect = false)]
 pub struct ClothSimulation {
