@@ -161,8 +161,8 @@ fn moved_since(
     } else {
         seen[reference]
     };
-    let (drawn, (start, end)) = (drawn?, &anchor.tick);
-    let instant = start.interpolate(end, now.blend);
+    let drawn = drawn?;
+    let instant = anchor.pose.start().interpolate(&anchor.pose.end(), now.blend);
     let moved = anchor.holds > 0 && instant != drawn;
     moved.then(|| RigidMotion::between(&instant, &drawn))
 }

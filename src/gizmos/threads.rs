@@ -33,7 +33,7 @@ pub(super) fn draw_pins(
         let half_size = 0.01 * low.distance(high);
         for at in cloth.held.attachments.held() {
             let anchor = &cloth.held.attachments.anchors[at.anchor as usize];
-            let (_, pose) = anchor.tick;
+            let pose = anchor.pose.end();
             let place = cloth.solver.position(at.particle as usize);
             let hard = cloth.pinned().binary_search(&at.particle).is_ok();
             let color = if hard { css::YELLOW } else { css::ORANGE };

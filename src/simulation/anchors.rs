@@ -104,22 +104,22 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
     let Some(reference) = attachments.reference() else { return };
     let anchors = &mut attachments.anchors;
     let leads = |(i, anchor): (usize, &Anchor)| {
-        (i == reference || anchor.holds + anchor.pulls > 0) && anchor.tick.0 != anchor.tick.1
+        (i == reference || anchor.holds + anchor.pulls > 0) && anchor.pose.moves()
     };
     if anchors.iter().enumerate().any(leads) {
         sleep.disturb();
     }
     if let Some(motion) = frame.follow(anchors, reference, stands) {
-        let (from, to) = anchors[reference].tick;
+        let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         for anchor in anchors.iter_mut() {
-            anchor.tick.0 = motion.apply_to_pose(&anchor.tick.0);
+            anchor.pose.come_from(motion.apply_to_pose(&anchor.pose.start()));
         }
-        anchors[reference].tick.0 = to;
+        anchors[reference].pose.come_from(to);
         // What pulls and stays behind has not come back from where the cloth was carried.
         let stays = |anchor: &&mut Anchor| anchor.holds == 0 && anchor.pulls > 0;
         for anchor in anchors.iter_mut().filter(stays) {
-            if frame.is_jump(&anchor.tick.0, &anchor.tick.1) {
-                anchor.tick.0 = anchor.tick.1;
+            if frame.is_jump(&anchor.pose.start(), &anchor.pose.end()) {
+                anchor.pose.come_from(anchor.pose.end());
             }
         }
         if let Err(problem) = solver.carry(&from, &to) {
@@ -168,7 +168,7 @@ fn advance_anchors(
         if at_once {
             anchor.pose.at_once();
         }
-        anchor.tick = anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
+        anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
         if let Err(error) = now
             && (problem.is_none() || error == PoseError::Missing)
         {

@@ -7,7 +7,7 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::PinHold;
-use crate::pose::{MovingPose, to_local, to_world};
+use crate::pose::{PoseTrack, to_local, to_world};
 use crate::solver::{Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.
@@ -16,9 +16,7 @@ use crate::solver::{Pose, SoftPin};
 pub(crate) struct Anchor {
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity"))]
     pub entity: Entity,
-    pub pose: MovingPose,
-    /// The anchor's poses at this tick's start and end.
-    pub tick: (Pose, Pose),
+    pub pose: PoseTrack,
     /// Pose of the cloth's entity in its frame, when it took hold.
     pub(crate) cloth: Pose,
     /// Particles that it holds hard.
@@ -34,13 +32,12 @@ impl Anchor {
             rotation: (now.rotation.inverse() * cloth.rotation).normalize(),
             scale: 1.0,
         };
-        let pose = MovingPose::new(now);
-        Self { entity, pose, tick: (now, now), cloth, holds: 0, pulls: 0 }
+        Self { entity, pose: PoseTrack::new(now), cloth, holds: 0, pulls: 0 }
     }
 
     /// Where the cloth is to be at rest, now that the anchor is where the tick ends.
     pub(crate) fn cloth_at_rest(&self) -> Pose {
-        let (_, now) = self.tick;
+        let now = self.pose.end();
         Pose {
             translation: to_world(&now, self.cloth.translation),
             rotation: (now.rotation * self.cloth.rotation).normalize(),
@@ -139,10 +136,8 @@ impl Attachments {
             (holds as u32, pulls as u32)
         };
         let is_sound_anchor = |(i, anchor): (usize, &Anchor)| {
-            let &Anchor { entity: _, pose, tick: (start, end), cloth, holds, pulls } = anchor;
-            pose.is_sound()
-                && [start, end, cloth].iter().all(Pose::is_valid)
-                && counts(i) == (holds, pulls)
+            let &Anchor { entity: _, pose, cloth, holds, pulls } = anchor;
+            pose.is_sound() && cloth.is_valid() && counts(i) == (holds, pulls)
         };
         self.held().all(is_sound)
             && self.attached.is_sorted_by(|a, b| a.particle < b.particle)

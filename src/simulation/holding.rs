@@ -31,14 +31,14 @@ impl Holding {
         let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
         motions.clear();
         for pin in attached {
-            let (start, end) = anchors[pin.anchor as usize].tick;
+            let anchor = &anchors[pin.anchor as usize].pose;
             let start = if pin.fresh {
                 solver.position(pin.particle as usize)
             } else {
-                to_world(&start, pin.local)
+                to_world(&anchor.start(), pin.local)
             };
             pin.fresh = false;
-            motions.push(PinMotion { start, end: seen(to_world(&end, pin.local)) });
+            motions.push(PinMotion { start, end: seen(to_world(&anchor.end(), pin.local)) });
         }
         let mut grabbed = self.grab.iter().flat_map(|grab| grab.ways()).peekable();
         let grabbed_motion =
@@ -47,10 +47,10 @@ impl Holding {
             while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
                 motions.push(grabbed_motion(way));
             }
-            let (start, end) = anchors[at.anchor as usize].tick;
-            let end = seen(to_world(&end, at.local));
+            let anchor = &anchors[at.anchor as usize].pose;
+            let end = seen(to_world(&anchor.end(), at.local));
             // What pulls for the first time has not come from anywhere.
-            let start = if at.fresh { end } else { to_world(&start, at.local) };
+            let start = if at.fresh { end } else { to_world(&anchor.start(), at.local) };
             at.fresh = false;
             motions.push(PinMotion { start, end });
         }

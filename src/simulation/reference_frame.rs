@@ -79,7 +79,7 @@ impl ReferenceFrame {
     ) -> Option<RigidMotion> {
         let asked = core::mem::take(&mut self.teleport_asked);
         (self.jumped, self.ride) = (false, None);
-        let (from, to) = anchors[reference].tick;
+        let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         if from == to {
             return None;
         }
@@ -96,13 +96,13 @@ impl ReferenceFrame {
     /// Whether the reference jumps, and whatever else holds the cloth jumps with it. Where anything
     /// holds it hard, what pulls it softly has no say.
     fn all_jump(&self, anchors: &[Anchor], reference: usize, motion: &RigidMotion) -> bool {
-        let (from, to) = anchors[reference].tick;
+        let leads = &anchors[reference].pose;
         let hard = anchors[reference].holds > 0;
         let holds = |anchor: &&Anchor| if hard { anchor.holds > 0 } else { anchor.pulls > 0 };
-        self.is_jump(&from, &to)
+        self.is_jump(&leads.start(), &leads.end())
             && anchors.iter().filter(holds).all(|anchor| {
-                let (from, to) = &anchor.tick;
-                !self.is_jump(&motion.apply_to_pose(from), to)
+                let carried = motion.apply_to_pose(&anchor.pose.start());
+                !self.is_jump(&carried, &anchor.pose.end())
             })
     }
 
