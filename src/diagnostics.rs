@@ -87,7 +87,9 @@ impl ClothDiagnosticsPlugin {
 
 impl Plugin for ClothDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Marks>();
+        app.register_required_components::<ClothSimulation, StageTimes>()
+            .init_resource::<Marks>()
+            .add_observer(forget_times);
         for path in Self::TIMES.into_iter().chain(Self::STAGES) {
             app.register_diagnostic(Diagnostic::new(path).with_suffix("ms"));
         }
@@ -129,6 +131,11 @@ struct Marks {
     part: Option<Instant>,
 }
 
+/// A cloth that is gone leaves no times behind.
+fn forget_times(removed: On<Remove, ClothSimulation>, mut commands: Commands) {
+    commands.entity(removed.entity).try_remove::<StageTimes>();
+}
+
 fn mark_tick(mut marks: ResMut<Marks>) {
     marks.tick = Some(Instant::now());
 }
@@ -142,9 +149,9 @@ fn end_gather(marks: Res<Marks>, mut out: Diagnostics) {
 }
 
 /// Lets every cloth take its times from zero.
-fn mark_solve(mut cloths: Query<&mut ClothSimulation>, mut marks: ResMut<Marks>) {
-    for mut cloth in &mut cloths {
-        **cloth.times.get_or_insert_default() = StageTimes::default();
+fn mark_solve(mut cloths: Query<&mut StageTimes>, mut marks: ResMut<Marks>) {
+    for mut times in &mut cloths {
+        *times = StageTimes::default();
     }
     marks.part = Some(Instant::now());
 }
@@ -176,15 +183,14 @@ fn milliseconds(time: Duration) -> f64 {
 }
 
 /// Tells what the cloths came to in the tick.
-fn report_cloths(cloths: Query<&ClothSimulation>, mut out: Diagnostics) {
+fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagnostics) {
     let mut spent = StageTimes::default();
     let (mut awake, mut asleep, mut substeps, mut contacts) = (0_u32, 0_u32, 0, 0);
     let mut most_strain = f32::NEG_INFINITY;
     let (mut strains, mut springs) = (0.0, 0);
-    for cloth in &cloths {
+    for (cloth, times) in &cloths {
         asleep += u32::from(cloth.is_asleep());
-        let (true, Some(tick), Some(times)) = (cloth.step.runs, cloth.last_tick, &cloth.times)
-        else {
+        let (true, Some(tick)) = (cloth.tick.step.runs, cloth.progress.last_tick) else {
             continue;
         };
         awake += 1;

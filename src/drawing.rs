@@ -17,7 +17,7 @@ use crate::mesh::rest_shape::RestShape;
 use crate::pose::{pose_now, pose_of, to_world};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Attachments;
-use crate::solver::RigidMotion;
+use crate::solver::{Pose, RigidMotion};
 
 /// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
 /// rounding noise of a cloth at rest, far below a pixel. It is taken from what was last written, so
@@ -28,7 +28,7 @@ const UNSEEN: f32 = 1e-5;
 pub(crate) fn draw_cloths(
     mut cloths: Query<(
         Entity,
-        &mut ClothSimulation,
+        &ClothSimulation,
         &mut ClothMesh,
         Option<&ClothInterpolation>,
         Option<&mut Aabb>,
@@ -42,8 +42,8 @@ pub(crate) fn draw_cloths(
         return;
     };
     let overstep = time.map_or(1.0, |time| time.overstep_fraction().min(1.0));
-    for (entity, mut cloth, mut own, interpolation, aabb) in &mut cloths {
-        let (cloth, own) = (&mut *cloth, &mut *own);
+    for (entity, cloth, mut own, interpolation, aabb) in &mut cloths {
+        let own = &mut *own;
         let Ok(global) = transforms.compute_global_transform(entity) else {
             continue;
         };
@@ -52,20 +52,20 @@ pub(crate) fn draw_cloths(
             ClothInterpolation::LastTick => 1.0,
         };
         let now = Drawn {
-            tick: cloth.tick_count,
+            tick: cloth.progress.tick_count,
+            version: cloth.shape_version,
             blend,
             transform: global.affine(),
             settled: !cloth.solver.has_moved(),
         };
-        let anchors_moved = note_anchors(&mut cloth.attachments, &transforms, entity);
-        if !anchors_moved && !cloth.stale && !looks_different(own.drawn, now) {
+        let anchors_moved = note_anchors(&cloth.held.attachments, &mut own.anchors, &transforms);
+        if !anchors_moved && !looks_different(own.drawn, now) {
             continue;
         }
         let Some(bounds) = place(cloth, own, now) else {
             continue;
         };
         let first = own.drawn.replace(now).is_none();
-        cloth.stale = false;
         if !first && !visibly_moved(own, bounds) {
             continue;
         }
@@ -91,21 +91,25 @@ fn looks_different(drawn: Option<Drawn>, now: Drawn) -> bool {
     drawn.is_none_or(|drawn| {
         let same_instant = drawn.tick == now.tick && drawn.blend == now.blend;
         let still = drawn.settled && now.settled;
-        drawn.transform != now.transform || !(same_instant || still)
+        let same_place = drawn.version == now.version && drawn.transform == now.transform;
+        !same_place || !(same_instant || still)
     })
 }
 
-/// Looks where the anchors are now; true if one has moved since the mesh was written.
+/// Looks where the anchors are now; true if one has moved since the last frame. The cloth's own entity
+/// is left out: its transform is looked at anyway.
 fn note_anchors(
-    attachments: &mut Attachments,
+    attachments: &Attachments,
+    seen: &mut Vec<Option<Pose>>,
     transforms: &TransformHelper,
-    own_entity: Entity,
 ) -> bool {
+    seen.resize(attachments.anchors.len(), None);
     let mut moved = false;
-    for anchor in attachments.anchors.iter_mut().filter(|anchor| anchor.entity != own_entity) {
-        let now = pose_now(transforms, anchor.entity).ok();
-        moved |= now != anchor.drawn;
-        anchor.drawn = now;
+    for (anchor, seen) in attachments.anchors.iter().zip(seen) {
+        let is_own = attachments.own_entity == Some(anchor.entity);
+        let now = if is_own { None } else { pose_now(transforms, anchor.entity).ok() };
+        moved |= now != *seen;
+        *seen = now;
     }
     moved
 }
@@ -121,7 +125,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // The cloth's origin is near: far from the world's, the difference is exact where the sum is
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
-    let along = moved_since(&cloth.attachments, now);
+    let along = moved_since(&cloth.held.attachments, &own.anchors, now);
     // From the cloth's coordinates to the world's axes, and from there into the entity's frame.
     let (turn, shift) = match along {
         Some(motion) => {
@@ -137,7 +141,7 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     }
     let placing = Placing { blend: now.blend, turn: turn.into(), shift };
     placing.write(solver, &mut own.points);
-    place_pinned(&cloth.attachments, own, now, &inverse);
+    place_pinned(&cloth.held.attachments, own, now, &inverse);
     let bounds = Aabb::enclosing(&own.points)?;
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
@@ -145,15 +149,20 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
 /// What has moved the anchor that leads the cloth since the instant that is drawn: the whole cloth is
 /// drawn as much further, so that it does not lag behind its own pinned edge. A cloth that nothing
 /// holds hard is drawn where it is.
-fn moved_since(attachments: &Attachments, now: Drawn) -> Option<RigidMotion> {
-    let anchor = &attachments.anchors[attachments.reference()?];
+fn moved_since(
+    attachments: &Attachments,
+    seen: &[Option<Pose>],
+    now: Drawn,
+) -> Option<RigidMotion> {
+    let reference = attachments.reference()?;
+    let anchor = &attachments.anchors[reference];
     let drawn = if attachments.own_entity == Some(anchor.entity) {
         pose_of(&now.transform.into()).ok()
     } else {
-        anchor.drawn
+        seen[reference]
     };
-    let (drawn, (start, end)) = (drawn?, &anchor.tick);
-    let instant = start.interpolate(end, now.blend);
+    let drawn = drawn?;
+    let instant = anchor.pose.start().interpolate(&anchor.pose.end(), now.blend);
     let moved = anchor.holds > 0 && instant != drawn;
     moved.then(|| RigidMotion::between(&instant, &drawn))
 }
@@ -163,7 +172,7 @@ fn place_pinned(attachments: &Attachments, own: &mut ClothMesh, now: Drawn, inve
     for pin in &attachments.attached {
         let anchor = &attachments.anchors[pin.anchor as usize];
         let point = &mut own.points[pin.particle as usize];
-        match anchor.drawn {
+        match own.anchors[pin.anchor as usize] {
             Some(pose) => {
                 let far = to_world(&pose, pin.local) - Vec3::from(now.transform.translation);
                 let place = *inverse * far;

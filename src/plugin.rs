@@ -31,7 +31,7 @@
 //! | new | goes to | and |
 //! | --- | --- | --- |
 //! | a force of a game's own | nowhere: `ClothForces`, `PushCloth`, or a system between two stages of [`ClothSubstep`] | |
-//! | a force | `core/solver/forces`: see *A new force* in `core/solver/mod.rs` | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.rest.disturb()`) |
+//! | a force | `core/solver/forces`: see *A new force* in `core/solver/mod.rs` | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.sleep.disturb()`) |
 //! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
 //! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |

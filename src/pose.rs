@@ -9,15 +9,17 @@ use bevy::prelude::*;
 use crate::error::ClothError;
 use crate::solver::Pose;
 
-/// A pose that moves from tick to tick.
+/// A pose from tick to tick: where something is at a tick's start and at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct MovingPose {
-    /// At the last tick's end.
-    last: Pose,
+pub(crate) struct PoseTrack {
+    /// At the last tick's start.
+    start: Pose,
+    /// At its end.
+    end: Pose,
     /// At the start of the frame, before its ticks.
     noted: Pose,
-    /// `last` at the start of the frame.
+    /// `end` at the start of the frame.
     from: Pose,
     /// Ticks that the frame was expected to run.
     ticks: u32,
@@ -25,17 +27,17 @@ pub(crate) struct MovingPose {
     done: u32,
 }
 
-impl MovingPose {
+impl PoseTrack {
     /// Something newly seen: it has not moved.
     pub fn new(now: Pose) -> Self {
-        Self { last: now, noted: now, from: now, ticks: 0, done: 0 }
+        Self { start: now, end: now, noted: now, from: now, ticks: 0, done: 0 }
     }
 
     /// Notes the pose before the `ticks` ticks of a frame. A frame without ticks leaves the way to
     /// the next.
     pub fn begin_frame(&mut self, now: Pose, ticks: u32) {
         if ticks > 0 {
-            *self = Self { last: self.last, noted: now, from: self.last, ticks, done: 0 };
+            *self = Self { noted: now, from: self.end, ticks, done: 0, ..*self };
         }
     }
 
@@ -46,25 +48,39 @@ impl MovingPose {
 
     /// Whether it could be that of anything.
     pub fn is_sound(&self) -> bool {
-        let Self { last, noted, from, ticks: _, done } = self;
-        [last, noted, from].into_iter().all(Pose::is_valid) && *done <= u32::MAX / 2
+        let Self { start, end, noted, from, ticks: _, done } = self;
+        [start, end, noted, from].into_iter().all(Pose::is_valid) && *done <= u32::MAX / 2
+    }
+
+    /// The pose at the last tick's start.
+    pub fn start(&self) -> Pose {
+        self.start
     }
 
     /// The pose at the last tick's end.
     pub fn end(&self) -> Pose {
-        self.last
+        self.end
     }
 
-    /// The poses at the start and at the end of the next tick.
-    pub fn advance(&mut self, now: Pose) -> (Pose, Pose) {
-        let start = self.last;
+    /// Whether it moves in the tick.
+    pub fn moves(&self) -> bool {
+        self.start != self.end
+    }
+
+    /// Lets it have come from elsewhere in this tick.
+    pub fn come_from(&mut self, start: Pose) {
+        self.start = start;
+    }
+
+    /// Goes on by a tick.
+    pub fn advance(&mut self, now: Pose) {
+        self.start = self.end;
         self.done += 1;
-        self.last = if self.done < self.ticks && now == self.noted {
+        self.end = if self.done < self.ticks && now == self.noted {
             self.from.interpolate(&self.noted, self.done as f32 / self.ticks as f32)
         } else {
             now
         };
-        (start, self.last)
     }
 }
 
@@ -129,20 +145,23 @@ mod tests {
         Pose { translation: Vec3::X * x, rotation: Quat::IDENTITY, scale: 1.0 }
     }
 
-    fn ways(pose: &mut MovingPose, now: &[f32]) -> Vec<(f32, f32)> {
-        let way = |x: &f32| pose.advance(at(*x));
-        now.iter().map(way).map(|(a, b)| (a.translation.x, b.translation.x)).collect()
+    fn ways(pose: &mut PoseTrack, now: &[f32]) -> Vec<(f32, f32)> {
+        let way = |x: &f32| {
+            pose.advance(at(*x));
+            (pose.start().translation.x, pose.end().translation.x)
+        };
+        now.iter().map(way).collect()
     }
 
     #[test]
     fn new_things_have_not_moved() {
-        let mut pose = MovingPose::new(at(3.0));
+        let mut pose = PoseTrack::new(at(3.0));
         assert_eq!(ways(&mut pose, &[3.0, 3.0]), [(3.0, 3.0), (3.0, 3.0)]);
     }
 
     #[test]
     fn a_move_once_a_frame_is_spread_over_its_ticks() {
-        let mut pose = MovingPose::new(at(0.0));
+        let mut pose = PoseTrack::new(at(0.0));
         pose.begin_frame(at(4.0), 4);
         let expected = [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)];
         assert_eq!(ways(&mut pose, &[4.0; 4]), expected);
@@ -152,7 +171,7 @@ mod tests {
 
     #[test]
     fn frames_without_ticks_keep_the_way_for_later() {
-        let mut pose = MovingPose::new(at(0.0));
+        let mut pose = PoseTrack::new(at(0.0));
         pose.begin_frame(at(1.0), 0);
         pose.begin_frame(at(2.0), 0);
         pose.begin_frame(at(4.0), 2);
@@ -161,14 +180,14 @@ mod tests {
 
     #[test]
     fn moves_in_the_fixed_schedule_are_taken_as_they_are() {
-        let mut pose = MovingPose::new(at(0.0));
+        let mut pose = PoseTrack::new(at(0.0));
         pose.begin_frame(at(0.0), 3);
         assert_eq!(ways(&mut pose, &[1.0, 1.5, 7.0]), [(0.0, 1.0), (1.0, 1.5), (1.5, 7.0)]);
     }
 
     #[test]
     fn more_ticks_than_expected_do_not_overshoot() {
-        let mut pose = MovingPose::new(at(0.0));
+        let mut pose = PoseTrack::new(at(0.0));
         pose.begin_frame(at(2.0), 2);
         assert_eq!(ways(&mut pose, &[2.0; 3]), [(0.0, 1.0), (1.0, 2.0), (2.0, 2.0)]);
     }

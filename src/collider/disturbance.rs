@@ -8,7 +8,7 @@ use crate::collider::SdfCollider;
 use crate::collider::snapshot::SdfColliderSnapshot;
 use crate::collider::tick_colliders::{Gathered, TickColliders};
 use crate::sdf::DistanceField;
-use crate::solver::Pose;
+use crate::solver::{ColliderMotion, Pose};
 
 /// Where colliders moved, came, went or changed in this tick, and what they were like in it.
 #[derive(Resource, Default)]
@@ -27,8 +27,7 @@ pub(crate) struct Disturbances {
 #[derive(Clone, Copy)]
 struct Seen {
     entity: Entity,
-    start: Pose,
-    end: Pose,
+    motion: ColliderMotion,
     friction: f32,
     layers: u32,
     /// In its own frame; `None` where it has none.
@@ -49,10 +48,11 @@ impl Disturbances {
     fn note(&mut self, seen: &Seen) {
         match seen.bounds {
             Some(bounds) => {
-                for pose in [&seen.start, &seen.end] {
+                let (start, end) = (seen.motion.start(), seen.motion.end());
+                for pose in [&start, &end] {
                     self.places.push(in_world(&bounds, pose));
                 }
-                if seen.start != seen.end {
+                if start != end {
                     // The way between.
                     let [a, b] = self.places[self.places.len() - 2..] else { return };
                     self.places.push(a.merge(&b));
@@ -86,9 +86,8 @@ pub(crate) fn note_disturbances(
     noted.seen.extend(snapshot.colliders.iter().filter_map(|collider| {
         let &Gathered { entity, motion, friction, layers, .. } = collider;
         let motion = motion?;
-        let (start, end) = (motion.start(), motion.end());
         let bounds = collider.shape.get(fields.as_deref())?.bounds();
-        Some(Seen { entity, start, end, friction, layers, bounds })
+        Some(Seen { entity, motion, friction, layers, bounds })
     }));
     let (seen, before) = (core::mem::take(&mut noted.seen), core::mem::take(&mut noted.before));
     let mut gone = before.iter().peekable();
@@ -99,7 +98,8 @@ pub(crate) fn note_disturbances(
         let was = gone.next_if(|was| was.entity == now.entity);
         // What is put back into a scene was there all along.
         let restored = restored.contains(now.entity);
-        let stays = now.start == now.end && (restored || was.is_some_and(|was| was.is_like(now)));
+        let stays = now.motion.start() == now.motion.end()
+            && (restored || was.is_some_and(|was| was.is_like(now)));
         // A field may be another without other bounds; those are few, and seldom.
         let changed = changed.contains(now.entity) && !restored;
         if !stays || changed || fields_changed {
@@ -115,7 +115,7 @@ pub(crate) fn note_disturbances(
 
 impl Seen {
     fn is_like(&self, other: &Self) -> bool {
-        self.end == other.end
+        self.motion.end() == other.motion.end()
             && self.friction == other.friction
             && self.layers == other.layers
             && self.bounds == other.bounds

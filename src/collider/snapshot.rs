@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::tick_colliders::ColliderPose;
-use crate::pose::MovingPose;
+use crate::pose::PoseTrack;
 
 /// The way of a moving collider so far, which the next tick starts from: what
 /// [`ClothSnapshot`](crate::ClothSnapshot) is to a cloth.
@@ -18,7 +18,7 @@ use crate::pose::MovingPose;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(ColliderPose)]
 pub struct SdfColliderSnapshot {
-    pose: MovingPose,
+    pose: PoseTrack,
 }
 
 impl SdfColliderSnapshot {
@@ -30,7 +30,7 @@ impl SdfColliderSnapshot {
 }
 
 #[cfg(feature = "serialize")]
-crate::serialize::versioned!(SdfColliderSnapshot, pose: MovingPose);
+crate::serialize::versioned!(SdfColliderSnapshot, pose: PoseTrack);
 
 /// Takes over a state as soon as it is there. One that is damaged is that of a collider that has not moved.
 pub(crate) fn restore_collider(

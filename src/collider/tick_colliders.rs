@@ -11,7 +11,7 @@ use crate::collider::shape::SdfShape;
 use crate::collider::{JUMP, SdfCollider};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
-use crate::pose::{MovingPose, pose_error, pose_now};
+use crate::pose::{PoseTrack, pose_error, pose_now};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose};
 
@@ -19,7 +19,7 @@ use crate::solver::{self, ColliderMotion, Pose};
 #[derive(Component, Default)]
 pub(crate) struct ColliderPose {
     /// Boxed, so that looking over those that stand still passes through little memory.
-    moving: Option<Box<MovingPose>>,
+    moving: Option<Box<PoseTrack>>,
     /// The collider stood still in the last tick: as long as nothing of it changes there is nothing to do.
     still: bool,
     /// Whether its impulse was asked for.
@@ -28,12 +28,12 @@ pub(crate) struct ColliderPose {
 
 impl ColliderPose {
     /// The collider's motion so far, if a tick has seen it.
-    pub(crate) fn moving(&self) -> Option<&MovingPose> {
+    pub(crate) fn moving(&self) -> Option<&PoseTrack> {
         self.moving.as_deref()
     }
 
     /// Lets the collider go on from a motion.
-    pub(crate) fn come_from(&mut self, pose: MovingPose) {
+    pub(crate) fn come_from(&mut self, pose: PoseTrack) {
         self.moving = Some(Box::new(pose));
         self.still = false;
     }
@@ -269,8 +269,9 @@ fn gather(
         problem,
     })?;
     let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
-    let (start, end) =
-        pose.moving.get_or_insert_with(|| Box::new(MovingPose::new(now))).advance(now);
+    let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
+    track.advance(now);
+    let (start, end) = (track.start(), track.end());
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
     pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));

@@ -24,7 +24,7 @@ pub(super) fn draw_contacts(
     let length = gizmos.config_ext.normal_length;
     let colliders = snapshot.colliders(fields.as_deref(), ColliderRoom::default());
     for cloth in &cloths {
-        let reach = cloth.material.thickness + ROUNDING;
+        let reach = cloth.in_force.material.thickness + ROUNDING;
         for collider in &colliders {
             for_each_near(cloth, collider, reach, |near| {
                 let tip = near.place + length * near.normal;

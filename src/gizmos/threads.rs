@@ -31,9 +31,9 @@ pub(super) fn draw_pins(
     for (cloth, grab) in &cloths {
         let (low, high) = cloth.solver.bounds();
         let half_size = 0.01 * low.distance(high);
-        for at in cloth.attachments.held() {
-            let anchor = &cloth.attachments.anchors[at.anchor as usize];
-            let (_, pose) = anchor.tick;
+        for at in cloth.held.attachments.held() {
+            let anchor = &cloth.held.attachments.anchors[at.anchor as usize];
+            let pose = anchor.pose.end();
             let place = cloth.solver.position(at.particle as usize);
             let hard = cloth.pinned().binary_search(&at.particle).is_ok();
             let color = if hard { css::YELLOW } else { css::ORANGE };
@@ -41,11 +41,11 @@ pub(super) fn draw_pins(
             if !hard {
                 gizmos.line(place, to_world(&pose, at.local), color);
             }
-            if Some(anchor.entity) != cloth.attachments.own_entity {
+            if Some(anchor.entity) != cloth.held.attachments.own_entity {
                 gizmos.line(place, pose.translation, color.with_alpha(0.3));
             }
         }
-        if let (Some(grabbed), Some(_)) = (&cloth.grab, grab) {
+        if let (Some(grabbed), Some(_)) = (&cloth.held.grab, grab) {
             for (particle, _, target) in grabbed.ways() {
                 let place = cloth.solver.position(particle as usize);
                 gizmos.cross(place, half_size, css::LIME);

@@ -6,6 +6,7 @@ use bevy_drape_core::surface::{GridNormals, Tangents};
 
 use crate::mesh::intake::NormalPlan;
 use crate::mesh::rest_shape::RestShape;
+use crate::solver::Pose;
 
 /// The mesh that a cloth draws into, and what was last drawn.
 #[derive(Component)]
@@ -25,12 +26,16 @@ pub(crate) struct ClothMesh {
     /// The mesh's tangents, once it has been looked at.
     pub tangents: Option<Option<Box<Tangents>>>,
     pub drawn: Option<Drawn>,
+    /// Where the cloth's anchors were in the last frame, in their order; `None` where one has no pose.
+    pub anchors: Vec<Option<Pose>>,
 }
 
 /// The state of things when the mesh was written.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Drawn {
     pub tick: u64,
+    /// The cloth's `shape_version`.
+    pub version: u64,
     pub blend: f32,
     pub transform: Affine3A,
     /// Nothing moved in the tick, so that it looks the same at any blend.
@@ -57,6 +62,7 @@ impl ClothMesh {
             sums: Vec::new(),
             tangents: None,
             drawn: None,
+            anchors: Vec::new(),
         }
     }
 }

@@ -120,7 +120,7 @@ fn measure(found: &LookedItem<'_, '_>, around: &Around, time: f64) -> PanelSampl
         let velocity = cloth.velocity(particle).unwrap_or_default().as_dvec3();
         kinetic += 0.5 * mass * velocity.length_squared();
         // Over the rest shape where it was set up, which only shifts it.
-        let start = cloth.placed.translation + cloth.placed.rotation * *rest;
+        let start = cloth.in_force.placed.translation + cloth.in_force.placed.rotation * *rest;
         height -= mass * gravity.dot((cloth.solver.position(particle) - start).as_dvec3());
     }
     let tick = around.store.as_deref().and_then(|store| store.get(&ClothDiagnosticsPlugin::TICK));

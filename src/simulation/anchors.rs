@@ -2,25 +2,31 @@
 
 use bevy::prelude::*;
 
+use crate::cloth::pins::ClothPins;
 use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
-use crate::pose::{PoseError, pose_error, pose_now, to_world};
+use crate::pose::{PoseError, pose_error, pose_now};
 use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::{Anchor, Attachments, Pulled};
-use crate::simulation::pinning::hold;
-use crate::solver::{ParameterError, PinMotion};
+use crate::simulation::attachments::{Anchor, Attachments};
+use crate::simulation::holding::hold;
+use crate::simulation::reference_frame::ReferenceFrame;
+use crate::solver::ParameterError;
 
 /// Notes where all anchors are before a frame's ticks.
-pub(crate) fn note_pins(cloth: &mut ClothSimulation, transforms: &TransformHelper, ticks: u32) {
-    for anchor in &mut cloth.attachments.anchors {
+pub(crate) fn note_anchors(
+    attachments: &mut Attachments,
+    frame: &ReferenceFrame,
+    transforms: &TransformHelper,
+    ticks: u32,
+) {
+    for anchor in &mut attachments.anchors {
         if let Ok(now) = pose_now(transforms, anchor.entity) {
             let before = anchor.pose.end();
             anchor.pose.begin_frame(now, ticks);
-            let asked = cloth.following.teleport_asked;
-            if asked || cloth.following.is_jump_of_frame(&before, &now, ticks) {
+            if frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks) {
                 anchor.pose.at_once();
             }
         }
@@ -42,22 +48,24 @@ pub(crate) fn gather_pins(
 ) {
     for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
         let cloth = &mut *cloth;
-        let outcome = cloth.following.set_teleport(teleport);
+        let outcome = cloth.frame.set_teleport(teleport);
         tell(entity, "ClothTeleport", Blame::Teleport, outcome, &mut failures);
-        let outcome = cloth.following.set_inertia(inertia);
+        let outcome = cloth.frame.set_inertia(inertia);
         tell(entity, "ClothInertia", Blame::Inertia, outcome, &mut failures);
-        let at_once = cloth.following.teleport_asked;
-        match advance_anchors(&mut cloth.attachments, &transforms, at_once) {
-            None if cloth.attachments.awaited.is_some() => {}
+        let at_once = cloth.frame.teleport_asked;
+        match advance_anchors(&mut cloth.held.attachments, &transforms, at_once) {
+            None if cloth.held.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
             Some((anchor, PoseError::Scale(scale))) if anchor == entity => {
                 failures.report(entity, ClothError::Scale { entity, scale });
             }
-            Some((anchor, error)) if anchor == entity && holds_nothing(cloth, anchor) => {
+            Some((anchor, error))
+                if anchor == entity && holds_nothing(&cloth.held.attachments, anchor) =>
+            {
                 failures.report(entity, pose_error(entity, error));
             }
             Some((anchor, error)) => {
-                let pin = pin_held_by(cloth, entity, anchor);
+                let pin = pin_held_by(&cloth.in_force.pins, entity, anchor);
                 let problem = match error {
                     PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
                     PoseError::Missing => PinProblem::NoAnchor(anchor),
@@ -91,60 +99,60 @@ fn tell(
 /// Carries the cloth where its reference has jumped, or resets it. One that `stands` is carried by
 /// every motion.
 fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &mut Failures) {
-    let ClothSimulation { attachments, following, solver, rest, .. } = cloth;
+    let ClothSimulation { held, frame, solver, sleep, .. } = cloth;
+    let attachments = &mut held.attachments;
     let Some(reference) = attachments.reference() else { return };
     let anchors = &mut attachments.anchors;
     let leads = |(i, anchor): (usize, &Anchor)| {
-        (i == reference || anchor.holds + anchor.pulls > 0) && anchor.tick.0 != anchor.tick.1
+        (i == reference || anchor.holds + anchor.pulls > 0) && anchor.pose.moves()
     };
     if anchors.iter().enumerate().any(leads) {
-        rest.disturb();
+        sleep.disturb();
     }
-    if let Some(motion) = following.follow(anchors, reference, stands) {
-        let (from, to) = anchors[reference].tick;
+    if let Some(motion) = frame.follow(anchors, reference, stands) {
+        let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         for anchor in anchors.iter_mut() {
-            anchor.tick.0 = motion.apply_to_pose(&anchor.tick.0);
+            anchor.pose.come_from(motion.apply_to_pose(&anchor.pose.start()));
         }
-        anchors[reference].tick.0 = to;
+        anchors[reference].pose.come_from(to);
         // What pulls and stays behind has not come back from where the cloth was carried.
         let stays = |anchor: &&mut Anchor| anchor.holds == 0 && anchor.pulls > 0;
         for anchor in anchors.iter_mut().filter(stays) {
-            if following.is_jump(&anchor.tick.0, &anchor.tick.1) {
-                anchor.tick.0 = anchor.tick.1;
+            if frame.is_jump(&anchor.pose.start(), &anchor.pose.end()) {
+                anchor.pose.come_from(anchor.pose.end());
             }
         }
         if let Err(problem) = solver.carry(&from, &to) {
             failures.report(entity, ClothError::Solver { entity, problem });
         }
-        cloth.stale = true;
+        cloth.shape_version += 1;
     }
     if stands {
-        cloth.attachments.take_hold_anew();
+        cloth.held.attachments.take_hold_anew();
     }
-    if core::mem::take(&mut cloth.following.reset_asked) {
+    if core::mem::take(&mut cloth.frame.reset_asked) {
         reset(entity, cloth, reference, failures);
     }
 }
 
 /// Puts the cloth back to its rest shape.
 fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures: &mut Failures) {
-    let pose = cloth.attachments.anchors[reference].cloth_at_rest();
+    let pose = cloth.held.attachments.anchors[reference].cloth_at_rest();
     match cloth.solver.reset(&pose) {
         Ok(()) => {
-            cloth.attachments.take_hold_anew();
-            cloth.following.ride = None;
-            cloth.rest.disturb();
-            cloth.quarantined = false;
-            cloth.stale = true;
+            cloth.held.attachments.take_hold_anew();
+            cloth.frame.ride = None;
+            cloth.sleep.disturb();
+            cloth.progress.quarantined = false;
+            cloth.shape_version += 1;
             failures.clear(entity, Blame::Motion);
         }
         Err(problem) => failures.report(entity, ClothError::Solver { entity, problem }),
     }
 }
 
-fn holds_nothing(cloth: &ClothSimulation, anchor: Entity) -> bool {
-    let mut anchors = cloth.attachments.anchors.iter();
-    !anchors.any(|a| a.entity == anchor && a.holds + a.pulls > 0)
+fn holds_nothing(attachments: &Attachments, anchor: Entity) -> bool {
+    !attachments.anchors.iter().any(|a| a.entity == anchor && a.holds + a.pulls > 0)
 }
 
 /// Moves every anchor on by a tick. One that has no usable pose stays; it is told, a missing one
@@ -160,7 +168,7 @@ fn advance_anchors(
         if at_once {
             anchor.pose.at_once();
         }
-        anchor.tick = anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
+        anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
         if let Err(error) = now
             && (problem.is_none() || error == PoseError::Missing)
         {
@@ -171,57 +179,13 @@ fn advance_anchors(
 }
 
 /// The first pin with this anchor.
-fn pin_held_by(cloth: &ClothSimulation, entity: Entity, anchor: Entity) -> usize {
-    let mut pins = cloth.pins.pins.iter();
-    pins.position(|pin| pin.anchor.unwrap_or(entity) == anchor).unwrap_or(0)
+fn pin_held_by(pins: &ClothPins, entity: Entity, anchor: Entity) -> usize {
+    pins.pins.iter().position(|pin| pin.anchor.unwrap_or(entity) == anchor).unwrap_or(0)
 }
 
 /// Lets go of everything that this anchor holds.
 fn release(cloth: &mut ClothSimulation, anchor: Entity) {
-    let mut attachments = core::mem::take(&mut cloth.attachments);
-    if let Some(gone) = attachments.anchors.iter().position(|a| a.entity == anchor) {
-        attachments.attached.retain(|a| a.anchor as usize != gone);
-        attachments.pulled.retain(|p| p.at.anchor as usize != gone);
-        attachments.anchors.remove(gone);
-        let pulled = attachments.pulled.iter_mut().map(|p| &mut p.at);
-        for attached in attachments.attached.iter_mut().chain(pulled) {
-            attached.anchor -= u32::from(attached.anchor as usize > gone);
-        }
-    }
+    let mut attachments = core::mem::take(&mut cloth.held.attachments);
+    attachments.release(anchor);
     hold(cloth, attachments);
-}
-
-/// Works out the motion of every pin through the tick.
-pub(crate) fn gather_motions(cloth: &mut ClothSimulation) {
-    let Attachments { anchors, attached, pulled, motions, .. } = &mut cloth.attachments;
-    let back = cloth.following.ride.map(|ride| ride.inverse());
-    let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
-    motions.clear();
-    for pin in attached {
-        let (start, end) = anchors[pin.anchor as usize].tick;
-        let start = if pin.fresh {
-            cloth.solver.position(pin.particle as usize)
-        } else {
-            to_world(&start, pin.local)
-        };
-        pin.fresh = false;
-        motions.push(PinMotion { start, end: seen(to_world(&end, pin.local)) });
-    }
-    let mut grabbed = cloth.grab.iter().flat_map(|grab| grab.ways()).peekable();
-    let grabbed_motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
-    for Pulled { at, .. } in pulled {
-        while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
-            motions.push(grabbed_motion(way));
-        }
-        let (start, end) = anchors[at.anchor as usize].tick;
-        let end = seen(to_world(&end, at.local));
-        // What pulls for the first time has not come from anywhere.
-        let start = if at.fresh { end } else { to_world(&start, at.local) };
-        at.fresh = false;
-        motions.push(PinMotion { start, end });
-    }
-    motions.extend(grabbed.map(grabbed_motion));
-    if let Some(grab) = &mut cloth.grab {
-        grab.advance();
-    }
 }

@@ -7,8 +7,8 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::PinHold;
-use crate::pose::{MovingPose, to_local, to_world};
-use crate::solver::{PinMotion, Pose, SoftPin};
+use crate::pose::{PoseTrack, to_local, to_world};
+use crate::solver::{Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,17 +16,13 @@ use crate::solver::{PinMotion, Pose, SoftPin};
 pub(crate) struct Anchor {
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity"))]
     pub entity: Entity,
-    pub pose: MovingPose,
-    /// The anchor's poses at this tick's start and end.
-    pub tick: (Pose, Pose),
+    pub pose: PoseTrack,
     /// Pose of the cloth's entity in its frame, when it took hold.
     pub(crate) cloth: Pose,
     /// Particles that it holds hard.
     pub holds: u32,
     /// Particles that it holds softly.
     pub pulls: u32,
-    /// The anchor's pose when the mesh was last written.
-    pub drawn: Option<Pose>,
 }
 
 impl Anchor {
@@ -36,13 +32,12 @@ impl Anchor {
             rotation: (now.rotation.inverse() * cloth.rotation).normalize(),
             scale: 1.0,
         };
-        let pose = MovingPose::new(now);
-        Self { entity, pose, tick: (now, now), cloth, holds: 0, pulls: 0, drawn: None }
+        Self { entity, pose: PoseTrack::new(now), cloth, holds: 0, pulls: 0 }
     }
 
     /// Where the cloth is to be at rest, now that the anchor is where the tick ends.
     pub(crate) fn cloth_at_rest(&self) -> Pose {
-        let (_, now) = self.tick;
+        let now = self.pose.end();
         Pose {
             translation: to_world(&now, self.cloth.translation),
             rotation: (now.rotation * self.cloth.rotation).normalize(),
@@ -88,9 +83,6 @@ pub(crate) struct Attachments {
     /// An anchor whose pose cannot be used at present: its pin holds nothing until it can.
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub(crate) awaited: Option<Entity>,
-    /// The motion of each through the tick, hard pins first.
-    #[cfg_attr(feature = "serialize", serde(skip))]
-    pub motions: Vec<PinMotion>,
 }
 
 impl MapEntities for Attachments {
@@ -144,12 +136,8 @@ impl Attachments {
             (holds as u32, pulls as u32)
         };
         let is_sound_anchor = |(i, anchor): (usize, &Anchor)| {
-            let &Anchor { entity: _, pose, tick: (start, end), cloth, holds, pulls, drawn } =
-                anchor;
-            pose.is_sound()
-                && [start, end, cloth].iter().all(Pose::is_valid)
-                && drawn.is_none_or(|drawn| drawn.is_valid())
-                && counts(i) == (holds, pulls)
+            let &Anchor { entity: _, pose, cloth, holds, pulls } = anchor;
+            pose.is_sound() && cloth.is_valid() && counts(i) == (holds, pulls)
         };
         self.held().all(is_sound)
             && self.attached.is_sorted_by(|a, b| a.particle < b.particle)
@@ -157,11 +145,16 @@ impl Attachments {
             && self.anchors.iter().enumerate().all(is_sound_anchor)
     }
 
-    /// The same, without what is worked out anew for each tick or frame.
-    pub fn kept(&self) -> Self {
-        let mut kept = Self { motions: Vec::new(), ..self.clone() };
-        kept.anchors.iter_mut().for_each(|anchor| anchor.drawn = None);
-        kept
+    /// Forgets an anchor, and all that it holds.
+    pub fn release(&mut self, anchor: Entity) {
+        let Some(gone) = self.anchors.iter().position(|a| a.entity == anchor) else { return };
+        self.attached.retain(|a| a.anchor as usize != gone);
+        self.pulled.retain(|p| p.at.anchor as usize != gone);
+        self.anchors.remove(gone);
+        let pulled = self.pulled.iter_mut().map(|p| &mut p.at);
+        for attached in self.attached.iter_mut().chain(pulled) {
+            attached.anchor -= u32::from(attached.anchor as usize > gone);
+        }
     }
 
     /// Gives the attachments to another entity.

@@ -30,15 +30,15 @@ pub(crate) fn apply_changes(
         let gone = |differs: bool, blame| differs || failures.blames(entity, blame);
         let material_changed = match &material {
             Some(material) => material.is_changed(),
-            None => gone(cloth.material != ClothMaterial::default(), Blame::Material),
+            None => gone(cloth.in_force.material != ClothMaterial::default(), Blame::Material),
         };
         let settings_changed = match &settings {
             Some(settings) => settings.is_changed(),
-            None => gone(cloth.settings != ClothSettings::default(), Blame::Settings),
+            None => gone(cloth.in_force.settings != ClothSettings::default(), Blame::Settings),
         };
         let weights_changed = match &weights {
             Some(weights) => weights.is_changed(),
-            None => gone(cloth.weights.is_some(), Blame::Weights),
+            None => gone(cloth.in_force.weights.is_some(), Blame::Weights),
         };
         if !(material_changed || settings_changed || weights_changed) {
             continue;
@@ -56,8 +56,8 @@ pub(crate) fn apply_changes(
         if changed {
             cloth.wake();
         }
-        if changed && cloth.quarantined {
-            cloth.quarantined = false;
+        if changed && cloth.progress.quarantined {
+            cloth.progress.quarantined = false;
             failures.clear(entity, Blame::Motion);
         }
     }
@@ -68,9 +68,9 @@ fn apply_material(
     material: ClothMaterial,
     changed: &mut bool,
 ) -> Result<(), SolverError> {
-    if material != cloth.material {
+    if material != cloth.in_force.material {
         cloth.solver.set_material(material.into())?;
-        cloth.material = material;
+        cloth.in_force.material = material;
         *changed = true;
     }
     Ok(())
@@ -83,14 +83,14 @@ fn apply_settings(
     cache: &mut RestCache,
     changed: &mut bool,
 ) -> Result<(), ClothError> {
-    if settings != cloth.settings {
-        if settings.masses == cloth.settings.masses {
+    if settings != cloth.in_force.settings {
+        if settings.masses == cloth.in_force.settings.masses {
             cloth.solver.set_settings(settings.into()).map_err(|e| solver_error(entity, e))?;
         } else {
-            let weights = cloth.weights.as_ref();
+            let weights = cloth.in_force.weights.as_ref();
             cloth.solver = remade(entity, cloth, settings, weights, cache)?;
         }
-        cloth.settings = settings;
+        cloth.in_force.settings = settings;
         *changed = true;
     }
     Ok(())
@@ -103,9 +103,9 @@ fn apply_weights(
     cache: &mut RestCache,
     changed: &mut bool,
 ) -> Result<(), ClothError> {
-    if weights != cloth.weights.as_ref() {
-        cloth.solver = remade(entity, cloth, cloth.settings, weights, cache)?;
-        cloth.weights = weights.cloned();
+    if weights != cloth.in_force.weights.as_ref() {
+        cloth.solver = remade(entity, cloth, cloth.in_force.settings, weights, cache)?;
+        cloth.in_force.weights = weights.cloned();
         *changed = true;
     }
     Ok(())
@@ -119,7 +119,8 @@ fn remade(
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
 ) -> Result<ClothSolver, ClothError> {
-    let scale = cloth.placed.scale;
-    let topology = topology(entity, &cloth.rest_shape, scale, settings.masses, weights, cache)?;
+    let scale = cloth.in_force.placed.scale;
+    let topology =
+        topology(entity, &cloth.in_force.rest_shape, scale, settings.masses, weights, cache)?;
     cloth.solver.remade(topology, settings.into()).map_err(|problem| solver_error(entity, problem))
 }

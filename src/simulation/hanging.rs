@@ -70,7 +70,7 @@ pub(crate) fn hang_cloths(
 ) {
     let gravity = gravity.as_deref().copied().unwrap_or_default();
     for (entity, hung, mut cloth, own) in &mut cloths {
-        if cloth.tick_count > 0 {
+        if cloth.progress.tick_count > 0 {
             continue;
         }
         let cloth = &mut *cloth;
@@ -80,7 +80,7 @@ pub(crate) fn hang_cloths(
             gravity: own.map_or(gravity.0, |own| own.0),
             dt: fixed.as_ref().map_or(1.0 / 64.0, |fixed| fixed.timestep().as_secs_f32()),
         };
-        if is_new(cloth.hanging.as_deref(), &asked, &cloth.pins) {
+        if is_new(cloth.start.hanging.as_deref(), &asked, &cloth.in_force.pins) {
             let outcome = lay(cloth, entity, asked);
             tell(entity, outcome, cloth, &mut failures);
         }
@@ -128,7 +128,7 @@ fn hanging_points(
     entity: Entity,
     places: HangingPlaces,
 ) -> Vec<HangingPoint> {
-    let attachments = &cloth.attachments;
+    let attachments = &cloth.held.attachments;
     let held: Vec<&Attached> = attachments.held().collect();
     let anchor_of = |at: &Attached| &attachments.anchors[at.anchor as usize];
     let shifts: Vec<Vec3> = (0..attachments.anchors.len())
@@ -160,21 +160,21 @@ fn hanging_points(
 
 /// Where a particle is in the world while the cloth is in its rest shape \[m\].
 fn rest_place(cloth: &ClothSimulation, particle: usize) -> Vec3 {
-    let unscaled = Pose { scale: 1.0, ..cloth.placed };
+    let unscaled = Pose { scale: 1.0, ..cloth.in_force.placed };
     to_world(&unscaled, cloth.rest_positions()[particle])
 }
 
 /// Puts a cloth into its hung shape and starts the relaxation.
 fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), ClothError> {
-    let begun = cloth.hanging.as_ref().is_some_and(|hanging| hanging.begun);
+    let begun = cloth.start.has_begun();
     let (hung, dt, gravity) = (asked.hung, asked.dt, asked.gravity);
     let motions: Vec<_> = asked.points.iter().map(|p| PinMotion::still(p.place)).collect();
     let rest: Vec<_> = (0..cloth.particle_count()).map(|i| rest_place(cloth, i)).collect();
-    let strain = cloth.material.max_strain;
+    let strain = cloth.in_force.material.max_strain;
     let positions = hang(cloth.topology(), &rest, &asked.points, strain, gravity);
-    cloth.hanging = Some(Box::new(Hanging {
+    cloth.start.hanging = Some(Box::new(Hanging {
         asked,
-        pins: cloth.pins.clone(),
+        pins: cloth.in_force.pins.clone(),
         from: reference_pose(cloth),
         task: None,
         begun,
@@ -194,7 +194,7 @@ fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), 
         let count = solver.topology().particle_count();
         Ok(((0..count).map(|i| solver.position(i)).collect(), report))
     });
-    if let Some(hanging) = &mut cloth.hanging {
+    if let Some(hanging) = &mut cloth.start.hanging {
         hanging.task = Some(task);
     }
     Ok(())
@@ -202,8 +202,8 @@ fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), 
 
 /// Pose of what leads the cloth, at the last tick's end.
 fn reference_pose(cloth: &ClothSimulation) -> Option<Pose> {
-    let reference = cloth.attachments.reference()?;
-    Some(cloth.attachments.anchors[reference].pose.end())
+    let reference = cloth.held.attachments.reference()?;
+    Some(cloth.held.attachments.anchors[reference].pose.end())
 }
 
 /// Puts all particles somewhere, at rest. What holds some of them holds them there.
@@ -213,17 +213,16 @@ fn put(cloth: &mut ClothSimulation, entity: Entity, positions: &[Vec3]) {
     let local = |anchor: &Anchor, at: &Attached| {
         to_local(&anchor.pose.end(), positions[at.particle as usize])
     };
-    cloth.attachments.hold_at(
-        |anchor, at| {
-            if anchor.entity == entity { at.local } else { local(anchor, at) }
-        },
-    );
-    cloth.stale = true;
+    cloth
+        .held
+        .attachments
+        .hold_at(|anchor, at| if anchor.entity == entity { at.local } else { local(anchor, at) });
+    cloth.shape_version += 1;
 }
 
 /// The result of the relaxation, once it is there.
 fn finished(cloth: &mut ClothSimulation) -> Option<Result<(Vec<Vec3>, RelaxReport), SolverError>> {
-    let hanging = cloth.hanging.as_mut()?;
+    let hanging = cloth.start.hanging.as_mut()?;
     let result = block_on(poll_once(hanging.task.as_mut()?))?;
     hanging.task = None;
     Some(result)
@@ -237,8 +236,8 @@ fn settle(
 ) -> Result<(), SolverError> {
     let now = reference_pose(cloth);
     cloth.solver.place(positions)?;
-    cloth.stale = true;
-    let Some(hanging) = &mut cloth.hanging else { return Ok(()) };
+    cloth.shape_version += 1;
+    let Some(hanging) = &mut cloth.start.hanging else { return Ok(()) };
     hanging.report = Some(report);
     match (hanging.from, now) {
         (Some(from), Some(now)) if from != now => cloth.solver.carry(&from, &now),
@@ -253,7 +252,7 @@ pub(crate) fn cancel_hanging(
     mut failures: Failures,
 ) {
     if let Ok(mut cloth) = cloths.get_mut(removed.entity)
-        && let Some(hanging) = &mut cloth.hanging
+        && let Some(hanging) = &mut cloth.start.hanging
     {
         hanging.task = None;
     }

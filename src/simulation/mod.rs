@@ -1,23 +1,33 @@
 //! The running cloth: its solver, its pins' motion, and what others may read of it.
 //!
-//! | file | what it does |
-//! | --- | --- |
-//! | `setup`, `changes` | components become a running cloth; changed components change it |
-//! | `attachments`, `pinning`, `anchors` | what is held, by what; anchors through a tick |
-//! | `reference_frame` | teleports, resets, cloths that ride along |
-//! | `grabbing`, `pushing` | particles that something leads; forces and impulses |
-//! | `hanging` | cloths that are brought to rest where they hang, in the background |
-//! | `sleeping` | which cloths take a tick |
-//! | `snapshot` | the full state, taken out and put back |
-//! | `tick_input`, `stage_times` | what a tick is given, and what its stages take |
-//! | `ready` | tells that a cloth is there |
+//! A cloth is one component, as its measurements and requests go across its parts: a velocity is the solver's
+//! and the frame's, a push is checked by the solver and wakes. Each part has a file, and what works on it alone
+//! takes nothing else.
+//!
+//! | part | what it is | worked on by |
+//! | --- | --- | --- |
+//! | `in_force` | shape, material, settings, pins and weights that are in force | `setup`, `changes` |
+//! | `start` | whether the cloth waits to be hung, and has been told of | `hanging`, `ready` |
+//! | `holding` | what holds and leads particles: `attachments`, `grabbed` | `pinning`, `anchors`, `grabbing` |
+//! | `reference_frame` | teleports, resets, cloths that ride along | `anchors` |
+//! | `pushing` | forces and impulses | |
+//! | `sleeping` | whether the cloth has anything to do, and takes a tick | |
+//! | `tick_state` | the tick's input and its result | `step` |
+//! | `progress` | the ticks so far | `step` |
+//!
+//! `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
+//! are measured.
 
 pub(crate) mod anchors;
 pub(crate) mod attachments;
 pub(crate) mod changes;
+pub(crate) mod grabbed;
 pub(crate) mod grabbing;
 pub(crate) mod hanging;
+pub(crate) mod holding;
+pub(crate) mod in_force;
 pub(crate) mod pinning;
+pub(crate) mod progress;
 pub(crate) mod pushing;
 pub(crate) mod ready;
 pub(crate) mod reference_frame;
@@ -25,31 +35,25 @@ pub(crate) mod setup;
 pub(crate) mod sleeping;
 pub(crate) mod snapshot;
 pub(crate) mod stage_times;
-pub(crate) mod tick_input;
+pub(crate) mod start;
+pub(crate) mod tick_state;
 
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use crate::cloth::ClothShape;
-use crate::cloth::material::ClothMaterial;
-use crate::cloth::pins::{Choices, ClothPins};
-use crate::cloth::settings::ClothSettings;
-use crate::cloth::weights::ClothWeights;
+use crate::cloth::pins::Choices;
 use crate::hang::RelaxReport;
 use crate::mesh::intake::ClothIntake;
-use crate::mesh::rest_shape::RestShape;
-use crate::simulation::attachments::Attachments;
-use crate::simulation::grabbing::Grabbed;
-use crate::simulation::hanging::Hanging;
+use crate::simulation::holding::Holding;
+use crate::simulation::in_force::InForce;
+use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
-use crate::simulation::reference_frame::Following;
-use crate::simulation::sleeping::Rest;
-use crate::simulation::stage_times::StageTimes;
-use crate::simulation::tick_input::ClothStep;
-use crate::solver::{
-    ClothSolver, Isa, Lattice, Plan, Pose, SolverError, StrainReport, TickReport, Topology,
-};
+use crate::simulation::reference_frame::ReferenceFrame;
+use crate::simulation::sleeping::SleepState;
+use crate::simulation::start::Start;
+use crate::simulation::tick_state::TickState;
+use crate::solver::{ClothSolver, Isa, Lattice, Plan, StrainReport, TickReport, Topology};
 
 /// A cloth that is being simulated. The plugin adds it to every [`Cloth`](crate::Cloth) as soon as
 /// that has all it needs.
@@ -57,61 +61,30 @@ use crate::solver::{
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
 /// starts the cloth anew.
 ///
-/// An inspector sees the shape, material, settings and pins that are in force, the count of ticks, and whether it has diverged.
+/// An inspector sees the shape, material, settings and pins that are in force (`in_force`), the count of ticks,
+/// and whether the cloth has diverged (`progress`).
 #[derive(Component, Reflect)]
 #[reflect(Component, from_reflect = false)]
 pub struct ClothSimulation {
     #[reflect(ignore)]
     pub(crate) solver: ClothSolver,
+    pub(crate) in_force: InForce,
     #[reflect(ignore)]
-    pub(crate) attachments: Attachments,
+    pub(crate) start: Start,
     #[reflect(ignore)]
-    pub(crate) following: Following,
+    pub(crate) held: Holding,
     #[reflect(ignore)]
-    pub(crate) rest: Rest,
-    /// Particles that are grabbed.
-    #[reflect(ignore)]
-    pub(crate) grab: Option<Box<Grabbed>>,
+    pub(crate) frame: ReferenceFrame,
     #[reflect(ignore)]
     pub(crate) pushing: Pushing,
-    /// Where it is to start hung from its pins.
     #[reflect(ignore)]
-    pub(crate) hanging: Option<Box<Hanging>>,
-    /// The shape that it was made from.
-    pub(crate) shape: ClothShape,
-    /// The material in force: the component may hold numbers that were refused.
-    pub(crate) material: ClothMaterial,
-    pub(crate) settings: ClothSettings,
-    pub(crate) pins: ClothPins,
-    /// The entity's pose at setup.
+    pub(crate) sleep: SleepState,
     #[reflect(ignore)]
-    pub(crate) placed: Pose,
-    /// Unscaled, in the entity's frame.
+    pub(crate) tick: TickState,
+    pub(crate) progress: Progress,
+    /// Counts what has moved the cloth, for those who show it.
     #[reflect(ignore)]
-    pub(crate) rest_shape: RestShape,
-    /// The weights in force; `None` where the cloth is the same everywhere.
-    #[reflect(ignore)]
-    pub(crate) weights: Option<ClothWeights>,
-    /// This tick's surroundings.
-    #[reflect(ignore)]
-    pub(crate) step: ClothStep,
-    /// This tick's result, until it is looked at.
-    #[reflect(ignore)]
-    pub(crate) outcome: Option<Result<TickReport, SolverError>>,
-    #[reflect(ignore)]
-    pub(crate) last_tick: Option<TickReport>,
-    pub(crate) tick_count: u64,
-    /// `ClothReady` has been told.
-    #[reflect(ignore)]
-    pub(crate) told_ready: bool,
-    /// Where the stages' times go, if they are asked for.
-    #[reflect(ignore)]
-    pub(crate) times: Option<Box<StageTimes>>,
-    /// The cloth diverged, and waits for other numbers.
-    pub(crate) quarantined: bool,
-    /// Something has moved since the mesh was last written.
-    #[reflect(ignore)]
-    pub(crate) stale: bool,
+    pub(crate) shape_version: u64,
 }
 
 impl ClothSimulation {
@@ -122,55 +95,50 @@ impl ClothSimulation {
 
     /// Measurements of the last tick; `None` before the first one.
     pub fn last_tick(&self) -> Option<&TickReport> {
-        self.last_tick.as_ref()
-    }
-
-    /// Whether it took this tick, until that has been looked at.
-    pub(crate) fn ran(&self) -> bool {
-        matches!(self.outcome, Some(Ok(_)))
+        self.progress.last_tick.as_ref()
     }
 
     /// Ticks simulated so far.
     pub fn tick_count(&self) -> u64 {
-        self.tick_count
+        self.progress.tick_count
     }
 
     /// Whether the cloth is held because it was no longer finite. See its `ClothFailure`.
     pub fn is_quarantined(&self) -> bool {
-        self.quarantined
+        self.progress.quarantined
     }
 
     /// Whether the cloth sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold).
     pub fn is_asleep(&self) -> bool {
-        self.rest.is_asleep()
+        self.sleep.is_asleep()
     }
 
     /// Whether the cloth stands still because it is being brought to rest where it hangs, in the
     /// background. See [`HangOnStart`](crate::HangOnStart).
     pub fn is_hanging(&self) -> bool {
-        self.hanging.as_ref().is_some_and(|hanging| hanging.is_pending())
+        self.start.is_pending()
     }
 
     /// How it came to rest before it started; `None` where it was not hung, or is not at rest yet.
     pub fn hung(&self) -> Option<&RelaxReport> {
-        self.hanging.as_ref()?.report()
+        self.start.hanging.as_ref()?.report()
     }
 
     /// Wakes the cloth, for what it cannot know of.
     pub fn wake(&mut self) {
-        self.rest.disturb();
+        self.sleep.disturb();
     }
 
     /// Lets the next tick carry the cloth along to where its entity and anchors are then, without a
     /// velocity. See [`TeleportCloth`](crate::TeleportCloth).
     pub fn teleport(&mut self) {
-        self.following.teleport_asked = true;
+        self.frame.teleport_asked = true;
     }
 
     /// Lets the next tick put the cloth back to its rest shape where its entity is then, at rest. See
     /// [`ResetCloth`](crate::ResetCloth).
     pub fn reset(&mut self) {
-        self.following.reset_asked = true;
+        self.frame.reset_asked = true;
     }
 
     /// The rest shape. Equal sheets share it.
@@ -205,13 +173,13 @@ impl ClothSimulation {
 
     /// The account of how the mesh was made this cloth; `None` for a sheet.
     pub fn intake(&self) -> Option<&ClothIntake> {
-        self.rest_shape.intake()
+        self.in_force.rest_shape.intake()
     }
 
     /// The particle of a vertex of the mesh, `None` where there is no such vertex, or where no
     /// triangle of the cloth uses it.
     pub fn particle_of_vertex(&self, vertex: u32) -> Option<u32> {
-        self.rest_shape.particle_of(vertex)
+        self.in_force.rest_shape.particle_of(vertex)
     }
 
     /// Position of a particle in the world \[m\], `None` where there is no such particle.
@@ -237,8 +205,10 @@ impl ClothSimulation {
 
     /// How fast the cloth is taken along at a place, where it rides along [m/s].
     fn velocity_of_ride(&self, place: Vec3) -> Vec3 {
-        match self.following.ride {
-            Some(ride) if self.step.runs => (place - ride.inverse().apply(place)) / self.step.dt,
+        match self.frame.ride {
+            Some(ride) if self.tick.step.runs => {
+                (place - ride.inverse().apply(place)) / self.tick.step.dt
+            }
             _ => Vec3::ZERO,
         }
     }
@@ -280,9 +250,9 @@ impl ClothSimulation {
     pub(crate) fn choices(&self) -> Choices<'_> {
         Choices {
             grid: self.lattice().map(|lattice| (lattice.rows(), lattice.columns())),
-            shape: &self.rest_shape,
+            shape: &self.in_force.rest_shape,
             rest: self.rest_positions(),
-            inverse_scale: 1.0 / self.placed.scale,
+            inverse_scale: 1.0 / self.in_force.placed.scale,
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::error::problems::PinProblem;
 use crate::pose::{PoseError, pose_now, to_local};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attached, Attachments};
+use crate::simulation::holding::hold;
 use crate::solver::Pose;
 
 /// Applies changed pins: takes hold of what is newly pinned, releases what no longer is.
@@ -19,23 +20,23 @@ pub(crate) fn apply_pins(
 ) {
     let none = ClothPins::none();
     for (entity, pins, mut cloth) in &mut cloths {
-        let changed = pins.as_ref().map_or(cloth.pins != none, DetectChanges::is_changed);
+        let changed = pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
         // One that is being hung is carried along from then on.
-        let begun = cloth.hanging.as_ref().is_some_and(|hanging| hanging.has_begun());
-        let fresh = cloth.tick_count == 0 && !begun;
-        let awaited = cloth.attachments.awaited;
+        let begun = cloth.start.has_begun();
+        let fresh = cloth.progress.tick_count == 0 && !begun;
+        let awaited = cloth.held.attachments.awaited;
         let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
         if !(fresh || found || changed) {
             continue;
         }
         if fresh {
-            cloth.attachments = Attachments::default();
-        } else if cloth.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
+            cloth.held.attachments = Attachments::default();
+        } else if cloth.in_force.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
             continue;
         }
-        cloth.pins.clone_from(pins);
+        cloth.in_force.pins.clone_from(pins);
         let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         hold(&mut cloth, attachments);
         match problem {
@@ -50,41 +51,6 @@ pub(crate) fn apply_pins(
             }
         }
     }
-}
-
-/// Makes the solver hold exactly what is attached.
-pub(crate) fn hold(cloth: &mut ClothSimulation, mut attachments: Attachments) {
-    let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
-    let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
-    if let Some(grab) = &mut cloth.grab {
-        grab.take_hold(|particle| {
-            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
-            let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
-            held.is_ok() || pulled.is_ok()
-        });
-        springs.extend(grab.springs());
-    }
-    // Room for every motion now, so that no tick needs any.
-    attachments.motions.clear();
-    attachments.motions.reserve_exact(particles.len() + springs.len());
-    // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
-    // has no reason to refuse them.
-    if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
-        if let Some(grab) = &cloth.grab {
-            for spring in grab.springs() {
-                cloth.solver.limit_soft_pin(spring.particle, grab.most_force());
-            }
-        }
-        cloth.rest.disturb();
-        cloth.attachments = attachments;
-        cloth.stale = true;
-    }
-}
-
-/// Holds what is attached, and what is grabbed now.
-pub(crate) fn hold_anew(cloth: &mut ClothSimulation) {
-    let attachments = core::mem::take(&mut cloth.attachments);
-    hold(cloth, attachments);
 }
 
 /// Finds the particles that the pins hold now, and the first pin that holds nothing.
@@ -139,11 +105,11 @@ fn attach_one(
     out: &mut Attachments,
 ) -> Option<Attached> {
     let known = self::anchor(cloth, entity, anchor, transforms)?;
-    let before = cloth.attachments.find(particle as u32, anchor);
+    let before = cloth.held.attachments.find(particle as u32, anchor);
     let local = match before {
         Some(before) => before.local,
         None if anchor == entity => {
-            cloth.solver.topology().rest_positions()[particle] / cloth.placed.scale
+            cloth.solver.topology().rest_positions()[particle] / cloth.in_force.placed.scale
         }
         None => to_local(&known.pose.end(), cloth.solver.position(particle)),
     };
@@ -158,10 +124,10 @@ fn anchor(
     anchor: Entity,
     transforms: &TransformHelper,
 ) -> Option<Anchor> {
-    if let Some(known) = cloth.attachments.anchors.iter().find(|a| a.entity == anchor) {
+    if let Some(known) = cloth.held.attachments.anchors.iter().find(|a| a.entity == anchor) {
         return Some(Anchor { holds: 0, pulls: 0, ..*known });
     }
-    let own = pose_now(transforms, entity).unwrap_or(cloth.placed);
+    let own = pose_now(transforms, entity).unwrap_or(cloth.in_force.placed);
     Some(Anchor::new(anchor, anchor_now(anchor, transforms).ok()?, &own))
 }
 

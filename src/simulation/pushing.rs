@@ -6,7 +6,8 @@ use crate::cloth::forces::{ClothForce, ClothForces, PushCloth};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
-use crate::solver::{PushOn, PushWith, SolverError};
+use crate::simulation::reference_frame::ReferenceFrame;
+use crate::solver::{ClothSolver, PushOn, PushWith, SolverError};
 
 /// Passes a push on to the running cloth.
 pub(crate) fn ask_for_push(
@@ -34,6 +35,51 @@ pub(crate) struct Pushing {
     pub forces: Vec<ClothForce>,
 }
 
+impl Pushing {
+    /// Takes over the forces that go on; tells whether they are others than before.
+    pub fn set_forces(&mut self, forces: Option<&ClothForces>) -> bool {
+        let forces = forces.map_or(&[][..], |forces| &forces.forces);
+        let changed = self.forces != forces;
+        if changed {
+            self.forces.clear();
+            self.forces.extend_from_slice(forces);
+        }
+        changed
+    }
+
+    /// Forgets what was asked for, as the cloth stands.
+    pub fn forget(&mut self) {
+        self.asked.clear();
+    }
+
+    /// Gives the solver what pushes in this tick.
+    pub fn push(
+        &mut self,
+        entity: Entity,
+        solver: &mut ClothSolver,
+        frame: &ReferenceFrame,
+        failures: &mut Failures,
+    ) {
+        // In the ride, directions are those that are seen from it.
+        let mut give = |on, with: PushWith| solver.push(on, with.map(|vector| frame.seen(vector)));
+        for (on, with) in self.asked.drain(..) {
+            if let Err(problem) = give(on, with) {
+                failures.report(entity, ClothError::Push { entity, problem });
+            }
+        }
+        let mut good = true;
+        for (force, &ClothForce { on, force: vector }) in self.forces.iter().enumerate() {
+            if let Err(problem) = give(on, PushWith::Force(vector)) {
+                good = false;
+                failures.report(entity, ClothError::Forces { entity, force, problem });
+            }
+        }
+        if good {
+            failures.clear(entity, Blame::Forces);
+        }
+    }
+}
+
 impl ClothSimulation {
     /// Pushes particles in the next tick, once: by a force through that tick, or by an impulse or a change of
     /// velocity at its start. Pushes add up, and wake the cloth. What is pinned does not move.
@@ -53,42 +99,5 @@ impl ClothSimulation {
         self.pushing.asked.push((on, with));
         self.wake();
         Ok(())
-    }
-}
-
-/// Wakes what is pushed otherwise than before.
-pub(crate) fn disturb(cloth: &mut ClothSimulation, forces: Option<&ClothForces>) {
-    let forces = forces.map_or(&[][..], |forces| &forces.forces);
-    if cloth.pushing.forces != forces {
-        cloth.pushing.forces.clear();
-        cloth.pushing.forces.extend_from_slice(forces);
-        cloth.rest.disturb();
-    }
-}
-
-/// Forgets what was asked for, as the cloth stands.
-pub(crate) fn forget(cloth: &mut ClothSimulation) {
-    cloth.pushing.asked.clear();
-}
-
-/// Gives the solver what pushes in this tick.
-pub(crate) fn push(entity: Entity, cloth: &mut ClothSimulation, failures: &mut Failures) {
-    let ClothSimulation { solver, following, pushing, .. } = cloth;
-    // In the ride, directions are those that are seen from it.
-    let mut give = |on, with: PushWith| solver.push(on, with.map(|vector| following.seen(vector)));
-    for (on, with) in pushing.asked.drain(..) {
-        if let Err(problem) = give(on, with) {
-            failures.report(entity, ClothError::Push { entity, problem });
-        }
-    }
-    let mut good = true;
-    for (force, &ClothForce { on, force: vector }) in pushing.forces.iter().enumerate() {
-        if let Err(problem) = give(on, PushWith::Force(vector)) {
-            good = false;
-            failures.report(entity, ClothError::Forces { entity, force, problem });
-        }
-    }
-    if good {
-        failures.clear(entity, Blame::Forces);
     }
 }

@@ -11,8 +11,8 @@ pub(crate) fn tell_ready(
     mut commands: Commands,
 ) {
     for (entity, mut cloth) in &mut cloths {
-        if !cloth.told_ready && !cloth.is_hanging() {
-            cloth.told_ready = true;
+        if !cloth.start.told_ready && !cloth.is_hanging() {
+            cloth.start.told_ready = true;
             commands.trigger(ClothReady { entity });
         }
     }

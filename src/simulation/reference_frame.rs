@@ -20,8 +20,9 @@ use crate::solver::{
 };
 
 /// Requests for a cloth's next tick, and the motion of its reference frame in this one.
-#[derive(Default)]
-pub(crate) struct Following {
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ReferenceFrame {
     pub(crate) teleport: ClothTeleport,
     pub(crate) inertia: ClothInertia,
     /// A teleport is asked for.
@@ -32,10 +33,9 @@ pub(crate) struct Following {
     pub(crate) jumped: bool,
     /// The motion that the cloth rides along with in this tick.
     pub ride: Option<RigidMotion>,
-    pub(crate) room: ColliderRoom,
 }
 
-impl Following {
+impl ReferenceFrame {
     /// Takes over the components, or their defaults. What cannot be used is refused, and the last good
     /// numbers stay.
     pub fn set_teleport(&mut self, teleport: Option<&ClothTeleport>) -> Result<(), ParameterError> {
@@ -43,7 +43,7 @@ impl Following {
         teleport.validate().map(|()| self.teleport = teleport)
     }
 
-    /// See [`Following::set_teleport`].
+    /// See [`ReferenceFrame::set_teleport`].
     pub fn set_inertia(&mut self, inertia: Option<&ClothInertia>) -> Result<(), ParameterError> {
         let inertia = inertia.copied().unwrap_or_default();
         inertia.validate().map(|()| self.inertia = inertia)
@@ -79,7 +79,7 @@ impl Following {
     ) -> Option<RigidMotion> {
         let asked = core::mem::take(&mut self.teleport_asked);
         (self.jumped, self.ride) = (false, None);
-        let (from, to) = anchors[reference].tick;
+        let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         if from == to {
             return None;
         }
@@ -96,13 +96,13 @@ impl Following {
     /// Whether the reference jumps, and whatever else holds the cloth jumps with it. Where anything
     /// holds it hard, what pulls it softly has no say.
     fn all_jump(&self, anchors: &[Anchor], reference: usize, motion: &RigidMotion) -> bool {
-        let (from, to) = anchors[reference].tick;
+        let leads = &anchors[reference].pose;
         let hard = anchors[reference].holds > 0;
         let holds = |anchor: &&Anchor| if hard { anchor.holds > 0 } else { anchor.pulls > 0 };
-        self.is_jump(&from, &to)
+        self.is_jump(&leads.start(), &leads.end())
             && anchors.iter().filter(holds).all(|anchor| {
-                let (from, to) = &anchor.tick;
-                !self.is_jump(&motion.apply_to_pose(from), to)
+                let carried = motion.apply_to_pose(&anchor.pose.start());
+                !self.is_jump(&carried, &anchor.pose.end())
             })
     }
 
@@ -112,7 +112,7 @@ impl Following {
         self.turn_of_ride().map_or(vector, |turn| turn.inverse() * vector)
     }
 
-    /// A vector that [`Following::seen`] gave, in the world again.
+    /// A vector that [`ReferenceFrame::seen`] gave, in the world again.
     pub fn in_world(&self, seen: Vec3) -> Vec3 {
         self.turn_of_ride().map_or(seen, |turn| turn * seen)
     }
@@ -123,9 +123,10 @@ impl Following {
         Some(ride.part(0.0, 0.5).rotation)
     }
 
-    /// Calls `act` with the colliders as the cloth meets them.
+    /// Calls `act` with the colliders as the cloth meets them, which are put in `room`.
     pub fn with_colliders<T>(
-        &mut self,
+        &self,
+        room: &mut ColliderRoom,
         colliders: &[Collider],
         act: impl FnOnce(&[Collider]) -> T,
     ) -> T {
@@ -133,7 +134,7 @@ impl Following {
             return act(colliders);
         }
         let back = self.ride.map(|ride| ride.inverse());
-        let mut seen = core::mem::take(&mut self.room).reuse();
+        let mut seen = core::mem::take(room).reuse();
         seen.extend(colliders.iter().map(|collider| {
             let (start, end) = (collider.motion.start(), collider.motion.end());
             let start = if self.jumped && self.is_jump(&start, &end) { end } else { start };
@@ -141,7 +142,7 @@ impl Following {
             collider.between(start, end)
         }));
         let result = act(&seen);
-        self.room = ColliderRoom::keep(seen);
+        *room = ColliderRoom::keep(seen);
         result
     }
 

@@ -19,11 +19,14 @@ use crate::mesh::source::{MeshSource, source_of};
 use crate::mesh::surface::SkippedTriangles;
 use crate::pose::{pose_error, pose_now, to_world};
 use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::Attachments;
+use crate::simulation::holding::Holding;
+use crate::simulation::in_force::InForce;
+use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
-use crate::simulation::reference_frame::Following;
-use crate::simulation::sleeping::Rest;
-use crate::simulation::tick_input::ClothStep;
+use crate::simulation::reference_frame::ReferenceFrame;
+use crate::simulation::sleeping::SleepState;
+use crate::simulation::start::Start;
+use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, MassLumping, Pose, SolverError, Topology};
 
 /// The components that a cloth is set up from.
@@ -87,7 +90,10 @@ pub(crate) fn set_up_cloths(
             Ok(None) => {}
             Ok(Some(mut made)) => {
                 // Only elsewhere.
-                made.told_ready = same.is_some_and(|running| running.told_ready);
+                made.start.told_ready = same.is_some_and(|running| running.start.told_ready);
+                // Where the mesh stays, another cloth was drawn into it.
+                let drawn = own.and_then(|own| own.drawn);
+                made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
                 let mut target = commands.entity(entity);
                 target.try_remove::<ClothFailure>();
                 if made.intake() != told {
@@ -99,7 +105,7 @@ pub(crate) fn set_up_cloths(
                          make a cloth of it"
                     );
                 }
-                if let Some(drawn) = meshes.own_mesh(&made.rest_shape, source) {
+                if let Some(drawn) = meshes.own_mesh(&made.in_force.rest_shape, source) {
                     target.try_insert(drawn);
                 }
                 target.try_insert(made);
@@ -202,7 +208,7 @@ fn needs_setup(
         (Some(mesh3d), Some(own)) => mesh3d.id() != own.handle.id(),
         _ => false,
     };
-    running.shape != cloth.shape || cloth.shape == ClothShape::Mesh && other_mesh
+    running.in_force.shape != cloth.shape || cloth.shape == ClothShape::Mesh && other_mesh
 }
 
 /// Whether a cloth that has not run yet is elsewhere than it was set up. It starts where its first
@@ -212,10 +218,9 @@ fn moved_before_its_first_tick(
     transforms: &TransformHelper,
     entity: Entity,
 ) -> bool {
-    let begun = running.hanging.as_ref().is_some_and(|hanging| hanging.has_begun());
-    running.tick_count == 0
-        && !begun
-        && pose_now(transforms, entity).is_ok_and(|pose| pose != running.placed)
+    running.progress.tick_count == 0
+        && !running.start.has_begun()
+        && pose_now(transforms, entity).is_ok_and(|pose| pose != running.in_force.placed)
 }
 
 /// The rest shape in the entity's frame; `None` while the mesh is still loading.
@@ -246,29 +251,27 @@ fn build(
 ) -> Result<ClothSimulation, SolverError> {
     let unscaled = Pose { scale: 1.0, ..pose };
     let start: Vec<_> = topology.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
-    Ok(ClothSimulation {
-        solver: ClothSolver::new(topology, &start, material.into(), settings.into())?,
-        attachments: Attachments::default(),
-        following: Following::default(),
-        rest: Rest::default(),
-        grab: None,
-        pushing: Pushing::default(),
-        hanging: None,
+    let solver = ClothSolver::new(topology, &start, material.into(), settings.into())?;
+    let in_force = InForce {
         shape: cloth.shape,
         material,
         settings,
         pins: ClothPins::default(),
-        placed: pose,
-        rest_shape,
         weights: weights.cloned(),
-        step: ClothStep::default(),
-        outcome: None,
-        last_tick: None,
-        tick_count: 0,
-        told_ready: false,
-        times: None,
-        quarantined: false,
-        stale: true,
+        rest_shape,
+        placed: pose,
+    };
+    Ok(ClothSimulation {
+        solver,
+        in_force,
+        start: Start::default(),
+        held: Holding::default(),
+        frame: ReferenceFrame::default(),
+        pushing: Pushing::default(),
+        sleep: SleepState::default(),
+        tick: TickState::default(),
+        progress: Progress::default(),
+        shape_version: 0,
     })
 }
 

@@ -8,14 +8,14 @@ use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::collider::disturbance::Disturbances;
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
-use crate::simulation::anchors::gather_motions;
-use crate::simulation::{ClothSimulation, pushing};
+use crate::simulation::ClothSimulation;
+use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, ParameterError};
 
 /// Whether a cloth has anything to do.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Rest {
+pub(crate) struct SleepState {
     sleep: ClothSleepThreshold,
     /// How long all particles have been near where they were marked \[s\].
     still: f32,
@@ -28,7 +28,7 @@ pub(crate) struct Rest {
     gravity: Option<Vec3>,
 }
 
-impl Rest {
+impl SleepState {
     /// Something has happened that could move the cloth.
     pub fn disturb(&mut self) {
         self.disturbed = true;
@@ -92,25 +92,27 @@ pub(crate) fn choose_steps(
 ) {
     for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;
-        match cloth.rest.set_sleep(sleep) {
+        match cloth.sleep.set_sleep(sleep) {
             Ok(()) => failures.clear(entity, Blame::Sleep),
             Err(problem) => {
                 let component = "ClothSleepThreshold";
                 failures.report(entity, ClothError::Parameter { entity, component, problem });
             }
         }
-        if disturbances.reach(cloth.solver.bounds(), cloth.material.thickness) {
-            cloth.rest.disturb();
+        if disturbances.reach(cloth.solver.bounds(), cloth.in_force.material.thickness) {
+            cloth.sleep.disturb();
         }
-        pushing::disturb(cloth, forces);
-        let slept = cloth.rest.asleep;
-        cloth.rest.choose(cloth.step.gravity);
-        match (slept, cloth.rest.asleep) {
+        if cloth.pushing.set_forces(forces) {
+            cloth.sleep.disturb();
+        }
+        let slept = cloth.sleep.asleep;
+        cloth.sleep.choose(cloth.tick.step.gravity);
+        match (slept, cloth.sleep.asleep) {
             (false, true) => commands.trigger(ClothSlept { entity }),
             (true, false) => commands.trigger(ClothWoke { entity }),
             _ => {}
         }
-        if let Some(hanging) = &mut cloth.hanging {
+        if let Some(hanging) = &mut cloth.start.hanging {
             hanging.begin();
         }
         let takes_no_step = |mut frozen: Mut<ClothPaused>| {
@@ -121,17 +123,19 @@ pub(crate) fn choose_steps(
             stands
         };
         let stands = cloth.is_hanging() || frozen.is_some_and(takes_no_step);
-        let steps = !(stands || cloth.quarantined || cloth.rest.asleep);
+        let steps = !(stands || cloth.progress.quarantined || cloth.sleep.asleep);
         if steps {
-            cloth.step.gravity = cloth.following.seen(cloth.step.gravity);
-            cloth.step.wind.velocity = cloth.following.seen(cloth.step.wind.velocity);
-            gather_motions(cloth);
-            pushing::push(entity, cloth, &mut failures);
-        } else if cloth.rest.stepped {
+            let ClothSimulation { solver, held, frame, pushing, tick, .. } = &mut *cloth;
+            let TickState { step, motions, .. } = tick;
+            step.gravity = frame.seen(step.gravity);
+            step.wind.velocity = frame.seen(step.wind.velocity);
+            held.gather_motions(solver, frame.ride, motions);
+            pushing.push(entity, solver, frame, &mut failures);
+        } else if cloth.sleep.stepped {
             cloth.solver.stand_still();
         }
-        pushing::forget(cloth);
-        cloth.step.runs = steps;
-        cloth.rest.stepped = steps;
+        cloth.pushing.forget();
+        cloth.tick.step.runs = steps;
+        cloth.sleep.stepped = steps;
     }
 }

@@ -4,18 +4,19 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
-use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::rest_cache::RestCache;
 use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::Attachments;
-use crate::simulation::grabbing::Grabbed;
+use crate::simulation::holding::Holding;
+use crate::simulation::in_force::InForce;
+use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
-use crate::simulation::reference_frame::Following;
+use crate::simulation::reference_frame::ReferenceFrame;
 use crate::simulation::setup::topology;
-use crate::simulation::sleeping::Rest;
-use crate::solver::{ClothSolver, Pose, RigidMotion, SolverState, StateError, TickReport};
+use crate::simulation::sleeping::SleepState;
+use crate::simulation::tick_state::TickState;
+use crate::solver::{ClothSolver, Pose, SolverState, StateError};
 
 /// All that a running cloth's later ticks depend on, besides the components beside it: with these and this, a
 /// scene saved in mid-fall goes on with the same bits.
@@ -60,30 +61,15 @@ pub struct ClothSnapshot {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 struct Content {
     solver: SolverState,
-    attachments: Attachments,
-    following: Followed,
-    rest: Rest,
-    grab: Option<Grabbed>,
-    pushing: Pushing,
     pins: ClothPins,
     placed: Pose,
+    held: Holding,
+    frame: ReferenceFrame,
+    pushing: Pushing,
+    sleep: SleepState,
+    progress: Progress,
     /// Length of the last tick, and whether the cloth took it.
     tick: (f32, bool),
-    last_tick: Option<TickReport>,
-    tick_count: u64,
-    quarantined: bool,
-}
-
-/// The part of [`Following`] that lasts from tick to tick.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-struct Followed {
-    teleport: ClothTeleport,
-    inertia: ClothInertia,
-    teleport_asked: bool,
-    reset_asked: bool,
-    jumped: bool,
-    ride: Option<RigidMotion>,
 }
 
 impl ClothSnapshot {
@@ -99,13 +85,13 @@ impl ClothSnapshot {
 
     /// Ticks that it had taken by then.
     pub fn tick_count(&self) -> u64 {
-        self.content.tick_count
+        self.content.progress.tick_count
     }
 }
 
 impl MapEntities for ClothSnapshot {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
-        self.content.attachments.map_entities(mapper);
+        self.content.held.attachments.map_entities(mapper);
         self.content.pins.map_entities(mapper);
     }
 }
@@ -118,93 +104,47 @@ impl ClothSimulation {
     pub fn save(&self) -> ClothSnapshot {
         let Self {
             solver,
-            attachments,
-            following,
-            rest,
-            grab,
-            pushing,
+            // The others are components, or follow from the mesh.
+            in_force: InForce { pins, placed, .. },
             // What it is hung by is looked at before its first tick alone, and then anew.
-            hanging: _,
-            // These are components, or follow from the mesh.
-            shape: _,
-            material: _,
-            settings: _,
-            rest_shape: _,
-            weights: _,
-            pins,
-            placed,
-            step,
-            last_tick,
-            tick_count,
-            quarantined,
-            // Between ticks there is none.
-            outcome: _,
-            // These are about what is shown and told.
-            told_ready: _,
-            times: _,
-            stale: _,
+            start: _,
+            held,
+            frame,
+            pushing,
+            sleep,
+            // Between ticks there is no result.
+            tick: TickState { step, .. },
+            progress,
+            // This is about what is shown.
+            shape_version: _,
         } = self;
-        let Following { teleport, inertia, teleport_asked, reset_asked, jumped, ride, room: _ } =
-            following;
         let content = Content {
             solver: solver.save(),
-            attachments: attachments.kept(),
-            following: Followed {
-                teleport: *teleport,
-                inertia: *inertia,
-                teleport_asked: *teleport_asked,
-                reset_asked: *reset_asked,
-                jumped: *jumped,
-                ride: *ride,
-            },
-            rest: rest.clone(),
-            grab: grab.as_deref().cloned(),
-            pushing: pushing.clone(),
             pins: pins.clone(),
             placed: *placed,
+            held: held.clone(),
+            frame: frame.clone(),
+            pushing: pushing.clone(),
+            sleep: sleep.clone(),
+            progress: progress.clone(),
             tick: (step.dt, step.runs),
-            last_tick: *last_tick,
-            tick_count: *tick_count,
-            quarantined: *quarantined,
         };
         ClothSnapshot { content: Box::new(content) }
     }
 
     /// Takes over a state, with a solver that fits it.
     fn take_over(&mut self, entity: Entity, state: Content, solver: ClothSolver) {
-        let Content {
-            solver: _,
-            mut attachments,
-            following,
-            rest,
-            grab,
-            pushing,
-            pins,
-            placed,
-            tick,
-            last_tick,
-            tick_count,
-            quarantined,
-        } = state;
-        let Followed { teleport, inertia, teleport_asked, reset_asked, jumped, ride } = following;
-        attachments.move_to(entity);
+        let Content { solver: _, pins, placed, mut held, frame, pushing, sleep, progress, tick } =
+            state;
+        held.attachments.move_to(entity);
         // Room for every motion now, so that no tick needs any.
-        attachments.motions.reserve_exact(solver.pins().len() + solver.soft_pins().len());
-        self.solver = solver;
-        self.attachments = attachments;
-        let room = core::mem::take(&mut self.following.room);
-        self.following =
-            Following { teleport, inertia, teleport_asked, reset_asked, jumped, ride, room };
-        self.rest = rest;
-        self.grab = grab.map(Box::new);
-        self.pushing = pushing;
-        self.pins = pins;
-        self.placed = placed;
-        (self.step.dt, self.step.runs) = tick;
-        self.last_tick = last_tick;
-        self.tick_count = tick_count;
-        self.quarantined = quarantined;
-        self.stale = true;
+        self.tick.motions.clear();
+        self.tick.motions.reserve_exact(solver.pins().len() + solver.soft_pins().len());
+        (self.tick.step.dt, self.tick.step.runs) = tick;
+        (self.in_force.pins, self.in_force.placed) = (pins, placed);
+        (self.solver, self.held, self.frame) = (solver, held, frame);
+        (self.pushing, self.sleep, self.progress) = (pushing, sleep, progress);
+        self.shape_version += 1;
     }
 }
 
@@ -213,19 +153,20 @@ impl Content {
     fn check(&self) -> Result<(), StateError> {
         let good = |ok: bool, what| if ok { Ok(()) } else { Err(StateError::Damaged(what)) };
         let count = self.solver.particle_count();
-        good(self.attachments.is_sound(count), "attachments")?;
-        good(self.grab.as_ref().is_none_or(|grab| grab.is_sound(count)), "grab")?;
+        let Holding { attachments, grab } = &self.held;
+        good(attachments.is_sound(count), "attachments")?;
+        good(grab.as_ref().is_none_or(|grab| grab.is_sound(count)), "grab")?;
         let (hard, soft) = self.solver.held();
-        let attached = self.attachments.attached.iter().map(|at| at.particle);
+        let attached = attachments.attached.iter().map(|at| at.particle);
         good(attached.eq(hard.iter().copied()), "pins")?;
-        let mut pulled: Vec<u32> = self.attachments.pulled().collect();
-        pulled.extend(self.grab.iter().flat_map(Grabbed::ways).map(|(particle, ..)| particle));
+        let mut pulled: Vec<u32> = attachments.pulled().collect();
+        pulled.extend(grab.iter().flat_map(|grab| grab.ways()).map(|(particle, ..)| particle));
         pulled.sort_unstable();
         good(soft.eq(pulled), "soft pins")?;
-        good(self.following.ride.is_none_or(|ride| ride.is_valid()), "ride")?;
-        good(self.rest.is_sound(), "rest")?;
+        good(self.frame.ride.is_none_or(|ride| ride.is_valid()), "ride")?;
+        good(self.sleep.is_sound(), "rest")?;
         good(self.placed.is_valid(), "pose")?;
-        good(self.tick_count <= u64::MAX / 2, "count of ticks")?;
+        good(self.progress.tick_count <= u64::MAX / 2, "count of ticks")?;
         good((0.0..=1.0).contains(&self.tick.0), "tick")
     }
 }
@@ -262,7 +203,7 @@ fn restore(
         return Err(damaged(StateError::WrongParticleCount { expected, got }));
     }
     state.check().map_err(damaged)?;
-    let mut solver = if state.placed.scale == cloth.placed.scale {
+    let mut solver = if state.placed.scale == cloth.in_force.placed.scale {
         cloth.solver.clone()
     } else {
         scaled(entity, cloth, state.placed.scale, cache)?
@@ -279,10 +220,18 @@ fn scaled(
     scale: f32,
     cache: &mut RestCache,
 ) -> Result<ClothSolver, ClothError> {
-    let (shape, masses, weights) =
-        (&cloth.rest_shape, cloth.settings.masses, cloth.weights.as_ref());
+    let (shape, masses, weights) = (
+        &cloth.in_force.rest_shape,
+        cloth.in_force.settings.masses,
+        cloth.in_force.weights.as_ref(),
+    );
     let topology = topology(entity, shape, scale, masses, weights, cache)?;
     let start = topology.rest_positions().to_vec();
-    let made = ClothSolver::new(topology, &start, cloth.material.into(), cloth.settings.into());
+    let made = ClothSolver::new(
+        topology,
+        &start,
+        cloth.in_force.material.into(),
+        cloth.in_force.settings.into(),
+    );
     made.map_err(|problem| ClothError::Snapshot { entity, problem: problem.into() })
 }

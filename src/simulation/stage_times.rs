@@ -9,7 +9,9 @@ use crate::schedule::ClothSubstepSystems;
 use crate::solver::{ClothSolver, SolverError, Stage, StepInput, TickReport};
 
 /// Times of the stages of a tick's substeps, in the order of [`ClothSubstepSystems`].
-#[derive(Clone, Copy, Default)]
+///
+/// The component is on the cloths that are measured.
+#[derive(Component, Clone, Copy, Default)]
 pub(crate) struct StageTimes(pub [Duration; 4]);
 
 impl StageTimes {
@@ -54,24 +56,24 @@ impl StageTimes {
 
 /// Takes a tick, and its times where they are asked for.
 pub(crate) fn tick(
-    times: &mut Option<Box<StageTimes>>,
+    times: Option<Mut<StageTimes>>,
     solver: &mut ClothSolver,
     input: &StepInput<'_>,
 ) -> Result<TickReport, SolverError> {
     match times {
         None => solver.tick(input),
-        Some(times) => times.tick(solver, input),
+        Some(mut times) => times.tick(solver, input),
     }
 }
 
 /// Does a stage, and takes its time where that is asked for.
 pub(crate) fn stage(
-    times: &mut Option<Box<StageTimes>>,
+    times: Option<Mut<StageTimes>>,
     stage: ClothSubstepSystems,
     act: impl FnOnce(),
 ) {
     match times {
         None => act(),
-        Some(times) => times.time(stage, act),
+        Some(mut times) => times.time(stage, act),
     }
 }

@@ -19,7 +19,7 @@ pub(crate) fn sum_impulses(
         return;
     }
     order.clear();
-    order.extend(cloths.iter().filter(|(_, cloth)| cloth.ran()).map(|(entity, _)| entity));
+    order.extend(cloths.iter().filter(|(_, cloth)| cloth.tick.ran()).map(|(entity, _)| entity));
     // Floating point sums depend on their order, which must not on that of archetypes.
     order.sort_unstable();
     let present = snapshot.present().filter(|(it, _)| it.shape.get(fields.as_deref()).is_some());
@@ -32,7 +32,7 @@ pub(crate) fn sum_impulses(
         };
         let given = cloths
             .iter_many(order.iter())
-            .map(|(_, cloth)| cloth.following.in_world(cloth.solver.impulse(place)));
+            .map(|(_, cloth)| cloth.frame.in_world(cloth.solver.impulse(place)));
         let sum = given.sum();
         impulse.set_if_neq(ColliderImpulse(sum));
     }

@@ -13,10 +13,11 @@ use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
-use crate::simulation::anchors::note_pins;
+use crate::simulation::ClothSimulation;
+use crate::simulation::anchors::note_anchors;
 use crate::simulation::setup::solver_error;
-use crate::simulation::tick_input::{ClothStep, input};
-use crate::simulation::{ClothSimulation, stage_times};
+use crate::simulation::stage_times::{self, StageTimes};
+use crate::simulation::tick_state::{ClothStep, TickState, input};
 use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
 use crate::wind::zone::WindZones;
 
@@ -113,7 +114,8 @@ pub(crate) fn note_poses(
         return;
     }
     for mut cloth in &mut cloths {
-        note_pins(&mut cloth, &transforms, ticks);
+        let ClothSimulation { held, frame, .. } = &mut *cloth;
+        note_anchors(&mut held.attachments, frame, &transforms, ticks);
     }
 }
 
@@ -166,29 +168,32 @@ pub(crate) fn gather_step(
     let gravity = gravity.as_deref().copied().unwrap_or_default();
     for (mut cloth, own) in &mut cloths {
         let gravity = own.map_or(gravity.0, |own| own.0);
-        cloth.step = ClothStep { dt: time.delta_secs(), gravity, ..default() };
+        cloth.tick.step = ClothStep { dt: time.delta_secs(), gravity, ..default() };
     }
 }
 
+/// A cloth in its substeps, and its times where they are asked for.
+type Stepped = (&'static mut ClothSimulation, Option<&'static mut StageTimes>);
+
 /// The fused form: all cloths in parallel, each all its substeps.
 pub(crate) fn solve_fused(
-    mut cloths: Query<&mut ClothSimulation>,
+    mut cloths: Query<Stepped>,
     mut surroundings: Surroundings,
     zones: Res<WindZones>,
 ) {
-    if !cloths.iter().any(|cloth| cloth.step.runs) {
+    if !cloths.iter().any(|(cloth, _)| cloth.tick.step.runs) {
         return;
     }
     surroundings.with_colliders(|colliders| {
-        cloths.par_iter_mut().for_each(|mut cloth| {
-            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
-                &mut *cloth;
+        cloths.par_iter_mut().for_each(|(mut cloth, times)| {
+            let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
+            let TickState { step, motions, room, outcome } = tick;
             if step.runs {
-                *outcome = Some(following.with_colliders(colliders, |colliders| {
-                    let input = input(*step, attachments, colliders, zones.get());
+                *outcome = Some(frame.with_colliders(room, colliders, |colliders| {
+                    let input = input(*step, motions, colliders, zones.get());
                     stage_times::tick(times, solver, &input)
                 }));
-                following.end_ride(solver, outcome);
+                frame.end_ride(solver, outcome);
             }
         });
     });
@@ -204,12 +209,13 @@ pub(crate) fn begin_staged(
     runner.rounds = 0;
     surroundings.with_colliders(|colliders| {
         for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, following, step, outcome, .. } = &mut *cloth;
+            let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
+            let TickState { step, motions, room, outcome } = tick;
             if !step.runs {
                 continue;
             }
-            let begun = following.with_colliders(colliders, |colliders| {
-                solver.begin_tick(&input(*step, attachments, colliders, zones.get()))
+            let begun = frame.with_colliders(room, colliders, |colliders| {
+                solver.begin_tick(&input(*step, motions, colliders, zones.get()))
             });
             match begun {
                 Ok(substeps) => step.rounds = substeps,
@@ -232,51 +238,51 @@ pub(crate) fn run_substeps(world: &mut World) {
 }
 
 /// Stage 1: springs, bending, damping, gravity, air.
-pub(crate) fn accumulate_forces(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn accumulate_forces(mut cloths: Query<Stepped>) {
     let stage = ClothSubstepSystems::Forces;
     for_each_stepping(&mut cloths, stage, ClothSolver::accumulate_forces);
 }
 
 /// Stage 2: Verlet; pins go their way.
-pub(crate) fn integrate(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn integrate(mut cloths: Query<Stepped>) {
     for_each_stepping(&mut cloths, ClothSubstepSystems::Integrate, ClothSolver::integrate);
 }
 
 /// Stage 3: threads or Provot's correction, tethers.
-pub(crate) fn correct(mut cloths: Query<&mut ClothSimulation>) {
+pub(crate) fn correct(mut cloths: Query<Stepped>) {
     for_each_stepping(&mut cloths, ClothSubstepSystems::Correct, |solver, _| solver.correct());
 }
 
 fn for_each_stepping(
-    cloths: &mut Query<&mut ClothSimulation>,
+    cloths: &mut Query<Stepped>,
     stage: ClothSubstepSystems,
     act: impl Fn(&mut ClothSolver, &StepInput),
 ) {
-    for mut cloth in cloths {
-        let ClothSimulation { solver, attachments, step, times, .. } = &mut *cloth;
-        if step.rounds > 0 {
-            let input = input(*step, attachments, &[], &[]);
+    for (mut cloth, times) in cloths {
+        let ClothSimulation { solver, tick, .. } = &mut *cloth;
+        if tick.step.rounds > 0 {
+            let input = input(tick.step, &tick.motions, &[], &[]);
             stage_times::stage(times, stage, || act(solver, &input));
         }
     }
 }
 
 /// Stage 4: out of the colliders, friction. Ends the substep.
-pub(crate) fn collide(mut cloths: Query<&mut ClothSimulation>, mut surroundings: Surroundings) {
+pub(crate) fn collide(mut cloths: Query<Stepped>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
-        for mut cloth in &mut cloths {
-            let ClothSimulation { solver, attachments, following, step, outcome, times, .. } =
-                &mut *cloth;
+        for (mut cloth, times) in &mut cloths {
+            let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
+            let TickState { step, motions, room, outcome } = tick;
             if step.rounds > 0 {
-                following.with_colliders(colliders, |colliders| {
-                    let input = input(*step, attachments, colliders, &[]);
+                frame.with_colliders(room, colliders, |colliders| {
+                    let input = input(*step, motions, colliders, &[]);
                     let stage = ClothSubstepSystems::Collide;
                     stage_times::stage(times, stage, || solver.collide(&input));
                 });
                 step.rounds -= 1;
                 if step.rounds == 0 {
                     *outcome = Some(solver.end_tick());
-                    following.end_ride(solver, outcome);
+                    frame.end_ride(solver, outcome);
                 }
             }
         }
@@ -291,23 +297,23 @@ pub(crate) fn finish_tick(
     mut commands: Commands,
 ) {
     for (entity, mut cloth) in &mut cloths {
-        match cloth.outcome.take() {
+        match cloth.tick.outcome.take() {
             Some(Ok(report)) => {
-                cloth.last_tick = Some(report);
-                cloth.tick_count += 1;
-                cloth.stale |= cloth.solver.has_moved();
-                let ClothSimulation { rest, solver, step, .. } = &mut *cloth;
-                rest.note_tick(solver, step.dt);
+                let ClothSimulation { solver, sleep, tick, progress, shape_version, .. } =
+                    &mut *cloth;
+                progress.note(report);
+                *shape_version += u64::from(solver.has_moved());
+                sleep.note_tick(solver, tick.step.dt);
                 failures.clear(entity, Blame::Motion);
                 failures.clear(entity, Blame::Schedule);
             }
             Some(Err(problem)) => {
                 // Bad input leaves the cloth where it is, until the input is good again.
-                cloth.quarantined = problem == SolverError::Diverged;
+                cloth.progress.quarantined = problem == SolverError::Diverged;
                 // Its pins may be led away meanwhile.
-                cloth.attachments.take_hold_anew();
+                cloth.held.attachments.take_hold_anew();
                 failures.report(entity, solver_error(entity, problem));
-                if cloth.quarantined {
+                if cloth.progress.quarantined {
                     commands.trigger(ClothDiverged { entity, problem });
                 }
             }

@@ -32,10 +32,10 @@ pub(crate) fn gather_air(
             Ok(changed) => {
                 failures.clear(entity, Blame::Air);
                 if changed {
-                    cloth.rest.disturb();
+                    cloth.sleep.disturb();
                 }
-                if changed && cloth.quarantined {
-                    cloth.quarantined = false;
+                if changed && cloth.progress.quarantined {
+                    cloth.progress.quarantined = false;
                     failures.clear(entity, Blame::Motion);
                 }
             }
@@ -46,10 +46,10 @@ pub(crate) fn gather_air(
         }
         if air.is_some() {
             let wind = own.map_or(wind, |own| own.0);
-            cloth.step.set_wind(wind, time.elapsed_secs_f64());
+            cloth.tick.step.set_wind(wind, time.elapsed_secs_f64());
             if blows(&wind, zones.get(), cloth.solver.bounds()) {
                 // In wind nothing rests.
-                cloth.rest.disturb();
+                cloth.sleep.disturb();
             }
         }
     }

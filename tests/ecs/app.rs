@@ -136,7 +136,7 @@ fn an_inspector_sees_a_running_cloth() {
     let cloth = spawn(&mut app, (sheet(), material));
     updates(&mut app, 5);
     let simulation = simulation(&app, cloth);
-    assert_eq!(simulation.path::<u64>("tick_count"), Ok(&simulation.tick_count()));
-    assert_eq!(simulation.path::<f32>("material.thickness"), Ok(&0.007));
-    assert_eq!(simulation.path::<bool>("quarantined"), Ok(&false));
+    assert_eq!(simulation.path::<u64>("progress.tick_count"), Ok(&simulation.tick_count()));
+    assert_eq!(simulation.path::<f32>("in_force.material.thickness"), Ok(&0.007));
+    assert_eq!(simulation.path::<bool>("progress.quarantined"), Ok(&false));
 }

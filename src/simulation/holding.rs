@@ -1,0 +1,97 @@
+//! What holds and leads a cloth's particles, as the solver is told of it.
+
+use bevy::prelude::*;
+
+use crate::pose::to_world;
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::{Attachments, Pulled};
+use crate::simulation::grabbed::Grabbed;
+use crate::solver::{ClothSolver, PinMotion, RigidMotion};
+
+/// What holds and leads particles of a cloth.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Holding {
+    /// What pins hold.
+    pub(crate) attachments: Attachments,
+    /// What a hand holds.
+    pub(crate) grab: Option<Box<Grabbed>>,
+}
+
+impl Holding {
+    /// Works out the motion of every pin through the tick.
+    pub fn gather_motions(
+        &mut self,
+        solver: &ClothSolver,
+        ride: Option<RigidMotion>,
+        motions: &mut Vec<PinMotion>,
+    ) {
+        let Attachments { anchors, attached, pulled, .. } = &mut self.attachments;
+        let back = ride.map(|ride| ride.inverse());
+        let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
+        motions.clear();
+        for pin in attached {
+            let anchor = &anchors[pin.anchor as usize].pose;
+            let start = if pin.fresh {
+                solver.position(pin.particle as usize)
+            } else {
+                to_world(&anchor.start(), pin.local)
+            };
+            pin.fresh = false;
+            motions.push(PinMotion { start, end: seen(to_world(&anchor.end(), pin.local)) });
+        }
+        let mut grabbed = self.grab.iter().flat_map(|grab| grab.ways()).peekable();
+        let grabbed_motion =
+            |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
+        for Pulled { at, .. } in pulled {
+            while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
+                motions.push(grabbed_motion(way));
+            }
+            let anchor = &anchors[at.anchor as usize].pose;
+            let end = seen(to_world(&anchor.end(), at.local));
+            // What pulls for the first time has not come from anywhere.
+            let start = if at.fresh { end } else { to_world(&anchor.start(), at.local) };
+            at.fresh = false;
+            motions.push(PinMotion { start, end });
+        }
+        motions.extend(grabbed.map(grabbed_motion));
+        if let Some(grab) = &mut self.grab {
+            grab.advance();
+        }
+    }
+}
+
+/// Makes the solver hold exactly what is attached.
+pub(crate) fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
+    let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
+    let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
+    if let Some(grab) = &mut cloth.held.grab {
+        grab.take_hold(|particle| {
+            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
+            let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
+            held.is_ok() || pulled.is_ok()
+        });
+        springs.extend(grab.springs());
+    }
+    // Room for every motion now, so that no tick needs any.
+    cloth.tick.motions.clear();
+    cloth.tick.motions.reserve_exact(particles.len() + springs.len());
+    // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
+    // has no reason to refuse them.
+    if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {
+        if let Some(grab) = &cloth.held.grab {
+            for spring in grab.springs() {
+                cloth.solver.limit_soft_pin(spring.particle, grab.most_force());
+            }
+        }
+        cloth.sleep.disturb();
+        cloth.held.attachments = attachments;
+        cloth.shape_version += 1;
+    }
+}
+
+/// Holds what is attached, and what is grabbed now.
+pub(crate) fn hold_anew(cloth: &mut ClothSimulation) {
+    let attachments = core::mem::take(&mut cloth.held.attachments);
+    hold(cloth, attachments);
+}

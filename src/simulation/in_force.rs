@@ -1,0 +1,31 @@
+//! What of a cloth's components and mesh is in force.
+
+use bevy::prelude::*;
+
+use crate::cloth::ClothShape;
+use crate::cloth::material::ClothMaterial;
+use crate::cloth::pins::ClothPins;
+use crate::cloth::settings::ClothSettings;
+use crate::cloth::weights::ClothWeights;
+use crate::mesh::rest_shape::RestShape;
+use crate::solver::Pose;
+
+/// What a running cloth was made from. The components beside it may hold numbers that were refused.
+#[derive(Reflect)]
+#[reflect(from_reflect = false)]
+pub(crate) struct InForce {
+    /// The shape that the cloth was set up from.
+    pub(crate) shape: ClothShape,
+    pub(crate) material: ClothMaterial,
+    pub(crate) settings: ClothSettings,
+    pub(crate) pins: ClothPins,
+    /// `None` where the cloth is the same everywhere.
+    #[reflect(ignore)]
+    pub(crate) weights: Option<ClothWeights>,
+    /// Unscaled, in the entity's frame.
+    #[reflect(ignore)]
+    pub(crate) rest_shape: RestShape,
+    /// The entity's pose at setup. Its scale is the cloth's for good.
+    #[reflect(ignore)]
+    pub(crate) placed: Pose,
+}

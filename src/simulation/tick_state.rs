@@ -1,0 +1,58 @@
+//! A cloth's tick: its surroundings, and what came of it.
+
+use bevy::prelude::*;
+
+use crate::cloth::wind::ClothWind;
+use crate::collider::tick_colliders::ColliderRoom;
+use crate::solver::{Collider, PinMotion, SolverError, StepInput, TickReport, Zone};
+
+/// This tick of a cloth, from gathering its input until its result is looked at.
+#[derive(Default)]
+pub(crate) struct TickState {
+    pub(crate) step: ClothStep,
+    /// The motion of each held particle through the tick, hard pins first.
+    pub(crate) motions: Vec<PinMotion>,
+    /// Memory for the colliders as the cloth meets them.
+    pub(crate) room: ColliderRoom,
+    /// The tick's result, until it is looked at.
+    pub(crate) outcome: Option<Result<TickReport, SolverError>>,
+}
+
+impl TickState {
+    /// Whether the tick was taken, until its result has been looked at.
+    pub fn ran(&self) -> bool {
+        matches!(self.outcome, Some(Ok(_)))
+    }
+}
+
+/// The surroundings of a cloth, fixed for a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ClothStep {
+    pub(crate) dt: f32,
+    pub(crate) gravity: Vec3,
+    pub(crate) wind: ClothWind,
+    /// The time that its gusts are of \[s\].
+    pub(crate) time: f64,
+    /// Substeps still to go, in the staged form.
+    pub(crate) rounds: u32,
+    /// The cloth takes this tick.
+    pub(crate) runs: bool,
+}
+
+impl ClothStep {
+    /// Takes the wind at a time \[s\].
+    pub fn set_wind(&mut self, wind: ClothWind, time: f64) {
+        (self.wind, self.time) = (wind, time);
+    }
+}
+
+/// The solver's input. A function of fields, so that the result beside them can be written.
+pub(crate) fn input<'a>(
+    step: ClothStep,
+    motions: &'a [PinMotion],
+    colliders: &'a [Collider<'a>],
+    zones: &'a [Zone],
+) -> StepInput<'a> {
+    let wind = step.wind.at(step.time, zones);
+    StepInput { dt: step.dt, gravity: step.gravity, pins: motions, colliders, wind }
+}
