@@ -14,7 +14,7 @@
 //! | `coloring` | springs in batches that share no particle |
 //!
 //! The forces on a graph are in `forces::graph_springs`, its constraints in `constraints::graph_strain_limit` and
-//! `constraints::threads::chains`, its stages in `stages::mesh`.
+//! `constraints::threads::chains`, its stages in `model::mesh`.
 
 pub(crate) mod adjacency;
 pub(crate) mod chains;
