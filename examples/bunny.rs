@@ -12,6 +12,7 @@ use examples_common::{
 };
 use std::f32::consts::FRAC_PI_2;
 
+/// What is told of the example, and where its cloths are at the end.
 pub const BUNNY: Example = Example {
     name: "bunny",
     about: "The Stanford bunny hops through a curtain",

@@ -19,6 +19,7 @@ use examples_common::{
     ground, linen, metal,
 };
 
+/// What is told of the example, and where its cloths are at the end.
 pub const CAPE: Example = Example {
     name: "cape",
     about: "A cape on the shoulders of a figure that walks",

@@ -8,6 +8,7 @@ use bevy_drape::{ClothInterpolation, prelude::*};
 use examples_common::{BRASS, Example, INDIGO, Particles, View, ground, linen, metal};
 use std::f32::consts::FRAC_PI_2;
 
+/// What is told of the example, and where its cloths are at the end.
 pub const CURTAIN: Example = Example {
     name: "curtain",
     about: "A curtain on a rail, that the mouse draws",

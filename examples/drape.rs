@@ -9,6 +9,7 @@ use examples_common::{
     CORAL, Example, IVORY, Particles, TEAL, View, clay, ground, linen, load_bunny,
 };
 
+/// What is told of the example, and where its cloths are at the end.
 pub const DRAPE: Example = Example {
     name: "drape",
     about: "A cloth comes down on three spheres, and beside it one on the Stanford bunny",

@@ -9,6 +9,7 @@ use examples_common::{
     BRASS, CORAL, Example, INDIGO, IVORY, Particles, TEAL, View, clay, ground, linen,
 };
 
+/// What is told of the example, and where its cloths are at the end.
 pub const FABRICS: Example = Example {
     name: "fabrics",
     about: "Six fabrics, each over the same post",

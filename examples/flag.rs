@@ -14,6 +14,7 @@ use bevy_drape::{
 use examples_common::{BRASS, CORAL, Example, Particles, View, ground, linen, metal};
 use std::f32::consts::FRAC_PI_2;
 
+/// What is told of the example, and where its cloths are at the end.
 pub const FLAG: Example = Example {
     name: "flag",
     about: "A flag flutters in a gusty wind",

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy_drape::{prelude::*, solver::Substeps};
 use examples_common::{BRASS, Example, INDIGO, Particles, TEAL, View, ground, linen, metal};
 
+/// What is told of the example, and where its cloths are at the end.
 pub const HUNG: Example = Example {
     name: "hung",
     about: "A curtain that starts hung, beside one that starts flat",

@@ -11,6 +11,7 @@ use examples_common::{
 };
 use std::f32::consts::FRAC_PI_2;
 
+/// What is told of the example, and where its cloths are at the end.
 pub const PANEL: Example = Example {
     name: "panel",
     about: "Cloths to be tuned by the panel",

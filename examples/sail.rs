@@ -10,6 +10,7 @@ use bevy_drape::{prelude::*, solver::Substeps};
 use examples_common::{BRASS, Example, IVORY, Particles, TEAL, View, clay, ground, linen, metal};
 use std::f32::consts::FRAC_PI_2;
 
+/// What is told of the example, and where its cloths are at the end.
 pub const SAIL: Example = Example {
     name: "sail",
     about: "A square sail fills in a steady wind",

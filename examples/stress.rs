@@ -13,6 +13,7 @@ use examples_common::{
     CORAL, Caption, Example, INDIGO, IVORY, Particles, TEAL, View, clay, ground, linen,
 };
 
+/// What is told of the example, and where its cloths are at the end.
 pub const STRESS: Example = Example {
     name: "stress",
     about: "A hundred thousand particles in many cloths",

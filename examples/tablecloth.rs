@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use examples_common::{CORAL, Example, IVORY, Particles, View, clay, ground, linen};
 
+/// What is told of the example, and where its cloths are at the end.
 pub const TABLECLOTH: Example = Example {
     name: "tablecloth",
     about: "A cloth comes down on a table, and is pulled away",
