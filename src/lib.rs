@@ -148,7 +148,7 @@ pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
-pub use error::{ClothError, ClothFailure};
+pub use error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::SdfSlice;
 #[cfg(feature = "gizmos")]

@@ -36,7 +36,7 @@
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
 //! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
-//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothError` in `error/mod.rs` and its `Blame` in `error/failures.rs`, for numbers that are out of range |
+//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothComponent` in `error/mod.rs`, for numbers that are out of range |
 //!
 //! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 

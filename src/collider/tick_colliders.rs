@@ -9,9 +9,9 @@ use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::FieldSource;
 use crate::collider::shape::SdfShape;
 use crate::collider::{JUMP, SdfCollider};
-use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
-use crate::pose::{PoseTrack, pose_error, pose_now};
+use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::{PoseTrack, pose_now};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose};
 
@@ -240,7 +240,7 @@ pub(crate) fn gather_colliders(
         pose.measured = measured;
         let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
-                failures.clear(entity, Blame::Collider);
+                failures.clear(entity, Blame::Component(ClothComponent::SdfCollider));
                 failures.clear(entity, Blame::Pose);
                 gathered.map(|gathered| Gathered { measured, ..gathered })
             }
@@ -261,21 +261,18 @@ fn gather(
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
     fields: &FieldSource,
-) -> Result<Option<Gathered>, ClothError> {
+) -> Result<Option<Gathered>, ClothErrorKind> {
     let &SdfCollider { friction, layers, enabled, .. } = collider;
-    collider.check().map_err(|problem| ClothError::Parameter {
-        entity,
-        component: "SdfCollider",
-        problem,
-    })?;
-    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
+    let component = ClothComponent::SdfCollider;
+    collider.check().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
+    let now = pose_now(transforms, entity)?;
     let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
     track.advance(now);
     let (start, end) = (track.start(), track.end());
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
     pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
-    fields.check(entity, &collider.shape)?;
+    fields.check(&collider.shape)?;
     let motion =
         collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));
     let shape = collider.shape.clone();
@@ -292,7 +289,7 @@ pub(crate) fn forget_collider(
     mut commands: Commands,
 ) {
     snapshot.put(removed.entity, None, false);
-    failures.clear(removed.entity, Blame::Collider);
+    failures.clear(removed.entity, Blame::Component(ClothComponent::SdfCollider));
     failures.clear(removed.entity, Blame::Pose);
     commands.entity(removed.entity).try_remove::<ColliderPose>();
 }
