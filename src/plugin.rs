@@ -60,13 +60,13 @@ use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
-use crate::collider::SdfCollider;
 use crate::collider::bake::{BakeSdf, cancel_bake, finish_bakes, start_bakes};
 use crate::collider::disturbance::{Disturbances, note_disturbances};
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
 use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
 use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
+use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::drawing::draw_cloths;
 use crate::error::ClothFailure;
 use crate::error::failures::{Blame, Failures};
@@ -150,6 +150,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothForces>()
             .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
+            .register_type::<SdfColliderDisabled>()
             .register_type::<ColliderImpulse>()
             .register_type::<ClothSnapshot>()
             .register_type::<SdfColliderSnapshot>()

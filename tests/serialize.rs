@@ -57,7 +57,7 @@ fn settings_come_back() {
         masses: MassLumping::Equal,
         bending: Bending::Flexion,
         integrator: Integrator::Midpoint,
-        layers: 5,
+        layers: 5.into(),
         ..default()
     });
     comes_back(ClothInterpolation::LastTick);

@@ -3,7 +3,7 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem,
+    ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem, SdfColliderDisabled,
     prelude::*,
     sdf::{BakeError, SdfSample, SignedDistance},
 };
@@ -127,10 +127,10 @@ fn colliders_are_switched_and_despawned() {
     let cloth = above(&mut app, 0.01);
     updates(&mut app, 20);
     assert!(lowest(&app, cloth) > 0.004);
-    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = false;
+    app.world_mut().entity_mut(floor).insert(SdfColliderDisabled);
     updates(&mut app, 10);
     assert!(lowest(&app, cloth) < -0.05);
-    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = true;
+    app.world_mut().entity_mut(floor).remove::<SdfColliderDisabled>();
     updates(&mut app, 20);
     assert!(lowest(&app, cloth) > 0.004);
     app.world_mut().despawn(floor);
@@ -266,7 +266,7 @@ fn layers_choose_who_meets_whom() {
     spawn(&mut app, SdfCollider::from(Sphere::new(0.3)).in_layers(0b10));
     let held = above(&mut app, 0.35);
     let falls = above(&mut app, 0.35);
-    let settings = ClothSettings { layers: 0b101, ..default() };
+    let settings = ClothSettings { layers: 0b101.into(), ..default() };
     app.world_mut().entity_mut(falls).insert(settings);
     updates(&mut app, 40);
     assert!(positions(&app, held).iter().any(|p| p.y > 0.25));
@@ -348,7 +348,7 @@ fn a_collider_that_is_taken_away_lets_go() {
         |app, it| {
             app.world_mut().entity_mut(it).remove::<SdfCollider>();
         },
-        |app, it| app.world_mut().get_mut::<SdfCollider>(it).unwrap().enabled = false,
+        |app, it| _ = app.world_mut().entity_mut(it).insert(SdfColliderDisabled),
     ];
     for way in ways {
         let mut app = app();
