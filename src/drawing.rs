@@ -8,7 +8,7 @@ use bevy::time::Fixed;
 use bevy_drape_core::surface::{Placing, Tangents, has_moved};
 
 use crate::cloth::settings::ClothInterpolation;
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
 use crate::mesh::drawn::{ClothMesh, Drawn};
@@ -76,7 +76,7 @@ pub(crate) fn draw_cloths(
                 }
                 failures.clear(entity, Blame::Drawing);
             }
-            Err(problem) => failures.report(entity, ClothError::Draw { entity, problem }),
+            Err(problem) => failures.report(entity, ClothErrorKind::Draw(problem)),
         }
     }
 }

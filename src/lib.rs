@@ -130,6 +130,7 @@ pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
 pub use cloth::grab::{ClothGrab, GrabHold};
 pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
 pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
+pub use cloth::layers::ClothLayers;
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
@@ -138,17 +139,17 @@ pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth
 pub use cloth::weights::{ClothWeights, ColorChannel, VertexFactor};
 pub use cloth::wind::{ClothWind, ClothWindOverride};
 pub use cloth::{Cloth, ClothShape};
-pub use collider::SdfCollider;
 pub use collider::bake::{BakeSdf, SdfCells};
 pub use collider::impulse::ColliderImpulse;
 pub use collider::load::{DistanceFieldLoader, LoadFieldError};
 pub use collider::shape::{CustomSdf, SdfShape};
 pub use collider::snapshot::SdfColliderSnapshot;
+pub use collider::{SdfCollider, SdfColliderDisabled};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
-pub use error::{ClothError, ClothFailure};
+pub use error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::SdfSlice;
 #[cfg(feature = "gizmos")]

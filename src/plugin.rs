@@ -36,7 +36,7 @@
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
 //! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
-//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothError` in `error/mod.rs` and its `Blame` in `error/failures.rs`, for numbers that are out of range |
+//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothComponent` in `error/mod.rs`, for numbers that are out of range |
 //!
 //! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 
@@ -60,13 +60,13 @@ use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
-use crate::collider::SdfCollider;
 use crate::collider::bake::{BakeSdf, cancel_bake, finish_bakes, start_bakes};
 use crate::collider::disturbance::{Disturbances, note_disturbances};
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
 use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
 use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
+use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::drawing::draw_cloths;
 use crate::error::ClothFailure;
 use crate::error::failures::{Blame, Failures};
@@ -150,6 +150,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothForces>()
             .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
+            .register_type::<SdfColliderDisabled>()
             .register_type::<ColliderImpulse>()
             .register_type::<ClothSnapshot>()
             .register_type::<SdfColliderSnapshot>()

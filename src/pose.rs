@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::solver::Pose;
 
 /// A pose from tick to tick: where something is at a tick's start and at its end.
@@ -130,10 +130,12 @@ pub(crate) fn to_local(pose: &Pose, point: Vec3) -> Vec3 {
     pose.rotation.inverse() * (point - pose.translation) / pose.scale
 }
 
-pub(crate) fn pose_error(entity: Entity, error: PoseError) -> ClothError {
-    match error {
-        PoseError::Missing => ClothError::NoTransform { entity },
-        PoseError::Scale(scale) => ClothError::Scale { entity, scale },
+impl From<PoseError> for ClothErrorKind {
+    fn from(error: PoseError) -> Self {
+        match error {
+            PoseError::Missing => Self::NoTransform,
+            PoseError::Scale(scale) => Self::Scale(scale),
+        }
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) fn for_each_near(
     reach: f32,
     mut act: impl FnMut(Near),
 ) {
-    if collider.layers & cloth.in_force.settings.layers == 0 {
+    if collider.layers & cloth.in_force.settings.layers.0 == 0 {
         return;
     }
     let pose = collider.motion.end();

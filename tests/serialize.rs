@@ -10,10 +10,10 @@ mod saved_scene;
 
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothExecution, ClothForce, ClothForces, ClothGrab, ClothGravityOverride,
-    ClothInertia, ClothInterpolation, ClothPaused, ClothSleepThreshold, ClothSnapshot,
-    ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces,
-    SdfColliderSnapshot, VertexFactor,
+    ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGrab,
+    ClothGravityOverride, ClothInertia, ClothInterpolation, ClothPaused, ClothSleepThreshold,
+    ClothSnapshot, ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel,
+    HangingPlaces, SdfColliderSnapshot, VertexFactor,
     prelude::*,
     sdf::shapes::CapsuleBetween,
     solver::{
@@ -57,7 +57,7 @@ fn settings_come_back() {
         masses: MassLumping::Equal,
         bending: Bending::Flexion,
         integrator: Integrator::Midpoint,
-        layers: 5,
+        layers: 5.into(),
         ..default()
     });
     comes_back(ClothInterpolation::LastTick);
@@ -221,7 +221,9 @@ fn what_is_damaged_is_told_to_its_cloth_and_changes_nothing() {
         scene.app.update();
         twin.app.update();
         let told = failure(&scene.app, scene.cloth).unwrap_or_else(|| panic!("{after}{by}"));
-        assert!(matches!(told, ClothError::Snapshot { entity, .. } if entity == scene.cloth));
+        assert!(
+            matches!(told, ClothError { entity, kind: ClothErrorKind::Snapshot(_) } if entity == scene.cloth)
+        );
         let told = told.to_string();
         assert!(told.contains(what) && told.contains("damaged"), "{after}{by}: {told}");
         assert_eq!(scene.bits(), twin.bits(), "{after}{by}");
@@ -234,7 +236,7 @@ fn what_is_damaged_is_told_to_its_cloth_and_changes_nothing() {
     scene.app.world_mut().entity_mut(scene.cloth).insert(state);
     scene.app.update();
     let problem = StateError::WrongParticleCount { expected: 64, got: 63 };
-    let told = ClothError::Snapshot { entity: scene.cloth, problem };
+    let told = ClothError { entity: scene.cloth, kind: ClothErrorKind::Snapshot(problem) };
     assert_eq!(failure(&scene.app, scene.cloth), Some(told));
 }
 

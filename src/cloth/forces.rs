@@ -10,7 +10,7 @@ use crate::solver::{PushOn, PushWith};
 /// It is the same in the fixed schedule and in `Update`, at any frame rate. For what happens once there
 /// are [`ClothSimulation::push`](crate::ClothSimulation::push) and [`PushCloth`]; for wind there is [`ClothAir`](crate::ClothAir).
 ///
-/// A force that cannot be used is told as a [`ClothError::Forces`](crate::ClothError::Forces) and left out; the others act.
+/// A force that cannot be used is told as a [`ClothErrorKind::Forces`](crate::ClothErrorKind::Forces) and left out; the others act.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -55,7 +55,7 @@ impl From<ClothForce> for ClothForces {
 
 /// Pushes a cloth in its next tick, once: [`ClothSimulation::push`](crate::ClothSimulation::push) from where there are only `Commands`.
 ///
-/// What cannot be used is told as a [`ClothError::Push`](crate::ClothError::Push).
+/// What cannot be used is told as a [`ClothErrorKind::Push`](crate::ClothErrorKind::Push).
 ///
 /// ```
 /// # use bevy::prelude::*;

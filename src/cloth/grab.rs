@@ -12,7 +12,7 @@ use crate::solver::{ParameterError, SoftPin};
 /// around their middle, which is drawn to the target. The target may be moved in the fixed schedule or once
 /// a frame. What a pin holds, the pin keeps.
 ///
-/// One that cannot be used is told as a [`ClothError::Grab`](crate::ClothError::Grab), and holds nothing.
+/// One that cannot be used is told as a [`ClothErrorKind::Grab`](crate::ClothErrorKind::Grab), and holds nothing.
 ///
 /// ```
 /// # use bevy::prelude::*;

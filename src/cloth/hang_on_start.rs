@@ -13,7 +13,7 @@ use crate::solver::ParameterError;
 /// Its simulated time starts when the task is done: however long that takes, it starts alike.
 ///
 /// The pins hang at two or more places, no two of them further apart than the cloth between them reaches.
-/// Where they do not, that is told as a [`ClothError::Hang`](crate::ClothError::Hang), and the cloth starts in its rest shape.
+/// Where they do not, that is told as a [`ClothErrorKind::Hang`](crate::ClothErrorKind::Hang), and the cloth starts in its rest shape.
 ///
 /// It is looked at when the cloth starts, and of no effect on one that runs. Removing it before that lets
 /// the cloth start from where it is.

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use crate::cloth::layers::ClothLayers;
 use crate::solver::{Bending, Integrator, MassLumping, Settings, StretchMethod, Substeps};
 
 /// How a cloth is solved. May be changed at any time; the defaults suit nearly every scene.
@@ -30,9 +31,9 @@ pub struct ClothSettings {
     /// Speed at which particles that are inside a collider are pushed out [m/s]. Higher frees a cloth
     /// sooner that was spawned inside one.
     pub max_depenetration_speed: f32,
-    /// The layers of colliders that it meets, a bit each: those of which
+    /// The layers of colliders that it meets: those of which
     /// [`SdfCollider::layers`](crate::SdfCollider::layers) shares one.
-    pub layers: u32,
+    pub layers: ClothLayers,
     /// Whether its edges are held out of colliders that are thin or sharp beside the distance of its particles, and not
     /// these alone. Takes no time elsewhere.
     pub edges: bool,
@@ -53,7 +54,7 @@ impl ClothSettings {
             tethers: settings.tethers,
             max_speed: settings.max_speed,
             max_depenetration_speed: settings.max_depenetration_speed,
-            layers: settings.layers,
+            layers: ClothLayers(settings.layers),
             edges: settings.edges,
         }
     }
@@ -83,7 +84,7 @@ impl From<ClothSettings> for Settings {
             tethers: settings.tethers,
             max_speed: settings.max_speed,
             max_depenetration_speed: settings.max_depenetration_speed,
-            layers: settings.layers,
+            layers: settings.layers.0,
             edges: settings.edges,
         }
     }

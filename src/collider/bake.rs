@@ -6,7 +6,7 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 
 use crate::collider::SdfCollider;
 use crate::collider::shape::SdfShape;
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::source::MeshSource;
 use crate::sdf::{BakeError, BakeSettings, DistanceField};
@@ -106,7 +106,7 @@ pub(crate) fn start_bakes(
             Ok(None) => {
                 commands.entity(entity).try_remove::<(Baking, Baked)>();
             }
-            Err(problem) => failures.report(entity, ClothError::ColliderMesh { entity, problem }),
+            Err(problem) => failures.report(entity, ClothErrorKind::ColliderMesh(problem)),
         }
     }
 }
@@ -146,7 +146,7 @@ pub(crate) fn finish_bakes(
                     }
                 }
             }
-            Err(problem) => failures.report(entity, ClothError::Bake { entity, problem }),
+            Err(problem) => failures.report(entity, ClothErrorKind::Bake(problem)),
         }
     }
 }

@@ -4,6 +4,7 @@ use bevy::ecs::message::MessageCursor;
 use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume};
 use bevy::prelude::*;
 
+use crate::cloth::layers::ClothLayers;
 use crate::collider::SdfCollider;
 use crate::collider::snapshot::SdfColliderSnapshot;
 use crate::collider::tick_colliders::{Gathered, TickColliders};
@@ -29,7 +30,7 @@ struct Seen {
     entity: Entity,
     motion: ColliderMotion,
     friction: f32,
-    layers: u32,
+    layers: ClothLayers,
     /// In its own frame; `None` where it has none.
     bounds: Option<Aabb3d>,
 }

@@ -8,7 +8,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::collider::shape::SdfShape;
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::problems::FieldProblem;
 use crate::sdf::{DistanceField, SavedFieldError};
 
@@ -72,7 +72,7 @@ impl FieldSource<'_> {
     }
 
     /// Whether the shape's field, if it is one, is there or may still come.
-    pub fn check(&self, entity: Entity, shape: &SdfShape) -> Result<(), ClothError> {
+    pub fn check(&self, shape: &SdfShape) -> Result<(), ClothErrorKind> {
         let SdfShape::Field(handle) = shape else {
             return Ok(());
         };
@@ -84,7 +84,7 @@ impl FieldSource<'_> {
             Some(LoadState::Failed(error)) => load_problem(handle, &error),
             _ => FieldProblem::Missing,
         };
-        Err(ClothError::Field { entity, problem })
+        Err(ClothErrorKind::Field(problem))
     }
 }
 

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use crate::cloth::layers::ClothLayers;
 use crate::collider::shape::{CustomSdf, SdfShape};
 use crate::collider::tick_colliders::ColliderPose;
 use crate::sdf::shapes::CapsuleBetween;
@@ -46,17 +47,15 @@ pub struct SdfCollider {
     /// Coulomb's coefficient of friction \[1\]. Higher holds better; a pair's is the geometric
     /// mean.
     pub friction: f32,
-    /// Whether cloths see it.
-    pub enabled: bool,
-    /// The layers that it is in, a bit each. A cloth passes through unless
+    /// The layers that it is in. A cloth passes through unless
     /// [`ClothSettings::layers`](crate::ClothSettings::layers) shares one.
-    pub layers: u32,
+    pub layers: ClothLayers,
 }
 
 impl SdfCollider {
     /// A collider with a friction of 0.5.
     pub fn new(shape: impl Into<SdfShape>) -> Self {
-        Self { shape: shape.into(), friction: 0.5, enabled: true, layers: u32::MAX }
+        Self { shape: shape.into(), friction: 0.5, layers: ClothLayers::ALL }
     }
 
     /// A collider of a field that is baked (see also [`BakeSdf`](crate::BakeSdf)) or loaded from an `.sdf` file. It is
@@ -76,9 +75,9 @@ impl SdfCollider {
         Self::new(CapsuleBetween { from, to, radius })
     }
 
-    /// In these layers alone, a bit each.
-    pub fn in_layers(self, layers: u32) -> Self {
-        Self { layers, ..self }
+    /// In these layers alone.
+    pub fn in_layers(self, layers: impl Into<ClothLayers>) -> Self {
+        Self { layers: layers.into(), ..self }
     }
 
     /// With another coefficient of friction \[1\]. Higher holds better.
@@ -86,6 +85,22 @@ impl SdfCollider {
         Self { friction, ..self }
     }
 }
+
+/// Lets cloths pass through an [`SdfCollider`], for as long as it is on its entity.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # use bevy_drape::SdfColliderDisabled;
+/// fn open(mut commands: Commands, door: Single<Entity, With<SdfCollider>>) {
+///     commands.entity(*door).insert(SdfColliderDisabled);
+/// }
+/// # bevy::ecs::system::assert_is_system(open);
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub struct SdfColliderDisabled;
 
 impl<S: Into<SdfShape>> From<S> for SdfCollider {
     fn from(shape: S) -> Self {

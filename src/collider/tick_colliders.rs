@@ -5,13 +5,14 @@ use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use crate::cloth::layers::ClothLayers;
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::FieldSource;
 use crate::collider::shape::SdfShape;
-use crate::collider::{JUMP, SdfCollider};
-use crate::error::ClothError;
+use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
-use crate::pose::{PoseTrack, pose_error, pose_now};
+use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::{PoseTrack, pose_now};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose};
 
@@ -24,6 +25,8 @@ pub(crate) struct ColliderPose {
     still: bool,
     /// Whether its impulse was asked for.
     measured: bool,
+    /// Whether cloths passed through it.
+    disabled: bool,
 }
 
 impl ColliderPose {
@@ -54,7 +57,7 @@ pub(crate) struct Gathered {
     /// `None` while its field is not there.
     pub motion: Option<ColliderMotion>,
     pub friction: f32,
-    pub layers: u32,
+    pub layers: ClothLayers,
     pub measured: bool,
 }
 
@@ -72,7 +75,7 @@ impl TickColliders {
                 shape: collider.shape.get(fields)?,
                 motion,
                 friction: collider.friction,
-                layers: collider.layers,
+                layers: collider.layers.0,
                 key: collider.entity.to_bits(),
                 measured: collider.measured,
             })
@@ -145,6 +148,7 @@ pub(crate) struct Found {
     place: Option<Ref<'static, Transform>>,
     has_parent: Has<ChildOf>,
     measured: Has<ColliderImpulse>,
+    disabled: Has<SdfColliderDisabled>,
     pose: &'static mut ColliderPose,
 }
 
@@ -231,18 +235,20 @@ pub(crate) fn gather_colliders(
     mut failures: Failures,
 ) {
     let orphans = moves.any_orphan();
-    for FoundItem { entity, collider, place, has_parent, measured, mut pose } in &mut colliders {
+    for found in &mut colliders {
+        let FoundItem { entity, collider, place, has_parent, measured, disabled, mut pose } = found;
         let same = !collider.is_changed();
-        let still = pose.still && pose.measured == measured && same && !orphans;
+        let as_before = pose.measured == measured && pose.disabled == disabled;
+        let still = pose.still && as_before && same && !orphans;
         if still && !moves.moved_one(entity, place.as_ref(), has_parent) {
             continue;
         }
-        pose.measured = measured;
+        (pose.measured, pose.disabled) = (measured, disabled);
         let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
-                failures.clear(entity, Blame::Collider);
+                failures.clear(entity, Blame::Component(ClothComponent::SdfCollider));
                 failures.clear(entity, Blame::Pose);
-                gathered.map(|gathered| Gathered { measured, ..gathered })
+                (!disabled).then_some(Gathered { measured, ..gathered })
             }
             Err(error) => {
                 // What comes back later has not moved from where it was lost.
@@ -261,26 +267,22 @@ fn gather(
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
     fields: &FieldSource,
-) -> Result<Option<Gathered>, ClothError> {
-    let &SdfCollider { friction, layers, enabled, .. } = collider;
-    collider.check().map_err(|problem| ClothError::Parameter {
-        entity,
-        component: "SdfCollider",
-        problem,
-    })?;
-    let now = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
+) -> Result<Gathered, ClothErrorKind> {
+    let &SdfCollider { friction, layers, .. } = collider;
+    let component = ClothComponent::SdfCollider;
+    collider.check().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
+    let now = pose_now(transforms, entity)?;
     let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
     track.advance(now);
     let (start, end) = (track.start(), track.end());
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
     pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
-    fields.check(entity, &collider.shape)?;
+    fields.check(&collider.shape)?;
     let motion =
         collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));
     let shape = collider.shape.clone();
-    let gathered = Gathered { entity, shape, motion, friction, layers, measured: false };
-    Ok(enabled.then_some(gathered))
+    Ok(Gathered { entity, shape, motion, friction, layers, measured: false })
 }
 
 /// What is a collider no longer is met no more, has no error as one, and has not moved if it becomes one
@@ -292,7 +294,7 @@ pub(crate) fn forget_collider(
     mut commands: Commands,
 ) {
     snapshot.put(removed.entity, None, false);
-    failures.clear(removed.entity, Blame::Collider);
+    failures.clear(removed.entity, Blame::Component(ClothComponent::SdfCollider));
     failures.clear(removed.entity, Blame::Pose);
     commands.entity(removed.entity).try_remove::<ColliderPose>();
 }

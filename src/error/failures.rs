@@ -4,16 +4,16 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::error::problems::{MeshProblem, PinProblem};
-use crate::error::{ClothError, ClothFailure};
-use crate::solver::SolverError;
+use crate::error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
+use crate::solver::{ParameterError, SolverError};
 
 /// The component or circumstance that has to change before an error is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Blame {
+    /// A number of it.
+    Component(ClothComponent),
     Shape,
     Weights,
-    Material,
-    Settings,
     Pins,
     /// It may mend unseen, and is looked at again and again.
     Pose,
@@ -21,15 +21,8 @@ pub(crate) enum Blame {
     Unseen,
     Motion,
     Drawing,
-    Collider,
     Schedule,
     Bake,
-    Teleport,
-    Inertia,
-    Sleep,
-    Air,
-    Zone,
-    Hanging,
     Push,
     Forces,
     Grab,
@@ -39,21 +32,21 @@ pub(crate) enum Blame {
 impl Blame {
     /// The blames that a cloth may have.
     pub const OF_CLOTHS: [Self; 19] = [
+        Self::Component(ClothComponent::ClothMaterial),
+        Self::Component(ClothComponent::ClothSettings),
+        Self::Component(ClothComponent::ClothAir),
+        Self::Component(ClothComponent::ClothTeleport),
+        Self::Component(ClothComponent::ClothInertia),
+        Self::Component(ClothComponent::ClothSleepThreshold),
+        Self::Component(ClothComponent::HangOnStart),
         Self::Shape,
         Self::Weights,
-        Self::Material,
-        Self::Settings,
         Self::Pins,
         Self::Pose,
         Self::Unseen,
         Self::Motion,
         Self::Drawing,
         Self::Schedule,
-        Self::Teleport,
-        Self::Inertia,
-        Self::Sleep,
-        Self::Air,
-        Self::Hanging,
         Self::Push,
         Self::Forces,
         Self::Grab,
@@ -71,7 +64,8 @@ pub(crate) struct Failures<'w, 's> {
 
 impl Failures<'_, '_> {
     /// Logs an error, with the entity's name where it has one, and keeps it on the entity, once.
-    pub fn report(&mut self, entity: Entity, error: ClothError) {
+    pub fn report(&mut self, entity: Entity, kind: ClothErrorKind) {
+        let error = ClothError { entity, kind };
         // By the message, as an error may hold a NaN, which is not equal to itself.
         let message = error.to_string();
         let is_known = |known: &ClothFailure| known.errors().any(|e| e.to_string() == message);
@@ -84,9 +78,28 @@ impl Failures<'_, '_> {
         }
         self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
             let mut others = known_errors(&mut entity);
-            others.retain(|other| other.blame() != error.blame());
+            others.retain(|other| other.kind.blame() != error.kind.blame());
             entity.insert(ClothFailure { error, others });
         });
+    }
+
+    /// Tells how it went with what is to blame.
+    pub fn tell(&mut self, entity: Entity, blame: Blame, outcome: Result<(), ClothErrorKind>) {
+        match outcome {
+            Ok(()) => self.clear(entity, blame),
+            Err(kind) => self.report(entity, kind),
+        }
+    }
+
+    /// Tells whether the numbers of a component are in their ranges.
+    pub fn tell_numbers(
+        &mut self,
+        entity: Entity,
+        component: ClothComponent,
+        outcome: Result<(), ParameterError>,
+    ) {
+        let outcome = outcome.map_err(|problem| ClothErrorKind::Parameter { component, problem });
+        self.tell(entity, Blame::Component(component), outcome);
     }
 
     /// Forgets the entity's error if it is this component's.
@@ -94,7 +107,7 @@ impl Failures<'_, '_> {
         if self.blames(entity, blame) {
             self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
                 let mut left = known_errors(&mut entity);
-                left.retain(|error| error.blame() != blame);
+                left.retain(|error| error.kind.blame() != blame);
                 if let Some(error) = left.pop() {
                     entity.insert(ClothFailure { error, others: left });
                 }
@@ -104,7 +117,7 @@ impl Failures<'_, '_> {
 
     /// Whether the entity's error is this component's.
     pub fn blames(&self, entity: Entity, blame: Blame) -> bool {
-        let is_to_blame = |known: &ClothFailure| known.errors().any(|e| e.blame() == blame);
+        let is_to_blame = |known: &ClothFailure| known.errors().any(|e| e.kind.blame() == blame);
         self.known.get(entity).is_ok_and(is_to_blame)
     }
 
@@ -128,38 +141,30 @@ fn known_errors(entity: &mut EntityWorldMut) -> Vec<ClothError> {
     others
 }
 
-impl ClothError {
+impl ClothErrorKind {
     pub(crate) fn blame(&self) -> Blame {
         match self {
-            Self::Mesh { problem: MeshProblem::Skinned | MeshProblem::Missing, .. }
-            | Self::ColliderMesh { problem: MeshProblem::Missing, .. } => Blame::Unseen,
+            Self::Mesh(MeshProblem::Skinned | MeshProblem::Missing)
+            | Self::ColliderMesh(MeshProblem::Missing) => Blame::Unseen,
             Self::Pin { problem: PinProblem::AnchorScale(_), .. }
-            | Self::Scale { .. }
+            | Self::Scale(_)
             // Its entity is too far away.
-            | Self::Solver { problem: SolverError::NonFinite { .. }, .. }
-            | Self::NoTransform { .. } => Blame::Pose,
-            Self::Mesh { .. } | Self::Shape { .. } | Self::Graph { .. } => Blame::Shape,
-            Self::Draw { .. } => Blame::Drawing,
-            Self::Push { .. } => Blame::Push,
+            | Self::Solver(SolverError::NonFinite { .. })
+            | Self::NoTransform => Blame::Pose,
+            Self::Mesh(_) | Self::Shape(_) | Self::Graph(_) => Blame::Shape,
+            Self::Draw(_) => Blame::Drawing,
+            Self::Push(_) => Blame::Push,
             Self::Forces { .. } => Blame::Forces,
-            Self::Grab { .. } => Blame::Grab,
-            Self::Snapshot { .. } => Blame::Snapshot,
-            Self::Weights { .. } => Blame::Weights,
-            Self::Parameter { component: "ClothMaterial", .. } => Blame::Material,
-            Self::Parameter { component: "SdfCollider", .. } | Self::Field { .. } => {
-                Blame::Collider
-            }
-            Self::Parameter { component: "ClothTeleport", .. } => Blame::Teleport,
-            Self::Parameter { component: "ClothInertia", .. } => Blame::Inertia,
-            Self::Parameter { component: "ClothSleepThreshold", .. } => Blame::Sleep,
-            Self::Parameter { component: "ClothAir", .. } => Blame::Air,
-            Self::Parameter { component: "WindZone", .. } => Blame::Zone,
-            Self::Parameter { component: "HangOnStart", .. } | Self::Hang { .. } => Blame::Hanging,
-            Self::Parameter { .. } => Blame::Settings,
+            Self::Grab(_) => Blame::Grab,
+            Self::Snapshot(_) => Blame::Snapshot,
+            Self::Weights(_) => Blame::Weights,
+            Self::Parameter { component, .. } => Blame::Component(*component),
+            Self::Field(_) => Blame::Component(ClothComponent::SdfCollider),
+            Self::Hang(_) => Blame::Component(ClothComponent::HangOnStart),
             Self::Pin { .. } => Blame::Pins,
-            Self::Solver { .. } => Blame::Motion,
-            Self::VariableStep { .. } => Blame::Schedule,
-            Self::Bake { .. } | Self::ColliderMesh { .. } => Blame::Bake,
+            Self::Solver(_) => Blame::Motion,
+            Self::VariableStep => Blame::Schedule,
+            Self::Bake(_) | Self::ColliderMesh(_) => Blame::Bake,
         }
     }
 }

@@ -5,15 +5,14 @@ use bevy::prelude::*;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
-use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
-use crate::pose::{PoseError, pose_error, pose_now};
+use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::{PoseError, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::holding::hold;
 use crate::simulation::reference_frame::ReferenceFrame;
-use crate::solver::ParameterError;
 
 /// Notes where all anchors are before a frame's ticks.
 pub(crate) fn note_anchors(
@@ -49,20 +48,20 @@ pub(crate) fn gather_pins(
     for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
         let cloth = &mut *cloth;
         let outcome = cloth.frame.set_teleport(teleport);
-        tell(entity, "ClothTeleport", Blame::Teleport, outcome, &mut failures);
+        failures.tell_numbers(entity, ClothComponent::ClothTeleport, outcome);
         let outcome = cloth.frame.set_inertia(inertia);
-        tell(entity, "ClothInertia", Blame::Inertia, outcome, &mut failures);
+        failures.tell_numbers(entity, ClothComponent::ClothInertia, outcome);
         let at_once = cloth.frame.teleport_asked;
         match advance_anchors(&mut cloth.held.attachments, &transforms, at_once) {
             None if cloth.held.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
             Some((anchor, PoseError::Scale(scale))) if anchor == entity => {
-                failures.report(entity, ClothError::Scale { entity, scale });
+                failures.report(entity, ClothErrorKind::Scale(scale));
             }
             Some((anchor, error))
                 if anchor == entity && holds_nothing(&cloth.held.attachments, anchor) =>
             {
-                failures.report(entity, pose_error(entity, error));
+                failures.report(entity, error.into());
             }
             Some((anchor, error)) => {
                 let pin = pin_held_by(&cloth.in_force.pins, entity, anchor);
@@ -70,7 +69,7 @@ pub(crate) fn gather_pins(
                     PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
                     PoseError::Missing => PinProblem::NoAnchor(anchor),
                 };
-                failures.report(entity, ClothError::Pin { entity, pin, problem });
+                failures.report(entity, ClothErrorKind::Pin { pin, problem });
                 if error == PoseError::Missing {
                     release(cloth, anchor);
                 }
@@ -78,21 +77,6 @@ pub(crate) fn gather_pins(
         }
         let stands = cloth.is_hanging() || frozen.is_some_and(|frozen| frozen.steps == 0);
         follow(entity, cloth, stands, &mut failures);
-    }
-}
-
-fn tell(
-    entity: Entity,
-    component: &'static str,
-    blame: Blame,
-    outcome: Result<(), ParameterError>,
-    failures: &mut Failures,
-) {
-    match outcome {
-        Ok(()) => failures.clear(entity, blame),
-        Err(problem) => {
-            failures.report(entity, ClothError::Parameter { entity, component, problem });
-        }
     }
 }
 
@@ -123,7 +107,7 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
             }
         }
         if let Err(problem) = solver.carry(&from, &to) {
-            failures.report(entity, ClothError::Solver { entity, problem });
+            failures.report(entity, ClothErrorKind::Solver(problem));
         }
         cloth.shape_version += 1;
     }
@@ -147,7 +131,7 @@ fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures
             cloth.shape_version += 1;
             failures.clear(entity, Blame::Motion);
         }
-        Err(problem) => failures.report(entity, ClothError::Solver { entity, problem }),
+        Err(problem) => failures.report(entity, ClothErrorKind::Solver(problem)),
     }
 }
 

@@ -5,11 +5,11 @@ use bevy::prelude::*;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::settings::ClothSettings;
 use crate::cloth::weights::ClothWeights;
-use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
+use crate::error::{ClothComponent, ClothErrorKind};
 use crate::mesh::rest_cache::RestCache;
 use crate::simulation::ClothSimulation;
-use crate::simulation::setup::{in_force, solver_error, tell, topology};
+use crate::simulation::setup::{in_force, solver_error, topology};
 use crate::solver::{ClothSolver, SolverError};
 
 /// Applies changed materials, settings and weights. Numbers out of range are refused, the last good
@@ -30,11 +30,17 @@ pub(crate) fn apply_changes(
         let gone = |differs: bool, blame| differs || failures.blames(entity, blame);
         let material_changed = match &material {
             Some(material) => material.is_changed(),
-            None => gone(cloth.in_force.material != ClothMaterial::default(), Blame::Material),
+            None => gone(
+                cloth.in_force.material != ClothMaterial::default(),
+                Blame::Component(ClothComponent::ClothMaterial),
+            ),
         };
         let settings_changed = match &settings {
             Some(settings) => settings.is_changed(),
-            None => gone(cloth.in_force.settings != ClothSettings::default(), Blame::Settings),
+            None => gone(
+                cloth.in_force.settings != ClothSettings::default(),
+                Blame::Component(ClothComponent::ClothSettings),
+            ),
         };
         let weights_changed = match &weights {
             Some(weights) => weights.is_changed(),
@@ -46,13 +52,12 @@ pub(crate) fn apply_changes(
         let (material, settings) = (in_force(&material), in_force(&settings));
         let cloth = &mut *cloth;
         let mut changed = false;
-        let outcome = apply_material(cloth, material, &mut changed)
-            .map_err(|problem| solver_error(entity, problem));
-        tell(entity, Blame::Material, outcome, &mut failures);
-        let outcome = apply_settings(entity, cloth, settings, &mut cache, &mut changed);
-        tell(entity, Blame::Settings, outcome, &mut failures);
-        let outcome = apply_weights(entity, cloth, weights.as_deref(), &mut cache, &mut changed);
-        tell(entity, Blame::Weights, outcome, &mut failures);
+        let outcome = apply_material(cloth, material, &mut changed).map_err(solver_error);
+        failures.tell(entity, Blame::Component(ClothComponent::ClothMaterial), outcome);
+        let outcome = apply_settings(cloth, settings, &mut cache, &mut changed);
+        failures.tell(entity, Blame::Component(ClothComponent::ClothSettings), outcome);
+        let outcome = apply_weights(cloth, weights.as_deref(), &mut cache, &mut changed);
+        failures.tell(entity, Blame::Weights, outcome);
         if changed {
             cloth.wake();
         }
@@ -77,18 +82,17 @@ fn apply_material(
 }
 
 fn apply_settings(
-    entity: Entity,
     cloth: &mut ClothSimulation,
     settings: ClothSettings,
     cache: &mut RestCache,
     changed: &mut bool,
-) -> Result<(), ClothError> {
+) -> Result<(), ClothErrorKind> {
     if settings != cloth.in_force.settings {
         if settings.masses == cloth.in_force.settings.masses {
-            cloth.solver.set_settings(settings.into()).map_err(|e| solver_error(entity, e))?;
+            cloth.solver.set_settings(settings.into()).map_err(solver_error)?;
         } else {
             let weights = cloth.in_force.weights.as_ref();
-            cloth.solver = remade(entity, cloth, settings, weights, cache)?;
+            cloth.solver = remade(cloth, settings, weights, cache)?;
         }
         cloth.in_force.settings = settings;
         *changed = true;
@@ -97,14 +101,13 @@ fn apply_settings(
 }
 
 fn apply_weights(
-    entity: Entity,
     cloth: &mut ClothSimulation,
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
     changed: &mut bool,
-) -> Result<(), ClothError> {
+) -> Result<(), ClothErrorKind> {
     if weights != cloth.in_force.weights.as_ref() {
-        cloth.solver = remade(entity, cloth, cloth.in_force.settings, weights, cache)?;
+        cloth.solver = remade(cloth, cloth.in_force.settings, weights, cache)?;
         cloth.in_force.weights = weights.cloned();
         *changed = true;
     }
@@ -113,14 +116,12 @@ fn apply_weights(
 
 /// The solver over a rest shape of other masses or weights, in the same place and motion.
 fn remade(
-    entity: Entity,
     cloth: &ClothSimulation,
     settings: ClothSettings,
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
-) -> Result<ClothSolver, ClothError> {
+) -> Result<ClothSolver, ClothErrorKind> {
     let scale = cloth.in_force.placed.scale;
-    let topology =
-        topology(entity, &cloth.in_force.rest_shape, scale, settings.masses, weights, cache)?;
-    cloth.solver.remade(topology, settings.into()).map_err(|problem| solver_error(entity, problem))
+    let topology = topology(&cloth.in_force.rest_shape, scale, settings.masses, weights, cache)?;
+    cloth.solver.remade(topology, settings.into()).map_err(solver_error)
 }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::cloth::grab::ClothGrab;
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
 use crate::simulation::grabbed::Grabbed;
@@ -47,7 +47,7 @@ pub(crate) fn apply_grabs(
                 if cloth.held.grab.is_some() {
                     let_go(&mut cloth);
                 }
-                failures.report(entity, ClothError::Grab { entity, problem });
+                failures.report(entity, ClothErrorKind::Grab(problem));
             }
         }
     }

@@ -8,9 +8,9 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on};
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::hang_on_start::{HangOnStart, HangingPlaces};
 use crate::cloth::pins::ClothPins;
-use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::HangProblem;
+use crate::error::{ClothComponent, ClothErrorKind};
 use crate::hang::{HangingPoint, RelaxReport, Relaxation, hang, relax};
 use crate::pose::{to_local, to_world};
 use crate::simulation::ClothSimulation;
@@ -86,7 +86,7 @@ pub(crate) fn hang_cloths(
         }
         if let Some(result) = finished(cloth) {
             let outcome = result.and_then(|(positions, report)| settle(cloth, &positions, report));
-            tell(entity, outcome.map_err(|e| hang_error(entity, e)), cloth, &mut failures);
+            tell(entity, outcome.map_err(hang_error), cloth, &mut failures);
         }
     }
 }
@@ -101,19 +101,19 @@ fn is_new(hanging: Option<&Hanging>, asked: &Asked, pins: &ClothPins) -> bool {
     )
 }
 
-fn hang_error(entity: Entity, problem: impl Into<HangProblem>) -> ClothError {
-    ClothError::Hang { entity, problem: problem.into() }
+fn hang_error(problem: impl Into<HangProblem>) -> ClothErrorKind {
+    ClothErrorKind::Hang(problem.into())
 }
 
 /// Tells how it went. Where it did not, the cloth is in its rest shape.
 fn tell(
     entity: Entity,
-    outcome: Result<(), ClothError>,
+    outcome: Result<(), ClothErrorKind>,
     cloth: &mut ClothSimulation,
     failures: &mut Failures,
 ) {
     match outcome {
-        Ok(()) => failures.clear(entity, Blame::Hanging),
+        Ok(()) => failures.clear(entity, Blame::Component(ClothComponent::HangOnStart)),
         Err(error) => {
             let rest: Vec<_> = (0..cloth.particle_count()).map(|i| rest_place(cloth, i)).collect();
             put(cloth, entity, &rest);
@@ -165,7 +165,7 @@ fn rest_place(cloth: &ClothSimulation, particle: usize) -> Vec3 {
 }
 
 /// Puts a cloth into its hung shape and starts the relaxation.
-fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), ClothError> {
+fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), ClothErrorKind> {
     let begun = cloth.start.has_begun();
     let (hung, dt, gravity) = (asked.hung, asked.dt, asked.gravity);
     let motions: Vec<_> = asked.points.iter().map(|p| PinMotion::still(p.place)).collect();
@@ -180,12 +180,9 @@ fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), 
         begun,
         report: None,
     }));
-    hung.validate().map_err(|problem| ClothError::Parameter {
-        entity,
-        component: "HangOnStart",
-        problem,
-    })?;
-    put(cloth, entity, &positions.map_err(|problem| hang_error(entity, problem))?);
+    let component = ClothComponent::HangOnStart;
+    hung.validate().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
+    put(cloth, entity, &positions.map_err(hang_error)?);
     let mut solver = cloth.solver.clone();
     let task = AsyncComputeTaskPool::get_or_init(TaskPool::default).spawn(async move {
         let limits = Relaxation { speed: hung.speed, longest: hung.longest };
@@ -256,5 +253,5 @@ pub(crate) fn cancel_hanging(
     {
         hanging.task = None;
     }
-    failures.clear(removed.entity, Blame::Hanging);
+    failures.clear(removed.entity, Blame::Component(ClothComponent::HangOnStart));
 }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::cloth::pins::{ClothPins, Pin};
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
 use crate::pose::{PoseError, pose_now, to_local};
@@ -47,7 +47,7 @@ pub(crate) fn apply_pins(
                 }
             }
             Some((pin, problem)) => {
-                failures.report(entity, ClothError::Pin { entity, pin, problem });
+                failures.report(entity, ClothErrorKind::Pin { pin, problem });
             }
         }
     }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::cloth::forces::{ClothForce, ClothForces, PushCloth};
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
 use crate::simulation::reference_frame::ReferenceFrame;
@@ -18,7 +18,7 @@ pub(crate) fn ask_for_push(
     let PushCloth { entity, on, with } = *event;
     match cloths.get_mut(entity).map(|mut cloth| cloth.push(on, with)) {
         Ok(Ok(())) => failures.clear(entity, Blame::Push),
-        Ok(Err(problem)) => failures.report(entity, ClothError::Push { entity, problem }),
+        Ok(Err(problem)) => failures.report(entity, ClothErrorKind::Push(problem)),
         Err(_) => tracing::warn!(
             "{entity} is no running cloth, so that nothing was pushed; a new one can be from its `ClothReady` on"
         ),
@@ -64,14 +64,14 @@ impl Pushing {
         let mut give = |on, with: PushWith| solver.push(on, with.map(|vector| frame.seen(vector)));
         for (on, with) in self.asked.drain(..) {
             if let Err(problem) = give(on, with) {
-                failures.report(entity, ClothError::Push { entity, problem });
+                failures.report(entity, ClothErrorKind::Push(problem));
             }
         }
         let mut good = true;
         for (force, &ClothForce { on, force: vector }) in self.forces.iter().enumerate() {
             if let Err(problem) = give(on, PushWith::Force(vector)) {
                 good = false;
-                failures.report(entity, ClothError::Forces { entity, force, problem });
+                failures.report(entity, ClothErrorKind::Forces { force, problem });
             }
         }
         if good {

@@ -11,13 +11,13 @@ use crate::cloth::weights::ClothWeights;
 use crate::cloth::{Cloth, ClothShape};
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
-use crate::error::{ClothError, ClothFailure};
+use crate::error::{ClothComponent, ClothErrorKind, ClothFailure};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::{MeshSource, source_of};
 use crate::mesh::surface::SkippedTriangles;
-use crate::pose::{pose_error, pose_now, to_world};
+use crate::pose::{pose_now, to_world};
 use crate::simulation::ClothSimulation;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
@@ -152,26 +152,26 @@ fn set_up(
     transforms: &TransformHelper,
     meshes: &MeshSource,
     cache: &mut RestCache,
-) -> Result<Option<ClothSimulation>, ClothError> {
-    let pose = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
+) -> Result<Option<ClothSimulation>, ClothErrorKind> {
+    let pose = pose_now(transforms, entity)?;
     if skinned {
-        return Err(ClothError::Mesh { entity, problem: MeshProblem::Skinned });
+        return Err(ClothErrorKind::Mesh(MeshProblem::Skinned));
     }
-    let Some(rest) = rest_shape(entity, cloth, source, meshes, cache)? else {
+    let Some(rest) = rest_shape(cloth, source, meshes, cache)? else {
         return Ok(None);
     };
-    let topology = topology(entity, &rest, pose.scale, settings.masses, weights, cache)
-        .map_err(|error| scale_at_fault(error, entity, pose.scale))?;
-    let simulation = build(cloth, material, settings, weights, pose, rest, topology)
-        .map_err(|problem| solver_error(entity, problem))?;
+    let topology = topology(&rest, pose.scale, settings.masses, weights, cache)
+        .map_err(|error| scale_at_fault(error, pose.scale))?;
+    let simulation =
+        build(cloth, material, settings, weights, pose, rest, topology).map_err(solver_error)?;
     Ok(Some(simulation))
 }
 
 /// A shape that cannot be used at a huge or tiny scale may be good at another.
-fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
+fn scale_at_fault(error: ClothErrorKind, scale: f32) -> ClothErrorKind {
     match error {
-        ClothError::Shape { .. } | ClothError::Graph { .. } if !(1e-3..=1e3).contains(&scale) => {
-            ClothError::Scale { entity, scale: Vec3::splat(scale) }
+        ClothErrorKind::Shape(_) | ClothErrorKind::Graph(_) if !(1e-3..=1e3).contains(&scale) => {
+            ClothErrorKind::Scale(Vec3::splat(scale))
         }
         error => error,
     }
@@ -179,22 +179,17 @@ fn scale_at_fault(error: ClothError, entity: Entity, scale: f32) -> ClothError {
 
 /// The rest shape as the solver has it.
 pub(crate) fn topology(
-    entity: Entity,
     rest: &RestShape,
     scale: f32,
     masses: MassLumping,
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
-) -> Result<Topology, ClothError> {
+) -> Result<Topology, ClothErrorKind> {
     let factors = match weights {
-        Some(weights) => {
-            weights.factors(rest).map_err(|problem| ClothError::Weights { entity, problem })?
-        }
+        Some(weights) => weights.factors(rest).map_err(ClothErrorKind::Weights)?,
         None => None,
     };
-    cache
-        .topology(rest, scale, masses, factors.as_ref())
-        .map_err(|problem| solver_error(entity, problem))
+    cache.topology(rest, scale, masses, factors.as_ref()).map_err(solver_error)
 }
 
 /// Whether a running cloth no longer is what its components say.
@@ -225,17 +220,14 @@ fn moved_before_its_first_tick(
 
 /// The rest shape in the entity's frame; `None` while the mesh is still loading.
 fn rest_shape(
-    entity: Entity,
     cloth: &Cloth,
     source: Option<&Handle<Mesh>>,
     meshes: &MeshSource,
     cache: &mut RestCache,
-) -> Result<Option<RestShape>, ClothError> {
+) -> Result<Option<RestShape>, ClothErrorKind> {
     match cloth.shape {
         ClothShape::Sheet { size, particles } => Ok(Some(RestShape::Sheet { size, particles })),
-        ClothShape::Mesh => {
-            meshes.read(source, cache).map_err(|problem| ClothError::Mesh { entity, problem })
-        }
+        ClothShape::Mesh => meshes.read(source, cache).map_err(ClothErrorKind::Mesh),
     }
 }
 
@@ -275,29 +267,21 @@ fn build(
     })
 }
 
-pub(crate) fn tell(
-    entity: Entity,
-    blame: Blame,
-    outcome: Result<(), ClothError>,
-    failures: &mut Failures,
-) {
-    match outcome {
-        Ok(()) => failures.clear(entity, blame),
-        Err(error) => failures.report(entity, error),
-    }
-}
-
 /// A solver's complaint, told to the component that it is about.
-pub(crate) fn solver_error(entity: Entity, problem: SolverError) -> ClothError {
+pub(crate) fn solver_error(problem: SolverError) -> ClothErrorKind {
     match problem {
         SolverError::Parameter(problem) => {
             let settings = ClothSettings::type_info().as_struct();
             let of_settings = settings.is_ok_and(|it| it.field(problem.name).is_some());
-            let component = if of_settings { "ClothSettings" } else { "ClothMaterial" };
-            ClothError::Parameter { entity, component, problem }
+            let component = if of_settings {
+                ClothComponent::ClothSettings
+            } else {
+                ClothComponent::ClothMaterial
+            };
+            ClothErrorKind::Parameter { component, problem }
         }
-        SolverError::Lattice(problem) => ClothError::Shape { entity, problem },
-        SolverError::Graph(problem) => ClothError::Graph { entity, problem },
-        problem => ClothError::Solver { entity, problem },
+        SolverError::Lattice(problem) => ClothErrorKind::Shape(problem),
+        SolverError::Graph(problem) => ClothErrorKind::Graph(problem),
+        problem => ClothErrorKind::Solver(problem),
     }
 }

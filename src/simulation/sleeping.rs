@@ -6,8 +6,8 @@ use crate::cloth::events::{ClothSlept, ClothWoke};
 use crate::cloth::forces::ClothForces;
 use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::collider::disturbance::Disturbances;
-use crate::error::ClothError;
-use crate::error::failures::{Blame, Failures};
+use crate::error::ClothComponent;
+use crate::error::failures::Failures;
 use crate::simulation::ClothSimulation;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, ParameterError};
@@ -92,13 +92,8 @@ pub(crate) fn choose_steps(
 ) {
     for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;
-        match cloth.sleep.set_sleep(sleep) {
-            Ok(()) => failures.clear(entity, Blame::Sleep),
-            Err(problem) => {
-                let component = "ClothSleepThreshold";
-                failures.report(entity, ClothError::Parameter { entity, component, problem });
-            }
-        }
+        let outcome = cloth.sleep.set_sleep(sleep);
+        failures.tell_numbers(entity, ClothComponent::ClothSleepThreshold, outcome);
         if disturbances.reach(cloth.solver.bounds(), cloth.in_force.material.thickness) {
             cloth.sleep.disturb();
         }

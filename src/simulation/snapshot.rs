@@ -4,7 +4,7 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::rest_cache::RestCache;
 use crate::simulation::ClothSimulation;
@@ -23,7 +23,7 @@ use crate::solver::{ClothSolver, Pose, SolverState, StateError};
 ///
 /// It is taken by [`ClothSnapshot::of`] or [`ClothSimulation::save`], between ticks. Put on an entity with a
 /// [`Cloth`](crate::Cloth), it is taken over as soon as the cloth is set up, or at once by one that runs, and
-/// is gone then. One that is another cloth's, or damaged, is told as a [`ClothError::Snapshot`], and the cloth
+/// is gone then. One that is another cloth's, or damaged, is told as a [`ClothErrorKind::Snapshot`], and the cloth
 /// stays as it was.
 ///
 /// Colliders that move have a state as well, [`SdfColliderSnapshot`](crate::SdfColliderSnapshot), without which the first
@@ -196,8 +196,8 @@ fn restore(
     cloth: &mut ClothSimulation,
     state: &Content,
     cache: &mut RestCache,
-) -> Result<(), ClothError> {
-    let damaged = |problem| ClothError::Snapshot { entity, problem };
+) -> Result<(), ClothErrorKind> {
+    let damaged = ClothErrorKind::Snapshot;
     let (expected, got) = (cloth.particle_count(), state.solver.particle_count());
     if expected != got {
         return Err(damaged(StateError::WrongParticleCount { expected, got }));
@@ -206,7 +206,7 @@ fn restore(
     let mut solver = if state.placed.scale == cloth.in_force.placed.scale {
         cloth.solver.clone()
     } else {
-        scaled(entity, cloth, state.placed.scale, cache)?
+        scaled(cloth, state.placed.scale, cache)?
     };
     solver.restore(&state.solver).map_err(damaged)?;
     cloth.take_over(entity, state.clone(), solver);
@@ -215,17 +215,16 @@ fn restore(
 
 /// The cloth as its entity's scale was when it was set up: it has that size for good.
 fn scaled(
-    entity: Entity,
     cloth: &ClothSimulation,
     scale: f32,
     cache: &mut RestCache,
-) -> Result<ClothSolver, ClothError> {
+) -> Result<ClothSolver, ClothErrorKind> {
     let (shape, masses, weights) = (
         &cloth.in_force.rest_shape,
         cloth.in_force.settings.masses,
         cloth.in_force.weights.as_ref(),
     );
-    let topology = topology(entity, shape, scale, masses, weights, cache)?;
+    let topology = topology(shape, scale, masses, weights, cache)?;
     let start = topology.rest_positions().to_vec();
     let made = ClothSolver::new(
         topology,
@@ -233,5 +232,5 @@ fn scaled(
         cloth.in_force.material.into(),
         cloth.in_force.settings.into(),
     );
-    made.map_err(|problem| ClothError::Snapshot { entity, problem: problem.into() })
+    made.map_err(|problem| ClothErrorKind::Snapshot(problem.into()))
 }

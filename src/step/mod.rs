@@ -9,7 +9,7 @@ use bevy::time::{Fixed, Virtual};
 use crate::cloth::events::ClothDiverged;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::collider::tick_colliders::{ColliderRoom, Found, Moves, TickColliders, note_colliders};
-use crate::error::ClothError;
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
@@ -91,7 +91,7 @@ pub(crate) fn refuse_variable_step(
     mut failures: Failures,
 ) {
     for entity in &cloths {
-        failures.report(entity, ClothError::VariableStep { entity });
+        failures.report(entity, ClothErrorKind::VariableStep);
     }
 }
 
@@ -312,7 +312,7 @@ pub(crate) fn finish_tick(
                 cloth.progress.quarantined = problem == SolverError::Diverged;
                 // Its pins may be led away meanwhile.
                 cloth.held.attachments.take_hold_anew();
-                failures.report(entity, solver_error(entity, problem));
+                failures.report(entity, solver_error(problem));
                 if cloth.progress.quarantined {
                     commands.trigger(ClothDiverged { entity, problem });
                 }

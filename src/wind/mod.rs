@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use crate::cloth::air::ClothAir;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
-use crate::error::ClothError;
+use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
 use crate::solver::{Air, ParameterError, Zone};
@@ -28,22 +28,14 @@ pub(crate) fn gather_air(
     let wind = wind.as_deref().copied().unwrap_or_default();
     for (entity, mut cloth, air, own) in &mut cloths {
         let cloth = &mut *cloth;
-        match set_air(cloth, air.map(|air| Air::from(*air))) {
-            Ok(changed) => {
-                failures.clear(entity, Blame::Air);
-                if changed {
-                    cloth.sleep.disturb();
-                }
-                if changed && cloth.progress.quarantined {
-                    cloth.progress.quarantined = false;
-                    failures.clear(entity, Blame::Motion);
-                }
-            }
-            Err(problem) => {
-                let component = "ClothAir";
-                failures.report(entity, ClothError::Parameter { entity, component, problem });
+        let changed = set_air(cloth, air.map(|air| Air::from(*air)));
+        if changed == Ok(true) {
+            cloth.sleep.disturb();
+            if core::mem::take(&mut cloth.progress.quarantined) {
+                failures.clear(entity, Blame::Motion);
             }
         }
+        failures.tell_numbers(entity, ClothComponent::ClothAir, changed.map(drop));
         if air.is_some() {
             let wind = own.map_or(wind, |own| own.0);
             cloth.tick.step.set_wind(wind, time.elapsed_secs_f64());

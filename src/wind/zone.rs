@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-use crate::error::ClothError;
 use crate::error::failures::{Blame, Failures};
-use crate::pose::{pose_error, pose_now};
+use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::pose_now;
 use crate::solver::{ParameterError, WindFlow, WindShape, Zone};
 
 /// Wind in a box, a ball or a cone: a fan, an explosion, the draught of a door. It adds to the
@@ -12,7 +12,7 @@ use crate::solver::{ParameterError, WindFlow, WindShape, Zone};
 /// [`ClothAir`](crate::ClothAir) feel it.
 ///
 /// It follows its entity, which may be scaled alike along all axes; another scale is refused with a
-/// [`ClothError`], and the zone is left out as long. May be changed at any time. A cloth that is nowhere
+/// [`ClothError`](crate::ClothError), and the zone is left out as long. May be changed at any time. A cloth that is nowhere
 /// near is not slowed by it.
 ///
 /// ```
@@ -109,7 +109,7 @@ pub(crate) fn gather_zones(
         match gather(entity, zone, &transforms) {
             Ok(zone) => {
                 found.push((entity, zone));
-                failures.clear(entity, Blame::Zone);
+                failures.clear(entity, Blame::Component(ClothComponent::WindZone));
                 failures.clear(entity, Blame::Pose);
             }
             Err(error) => failures.report(entity, error),
@@ -121,7 +121,7 @@ pub(crate) fn gather_zones(
 
 /// What is a zone no longer has no error as one.
 pub(crate) fn forget_zone(removed: On<Remove, WindZone>, mut failures: Failures) {
-    failures.clear(removed.entity, Blame::Zone);
+    failures.clear(removed.entity, Blame::Component(ClothComponent::WindZone));
     failures.clear(removed.entity, Blame::Pose);
 }
 
@@ -129,10 +129,10 @@ fn gather(
     entity: Entity,
     zone: &WindZone,
     transforms: &TransformHelper,
-) -> Result<Zone, ClothError> {
-    let component = "WindZone";
-    zone.validate().map_err(|problem| ClothError::Parameter { entity, component, problem })?;
-    let pose = pose_now(transforms, entity).map_err(|error| pose_error(entity, error))?;
+) -> Result<Zone, ClothErrorKind> {
+    let component = ClothComponent::WindZone;
+    zone.validate().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
+    let pose = pose_now(transforms, entity)?;
     let WindZone { shape, flow, falloff } = *zone;
     Ok(Zone { shape, flow, falloff, pose })
 }

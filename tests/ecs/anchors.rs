@@ -4,7 +4,8 @@
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothError, ClothExecution, ClothInertia, ClothInterpolation, ClothSleepThreshold, prelude::*,
+    ClothError, ClothErrorKind, ClothExecution, ClothInertia, ClothInterpolation,
+    ClothSleepThreshold, prelude::*,
 };
 
 /// Turns once a frame, as an animated joint does.
@@ -274,7 +275,10 @@ fn anchors_that_cannot_be_used_are_told_with_their_pin() {
                     updates(&mut app, 3);
                 }
                 let error = failure(&app, cloth).unwrap_or_else(|| panic!("{what}, late {late}"));
-                assert!(matches!(error, ClothError::Pin { pin: 1, .. }), "{what}: {error}");
+                assert!(
+                    matches!(error, ClothError { kind: ClothErrorKind::Pin { pin: 1, .. }, .. }),
+                    "{what}: {error}"
+                );
                 let told = error.to_string();
                 assert!(told.contains(&cloth.to_string()) && told.contains(&anchor.to_string()));
                 updates(&mut app, 10);

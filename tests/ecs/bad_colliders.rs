@@ -4,7 +4,7 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
-    ClothError, MeshProblem,
+    ClothComponent, ClothError, ClothErrorKind, MeshProblem,
     prelude::*,
     sdf::{BakeError, SdfSample, SignedDistance},
 };
@@ -92,8 +92,10 @@ fn shapes_of_no_size_are_refused() {
     assert!(bits(&app, cloth) == undisturbed(), "the sheet has seen one");
     assert_eq!(failure(&app, cloth), None);
     for (named, what, collider) in told {
-        let Some(ClothError::Parameter { entity, component: "SdfCollider", problem }) =
-            failure(&app, collider)
+        let Some(ClothError {
+            entity,
+            kind: ClothErrorKind::Parameter { component: ClothComponent::SdfCollider, problem },
+        }) = failure(&app, collider)
         else {
             panic!("{what}: {:?}", failure(&app, collider));
         };
@@ -145,7 +147,10 @@ fn transforms_that_are_no_poses_are_refused() {
         let what = format!("{transform:?}");
         let bundle = (SdfCollider::from(Sphere::new(0.3)), transform);
         let (mut app, collider, error) = refused(bundle, &expected, &what);
-        assert!(matches!(error, ClothError::Scale { .. }), "{what}: {error}");
+        assert!(
+            matches!(error, ClothError { kind: ClothErrorKind::Scale(_), .. }),
+            "{what}: {error}"
+        );
         *app.world_mut().get_mut::<Transform>(collider).unwrap() = Transform::IDENTITY;
         app.update();
         assert_eq!(failure(&app, collider), None, "{what}");
@@ -158,8 +163,14 @@ fn transforms_that_are_no_poses_are_refused() {
     app.world_mut().entity_mut(orphan).remove::<Transform>();
     updates(&mut app, TICKS);
     assert_eq!(bits(&app, cloth), expected);
-    assert!(matches!(failure(&app, child), Some(ClothError::Scale { .. })));
-    assert_eq!(failure(&app, orphan), Some(ClothError::NoTransform { entity: orphan }));
+    assert!(matches!(
+        failure(&app, child),
+        Some(ClothError { kind: ClothErrorKind::Scale(_), .. })
+    ));
+    assert_eq!(
+        failure(&app, orphan),
+        Some(ClothError { entity: orphan, kind: ClothErrorKind::NoTransform })
+    );
 }
 
 /// Far away, and very large or very small as they may just be: nobody sees them.
@@ -337,13 +348,13 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
     let size = BakeSdf::with_cell_size;
     let mesh = |problem| {
         move |error: &ClothError| match error {
-            ClothError::ColliderMesh { problem: found, .. } => *found == problem,
+            ClothError { kind: ClothErrorKind::ColliderMesh(found), .. } => *found == problem,
             _ => false,
         }
     };
     let bake = |is: fn(&BakeError) -> bool| {
         move |error: &ClothError| match error {
-            ClothError::Bake { problem, .. } => is(problem),
+            ClothError { kind: ClothErrorKind::Bake(problem), .. } => is(problem),
             _ => false,
         }
     };

@@ -3,7 +3,7 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothError, ColliderImpulse, MeshProblem,
+    ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem, SdfColliderDisabled,
     prelude::*,
     sdf::{BakeError, SdfSample, SignedDistance},
 };
@@ -127,10 +127,10 @@ fn colliders_are_switched_and_despawned() {
     let cloth = above(&mut app, 0.01);
     updates(&mut app, 20);
     assert!(lowest(&app, cloth) > 0.004);
-    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = false;
+    app.world_mut().entity_mut(floor).insert(SdfColliderDisabled);
     updates(&mut app, 10);
     assert!(lowest(&app, cloth) < -0.05);
-    app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = true;
+    app.world_mut().entity_mut(floor).remove::<SdfColliderDisabled>();
     updates(&mut app, 20);
     assert!(lowest(&app, cloth) > 0.004);
     app.world_mut().despawn(floor);
@@ -150,9 +150,18 @@ fn colliders_that_cannot_be_used_are_told_so_and_left_out() {
     let cloth = above(&mut app, 0.35);
     updates(&mut app, 40);
     let error = failure(&app, uneven).unwrap();
-    assert!(matches!(error, ClothError::Scale { .. }), "{error}");
+    assert!(matches!(error, ClothError { kind: ClothErrorKind::Scale(_), .. }), "{error}");
     let error = failure(&app, sticky).unwrap();
-    assert!(matches!(error, ClothError::Parameter { component: "SdfCollider", .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            ClothError {
+                kind: ClothErrorKind::Parameter { component: ClothComponent::SdfCollider, .. },
+                ..
+            }
+        ),
+        "{error}"
+    );
     // Through the spheres, onto the floor.
     assert!(position(&app, cloth, 27).y < -0.15);
     assert_eq!(failure(&app, cloth), None);
@@ -239,12 +248,12 @@ fn meshes_that_are_no_solid_are_told_so() {
     wait(&mut app, |app| failure(app, open).is_some() && failure(app, taken).is_some());
     let error = failure(&app, open).unwrap();
     let not_closed = |error: &ClothError| {
-        matches!(error, ClothError::Bake { problem: BakeError::NotClosed { .. }, .. })
+        matches!(error, ClothError { kind: ClothErrorKind::Bake(BakeError::NotClosed { .. }), .. })
     };
     assert!(not_closed(&error), "{error}");
     let error = failure(&app, taken).unwrap();
     let gone = MeshProblem::TakenToGpu;
-    assert_eq!(error, ClothError::ColliderMesh { entity: taken, problem: gone });
+    assert_eq!(error, ClothError { entity: taken, kind: ClothErrorKind::ColliderMesh(gone) });
     let mended = Mesh3d(add_mesh(&mut app, box_mesh(1.0)));
     app.world_mut().entity_mut(open).insert(mended);
     wait(&mut app, |app| app.world().get::<SdfCollider>(open).is_some());
@@ -257,7 +266,7 @@ fn layers_choose_who_meets_whom() {
     spawn(&mut app, SdfCollider::from(Sphere::new(0.3)).in_layers(0b10));
     let held = above(&mut app, 0.35);
     let falls = above(&mut app, 0.35);
-    let settings = ClothSettings { layers: 0b101, ..default() };
+    let settings = ClothSettings { layers: 0b101.into(), ..default() };
     app.world_mut().entity_mut(falls).insert(settings);
     updates(&mut app, 40);
     assert!(positions(&app, held).iter().any(|p| p.y > 0.25));
@@ -339,7 +348,7 @@ fn a_collider_that_is_taken_away_lets_go() {
         |app, it| {
             app.world_mut().entity_mut(it).remove::<SdfCollider>();
         },
-        |app, it| app.world_mut().get_mut::<SdfCollider>(it).unwrap().enabled = false,
+        |app, it| _ = app.world_mut().entity_mut(it).insert(SdfColliderDisabled),
     ];
     for way in ways {
         let mut app = app();

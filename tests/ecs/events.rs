@@ -182,7 +182,7 @@ fn who_hears_of_it_may_despawn_the_cloth() {
     for staged in [ClothExecution::Fused, ClothExecution::Staged] {
         let mut app = app();
         app.insert_resource(staged);
-        let other = spawn(&mut app, (sheet(), ClothSettings { layers: 0, ..default() }));
+        let other = spawn(&mut app, (sheet(), ClothSettings { layers: 0.into(), ..default() }));
         let still = (
             sheet(),
             ClothGravityOverride(Vec3::ZERO),

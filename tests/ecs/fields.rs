@@ -3,7 +3,7 @@
 use crate::common::*;
 use bevy::{asset::AssetLoadError, prelude::*, tasks::futures_lite::future::yield_now};
 use bevy_drape::{
-    ClothError, FieldProblem,
+    ClothError, ClothErrorKind, FieldProblem,
     prelude::*,
     sdf::{BakeSettings, DistanceField, SavedFieldError},
 };
@@ -47,7 +47,9 @@ fn is_there(app: &App, field: &Handle<DistanceField>) -> bool {
 
 fn field_problem(app: &App, collider: Entity) -> Option<FieldProblem> {
     match failure(app, collider)? {
-        ClothError::Field { entity, problem } if entity == collider => Some(problem),
+        ClothError { entity, kind: ClothErrorKind::Field(problem) } if entity == collider => {
+            Some(problem)
+        }
         other => panic!("{other}"),
     }
 }

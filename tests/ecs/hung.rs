@@ -4,8 +4,8 @@
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothError, ClothGravityOverride, ClothSleepThreshold, HangProblem, HangingPlaces,
-    hang::HangError, prelude::*,
+    ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothSleepThreshold,
+    HangProblem, HangingPlaces, hang::HangError, prelude::*,
 };
 use std::{thread, time::Duration};
 
@@ -122,7 +122,8 @@ fn what_cannot_be_hung_is_told_and_starts_in_its_rest_shape() {
         updates(&mut app, 3);
         let error = failure(&app, entity).expect("it is refused");
         assert!(error.to_string().contains(&entity.to_string()), "{error}");
-        let ClothError::Hang { problem: HangProblem::Places(problem), .. } = &error else {
+        let ClothError { kind: ClothErrorKind::Hang(HangProblem::Places(problem)), .. } = &error
+        else {
             panic!("{error}");
         };
         assert!(is_expected(problem), "{problem}");
@@ -140,10 +141,22 @@ fn what_cannot_be_hung_is_told_and_starts_in_its_rest_shape() {
     let weightless = (sheet(), ClothPins::vertices([0, 7]), HangOnStart::default());
     let weightless = spawn(&mut app, (weightless, ClothGravityOverride(Vec3::ZERO)));
     updates(&mut app, 2);
-    let problem = |problem| ClothError::Hang { entity: one, problem: HangProblem::Places(problem) };
+    let problem = |problem| ClothError {
+        entity: one,
+        kind: ClothErrorKind::Hang(HangProblem::Places(problem)),
+    };
     assert_eq!(failure(&app, one), Some(problem(HangError::TooFewPoints(1))));
     let told = failure(&app, number).expect("it is refused");
-    assert!(matches!(told, ClothError::Parameter { component: "HangOnStart", .. }), "{told}");
+    assert!(
+        matches!(
+            told,
+            ClothError {
+                kind: ClothErrorKind::Parameter { component: ClothComponent::HangOnStart, .. },
+                ..
+            }
+        ),
+        "{told}"
+    );
     let told = failure(&app, weightless).expect("it is refused").to_string();
     assert!(told.contains("gravity"), "{told}");
     for entity in [one, number, weightless] {
@@ -197,7 +210,10 @@ fn what_moves_before_the_first_tick_is_hung_there() {
     // Out of reach it lies in its rest shape, and hangs again once it can.
     transform(&mut app, right).translation = RIGHT + Vec3::X;
     updates(&mut app, 2);
-    assert!(matches!(failure(&app, entity), Some(ClothError::Hang { .. })));
+    assert!(matches!(
+        failure(&app, entity),
+        Some(ClothError { kind: ClothErrorKind::Hang(_), .. })
+    ));
     assert!(position(&app, entity, 15).distance(Vec3::new(5.5, 5.0, 4.5)) < 1e-6);
     transform(&mut app, right).translation = RIGHT + 0.2 * Vec3::X;
     updates(&mut app, 2);

@@ -13,9 +13,9 @@ use bevy::{
     prelude::*,
 };
 use bevy_drape::{
-    ClothError, ClothIntake, ClothInterpolation, ClothWeights, ColorChannel, GridProblem,
-    MeshProblem, PinProblem, SkippedTriangles, VertexFactor, WeightProblem, prelude::*,
-    solver::MassLumping,
+    ClothError, ClothErrorKind, ClothIntake, ClothInterpolation, ClothWeights, ColorChannel,
+    GridProblem, MeshProblem, PinProblem, SkippedTriangles, VertexFactor, WeightProblem,
+    prelude::*, solver::MassLumping,
 };
 
 fn flat(rows: u32, columns: u32) -> Mesh {
@@ -35,7 +35,7 @@ fn refused(mesh: Mesh) -> MeshProblem {
     assert!(simulation(&app, good).tick_count() > 0);
     assert!(app.world().get::<ClothSimulation>(entity).is_none());
     match error {
-        ClothError::Mesh { problem, .. } => problem,
+        ClothError { kind: ClothErrorKind::Mesh(problem), .. } => problem,
         other => panic!("{other}"),
     }
 }
@@ -139,11 +139,11 @@ fn what_loads_late_is_waited_for_and_what_fails_to_load_is_told() {
     }
     assert!(matches!(
         failure(&app, failing),
-        Some(ClothError::Mesh { problem: MeshProblem::LoadFailed(_), .. })
+        Some(ClothError { kind: ClothErrorKind::Mesh(MeshProblem::LoadFailed(_)), .. })
     ));
     assert!(matches!(
         failure(&app, waiting),
-        Some(ClothError::Mesh { problem: MeshProblem::Missing, .. })
+        Some(ClothError { kind: ClothErrorKind::Mesh(MeshProblem::Missing), .. })
     ));
     assert!(app.world().get::<ClothSimulation>(waiting).is_none());
 }
@@ -297,7 +297,10 @@ fn mirrored_and_uneven_gltf_nodes_are_told() {
         let node = spawn(&mut app, (mesh, Cloth::of_mesh3d(), ChildOf(scene)));
         updates(&mut app, 2);
         let error = failure(&app, node);
-        assert!(matches!(error, Some(ClothError::Scale { .. })), "{scale}: {error:?}");
+        assert!(
+            matches!(error, Some(ClothError { kind: ClothErrorKind::Scale(_), .. })),
+            "{scale}: {error:?}"
+        );
         transform(&mut app, scene).scale = Vec3::ONE;
         updates(&mut app, 2);
         assert_eq!(failure(&app, node), None);
@@ -315,7 +318,7 @@ fn a_skinned_mesh_is_told_until_it_is_skinned_no_more() {
     let entity = taken_in(&mut app, mesh, SkinnedMesh::default());
     assert!(matches!(
         failure(&app, entity),
-        Some(ClothError::Mesh { problem: MeshProblem::Skinned, .. })
+        Some(ClothError { kind: ClothErrorKind::Mesh(MeshProblem::Skinned), .. })
     ));
     app.world_mut().entity_mut(entity).remove::<SkinnedMesh>();
     updates(&mut app, 2);
@@ -413,7 +416,11 @@ fn pins_that_choose_nothing_are_told() {
         let mut app = app();
         let entity = taken_in(&mut app, mesh, pins);
         let error = failure(&app, entity).expect("it is told");
-        assert_eq!(error, ClothError::Pin { entity, pin: 0, problem: expected }, "{error}");
+        assert_eq!(
+            error,
+            ClothError { entity, kind: ClothErrorKind::Pin { pin: 0, problem: expected } },
+            "{error}"
+        );
         assert!(error.to_string().contains(&entity.to_string()), "{error}");
         updates(&mut app, 2);
         assert!(simulation(&app, entity).tick_count() > 0, "it runs, and hangs on nothing");
@@ -507,7 +514,9 @@ fn weights_that_cannot_be_used_are_told_and_the_last_good_ones_stay() {
                 assert!(error.to_string().contains(&entity.to_string()), "{error}");
                 let named = if stiff { "`stiffness`" } else { "`mass`" };
                 assert!(error.to_string().contains(named), "{error}");
-                let ClothError::Weights { problem, .. } = error else { panic!("{error}") };
+                let ClothError { kind: ClothErrorKind::Weights(problem), .. } = error else {
+                    panic!("{error}")
+                };
                 assert!(is_expected(&problem), "{problem}");
             }
             assert!(app.world().get::<ClothSimulation>(new).is_none());

@@ -5,7 +5,7 @@ use bevy::{
     asset::RenderAssetUsages, camera::primitives::Aabb, mesh::VertexAttributeValues, prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::{ClothError, ClothInterpolation, MeshProblem, prelude::*};
+use bevy_drape::{ClothError, ClothErrorKind, ClothInterpolation, MeshProblem, prelude::*};
 
 /// How often meshes were marked modified.
 #[derive(Resource, Default)]
@@ -204,7 +204,10 @@ fn a_mesh_taken_from_under_the_cloth_is_told() {
     meshes.get_mut(&handle).unwrap().take_gpu_data().unwrap();
     updates(&mut app, 2);
     let gone = MeshProblem::TakenToGpu;
-    assert_eq!(failure(&app, cloth), Some(ClothError::Draw { entity: cloth, problem: gone }));
+    assert_eq!(
+        failure(&app, cloth),
+        Some(ClothError { entity: cloth, kind: ClothErrorKind::Draw(gone) })
+    );
     assert_eq!(simulation(&app, cloth).tick_count(), 5);
 }
 

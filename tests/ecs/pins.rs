@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::{ClothError, PinProblem, prelude::*};
+use bevy_drape::{ClothError, ClothErrorKind, PinProblem, prelude::*};
 
 /// Moves the entities that carry it, each time it runs.
 #[derive(Component, Clone, Copy)]
@@ -224,13 +224,22 @@ fn pins_that_cannot_be_used_hold_nothing_and_the_others_stay() {
     updates(&mut app, 3);
     assert_eq!(simulation(&app, entity).pinned(), &[0]);
     let error = failure(&app, entity).unwrap();
-    assert!(matches!(error, ClothError::Pin { pin: 1, problem: PinProblem::Empty, .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            ClothError { kind: ClothErrorKind::Pin { pin: 1, problem: PinProblem::Empty }, .. }
+        ),
+        "{error}"
+    );
     let pins = ClothPins::vertices([0]).and(ClothPins::vertices([1, 64]));
     *app.world_mut().get_mut::<ClothPins>(entity).unwrap() = pins;
     updates(&mut app, 2);
     let error = failure(&app, entity).unwrap();
     let expected = PinProblem::NoSuchVertex { vertex: 64, count: 64 };
-    assert_eq!(error, ClothError::Pin { entity, pin: 1, problem: expected });
+    assert_eq!(
+        error,
+        ClothError { entity, kind: ClothErrorKind::Pin { pin: 1, problem: expected } }
+    );
     *app.world_mut().get_mut::<ClothPins>(entity).unwrap() = ClothPins::vertices([0, 1]);
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
@@ -251,7 +260,10 @@ fn a_despawned_anchor_lets_go_of_its_pins_alone() {
     assert!(position(&app, entity, 0).y < -0.05);
     assert_eq!(position(&app, entity, 7), Vec3::new(0.5, 0.0, -0.5));
     let expected = PinProblem::NoAnchor(anchors[0]);
-    assert_eq!(failure(&app, entity), Some(ClothError::Pin { entity, pin: 0, problem: expected }));
+    assert_eq!(
+        failure(&app, entity),
+        Some(ClothError { entity, kind: ClothErrorKind::Pin { pin: 0, problem: expected } })
+    );
     let pins = ClothPins::vertices([7]).anchored_to(anchors[1]);
     *app.world_mut().get_mut::<ClothPins>(entity).unwrap() = pins;
     app.update();
@@ -268,7 +280,13 @@ fn an_anchor_with_an_uneven_scale_holds_still_until_it_is_even() {
     updates(&mut app, 3);
     let error = failure(&app, entity).unwrap();
     assert!(
-        matches!(error, ClothError::Pin { problem: PinProblem::AnchorScale(_), .. }),
+        matches!(
+            error,
+            ClothError {
+                kind: ClothErrorKind::Pin { problem: PinProblem::AnchorScale(_), .. },
+                ..
+            }
+        ),
         "{error}"
     );
     assert_eq!(position(&app, entity, 0), Vec3::new(-0.5, 0.0, -0.5));

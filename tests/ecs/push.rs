@@ -4,8 +4,8 @@
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothError, ClothExecution, ClothForce, ClothForces, ClothGravityOverride, ClothInertia,
-    ClothPaused, ClothSleepThreshold, PushCloth,
+    ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGravityOverride,
+    ClothInertia, ClothPaused, ClothSleepThreshold, PushCloth,
     prelude::*,
     solver::{PushOn, PushWith, SolverError},
 };
@@ -240,14 +240,17 @@ fn what_cannot_be_pushed_is_told_to_its_own_entity() {
     assert_eq!(failure(&app, cloth), None, "who called knows already");
     app.world_mut().trigger(PushCloth { entity: cloth, on: PushOn::All, with: nan });
     app.update();
-    assert_eq!(failure(&app, cloth), Some(ClothError::Push { entity: cloth, problem }));
+    assert_eq!(
+        failure(&app, cloth),
+        Some(ClothError { entity: cloth, kind: ClothErrorKind::Push(problem) })
+    );
     assert_eq!(bits(&app, cloth), bits(&app, twin));
     // What is too much for the mass that it meets is only found in the tick.
     let (on, with) = (PushOn::Particle(0), PushWith::Impulse(Vec3::X * 9e6));
     push(&mut app, cloth, on, with).unwrap();
     push(&mut app, other, PushOn::All, PushWith::Velocity(Vec3::X)).unwrap();
     app.update();
-    assert!(matches!(failure(&app, cloth), Some(ClothError::Push { .. })));
+    assert!(matches!(failure(&app, cloth), Some(ClothError { kind: ClothErrorKind::Push(_), .. })));
     assert_eq!(bits(&app, cloth), bits(&app, twin));
     assert!(simulation(&app, other).velocity(0).unwrap().x > 0.9);
     // A good one mends it.
@@ -262,7 +265,10 @@ fn what_cannot_be_pushed_is_told_to_its_own_entity() {
     app.world_mut().entity_mut(cloth).insert(ClothForces { forces: vec![bad, good] });
     updates(&mut app, 3);
     let told = failure(&app, cloth);
-    assert!(matches!(told, Some(ClothError::Forces { force: 0, .. })), "{told:?}");
+    assert!(
+        matches!(told, Some(ClothError { kind: ClothErrorKind::Forces { force: 0, .. }, .. })),
+        "{told:?}"
+    );
     assert!(simulation(&app, cloth).velocity(0).unwrap().y > 0.1);
     assert_eq!(failure(&app, other), None);
     app.world_mut().get_mut::<ClothForces>(cloth).unwrap().forces.remove(0);

@@ -3,7 +3,7 @@
 use crate::common::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
-    ClothError, MeshProblem,
+    ClothError, ClothErrorKind, MeshProblem,
     prelude::*,
     sdf::{SdfSample, SignedDistance},
     solver::SolverError,
@@ -43,7 +43,7 @@ fn a_cloth_of_no_mesh_is_told_so_until_it_has_one() {
     updates(&mut app, 2);
     assert!(matches!(
         failure(&app, entity),
-        Some(ClothError::Mesh { problem: MeshProblem::NoMesh, .. })
+        Some(ClothError { kind: ClothErrorKind::Mesh(MeshProblem::NoMesh), .. })
     ));
     let mesh = Mesh3d(add_mesh(&mut app, flat(3, 4)));
     app.world_mut().entity_mut(entity).insert(mesh);
@@ -59,7 +59,10 @@ fn a_parents_scale_counts() {
     let entity = spawn(&mut app, (sheet(), ChildOf(parent)));
     let good = spawn(&mut app, sheet());
     updates(&mut app, 3);
-    assert!(matches!(check_told(&app, entity, good), ClothError::Scale { .. }));
+    assert!(matches!(
+        check_told(&app, entity, good),
+        ClothError { kind: ClothErrorKind::Scale(_), .. }
+    ));
     transform(&mut app, parent).scale = Vec3::ONE;
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
@@ -89,7 +92,10 @@ fn a_cloth_that_is_no_longer_finite_is_held_and_the_others_go_on() {
     let broken = spawn(&mut app, SdfCollider::custom(Broken));
     updates(&mut app, 3);
     let error = check_told(&app, entity, good);
-    assert!(matches!(error, ClothError::Solver { problem: SolverError::Diverged, .. }));
+    assert!(matches!(
+        error,
+        ClothError { kind: ClothErrorKind::Solver(SolverError::Diverged), .. }
+    ));
     assert!(simulation(&app, entity).is_quarantined());
     assert_eq!(simulation(&app, entity).tick_count(), 10);
     assert_eq!(simulation(&app, good).tick_count(), 13);

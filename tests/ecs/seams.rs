@@ -205,10 +205,10 @@ fn soft_pins_air_layers_weights_and_zones_wake_what_sleeps() {
             settings.masses = MassLumping::Equal;
         }),
         ("its layers", |s| {
-            s.app.world_mut().get_mut::<ClothSettings>(s.cloth).unwrap().layers = 1;
+            s.app.world_mut().get_mut::<ClothSettings>(s.cloth).unwrap().layers = 1.into();
         }),
         ("the collider's layers", |s| {
-            s.app.world_mut().get_mut::<SdfCollider>(s.ball).unwrap().layers = 2;
+            s.app.world_mut().get_mut::<SdfCollider>(s.ball).unwrap().layers = 2.into();
         }),
         ("wind", |s| _ = s.app.insert_resource(ClothWind::steady(Vec3::X * 0.1))),
         ("a zone", near),

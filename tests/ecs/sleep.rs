@@ -3,7 +3,9 @@
 
 use crate::common::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
-use bevy_drape::{ClothGravityOverride, ClothPaused, ClothSleepThreshold, prelude::*};
+use bevy_drape::{
+    ClothGravityOverride, ClothPaused, ClothSleepThreshold, SdfColliderDisabled, prelude::*,
+};
 
 /// Air so thick that a cloth is soon at rest.
 fn thick() -> ClothMaterial {
@@ -136,7 +138,7 @@ fn every_cause_wakes() {
             s.app.world_mut().entity_mut(s.ball).remove::<SdfCollider>();
         }),
         ("a collider is switched off", |s| {
-            s.app.world_mut().get_mut::<SdfCollider>(s.ball).unwrap().enabled = false;
+            s.app.world_mut().entity_mut(s.ball).insert(SdfColliderDisabled);
         }),
         ("a collider has another shape", |s| {
             let mut collider = s.app.world_mut().get_mut::<SdfCollider>(s.ball).unwrap();
@@ -205,7 +207,7 @@ fn a_cloth_falls_when_what_it_rests_on_goes() {
         if despawned {
             app.world_mut().despawn(floor);
         } else {
-            app.world_mut().get_mut::<SdfCollider>(floor).unwrap().enabled = false;
+            app.world_mut().entity_mut(floor).insert(SdfColliderDisabled);
         }
         updates(&mut app, 40);
         assert!(position(&app, cloth, 0).y < -0.1);

@@ -7,7 +7,7 @@ use crate::{
 };
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
-    ClothError, ClothSnapshot, SdfColliderSnapshot,
+    ClothError, ClothErrorKind, ClothSnapshot, SdfColliderSnapshot,
     prelude::*,
     sdf::{SdfSample, SignedDistance},
     solver::StateError,
@@ -143,7 +143,7 @@ fn a_state_of_another_cloth_is_told_and_changes_nothing() {
         let state = simulation(&app, from).save();
         app.world_mut().entity_mut(one).insert(state);
         app.update();
-        let told = ClothError::Snapshot { entity: one, problem: expected };
+        let told = ClothError { entity: one, kind: ClothErrorKind::Snapshot(expected) };
         assert_eq!(failure(&app, one), Some(told));
         assert!(app.world().get::<ClothSnapshot>(one).is_none());
         assert_eq!(bits(&app, one), bits(&app, twin));

@@ -8,8 +8,8 @@ use super::{
 use crate::common::*;
 use bevy::{mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::{
-    ClothError, ClothExecution, ClothInterpolation, ClothWindOverride, MeshProblem, PinProblem,
-    prelude::*,
+    ClothError, ClothErrorKind, ClothExecution, ClothInterpolation, ClothWindOverride, MeshProblem,
+    PinProblem, prelude::*,
 };
 
 /// What is taken away is as if the component had never been given: its default.
@@ -88,13 +88,19 @@ fn a_place_that_is_lost_is_told_and_lets_go() {
     }
     updates(&mut app, 8);
     for cloth in early {
-        assert_eq!(told(&app, cloth, "early"), ClothError::NoTransform { entity: cloth });
+        assert_eq!(
+            told(&app, cloth, "early"),
+            ClothError { entity: cloth, kind: ClothErrorKind::NoTransform }
+        );
         assert!(app.world().get::<ClothSimulation>(cloth).is_none());
     }
     for cloth in late {
         let error = told(&app, cloth, "late");
         let lost = PinProblem::NoAnchor(cloth);
-        assert!(matches!(error, ClothError::Pin { problem, .. } if problem == lost), "{error}");
+        assert!(
+            matches!(error, ClothError { kind: ClothErrorKind::Pin { problem, .. }, .. } if problem == lost),
+            "{error}"
+        );
         assert!(simulation(&app, cloth).pinned().is_empty());
         assert_eq!(simulation(&app, cloth).tick_count(), 16);
     }
@@ -157,7 +163,8 @@ fn meshes_mended_in_place() {
     });
     updates(&mut app, 5);
     let problem = |app: &App, entity| match told(app, entity, "mesh") {
-        ClothError::Mesh { problem, .. } | ClothError::ColliderMesh { problem, .. } => problem,
+        ClothError { kind: ClothErrorKind::Mesh(problem), .. }
+        | ClothError { kind: ClothErrorKind::ColliderMesh(problem), .. } => problem,
         other => panic!("{other}"),
     };
     assert_eq!(cloths.map(|c| problem(&app, c)), [MeshProblem::NonFinite(5), MeshProblem::Missing]);

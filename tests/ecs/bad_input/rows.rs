@@ -4,8 +4,8 @@ use super::{Act, HUGE, INF, NAN, pins};
 use crate::common::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothGravityOverride, ClothInertia, ClothSleepThreshold, ClothTeleport,
-    ClothWindOverride, ColorChannel, PinProblem,
+    ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
+    ClothSleepThreshold, ClothTeleport, ClothWindOverride, ColorChannel, PinProblem,
     prelude::*,
     solver::{Gusts, MassLumping, SolverError, Substeps},
 };
@@ -61,7 +61,7 @@ macro_rules! numbers {
                 |entity| _ = entity.insert($component::default()),
                 |error| matches!(
                     error,
-                    ClothError::Parameter { component: stringify!($component), problem, .. }
+                    ClothError { kind: ClothErrorKind::Parameter { component: ClothComponent::$component, problem }, .. }
                         if problem.name == stringify!($field) && !problem.range.is_empty()
                 ),
             ));
@@ -116,7 +116,18 @@ pub fn rows_of_numbers() -> Vec<Row> {
         [Stands, GoesOn],
         || ClothSettings { masses: MassLumping::Equal, max_speed: 0.0, ..default() },
         |entity| _ = entity.insert(ClothSettings::default()),
-        |error| matches!(error, ClothError::Parameter { component: "ClothSettings", .. }),
+        |error| {
+            matches!(
+                error,
+                ClothError {
+                    kind: ClothErrorKind::Parameter {
+                        component: ClothComponent::ClothSettings,
+                        ..
+                    },
+                    ..
+                }
+            )
+        },
     ));
     rows
 }
@@ -129,7 +140,12 @@ pub fn rows_of_surroundings() -> Vec<Row> {
             [Stands; 2],
             move || ClothGravityOverride(bad),
             |entity| _ = entity.remove::<ClothGravityOverride>(),
-            |error| matches!(error, ClothError::Solver { problem: SolverError::Gravity, .. }),
+            |error| {
+                matches!(
+                    error,
+                    ClothError { kind: ClothErrorKind::Solver(SolverError::Gravity), .. }
+                )
+            },
         ));
     }
     for (bad, field) in bad_winds() {
@@ -160,7 +176,7 @@ pub fn bad_winds() -> Vec<(ClothWind, &'static str)> {
 }
 
 pub fn is_wind(error: &ClothError) -> bool {
-    matches!(error, ClothError::Solver { problem: SolverError::Wind(_), .. })
+    matches!(error, ClothError { kind: ClothErrorKind::Solver(SolverError::Wind(_)), .. })
 }
 
 /// Pins beside those of the good cloth, which stay.
@@ -195,7 +211,7 @@ pub fn rows_of_pins() -> Vec<Row> {
             move || pins().and(bad.clone()),
             |entity| _ = entity.insert(pins()),
             move |error| match error {
-                ClothError::Pin { pin: 1, problem, .. } => is(problem),
+                ClothError { kind: ClothErrorKind::Pin { pin: 1, problem }, .. } => is(problem),
                 _ => false,
             },
         )
@@ -222,7 +238,7 @@ pub fn rows_of_sheets() -> Vec<Row> {
             [Stands, GoesOn],
             move || Cloth::sheet(size, particles),
             |entity| _ = entity.insert(sheet()),
-            |error| matches!(error, ClothError::Shape { .. }),
+            |error| matches!(error, ClothError { kind: ClothErrorKind::Shape(_), .. }),
         ));
     }
     rows
@@ -248,7 +264,7 @@ pub fn rows_of_places() -> Vec<Row> {
             [Stands, GoesOn],
             move || place,
             |entity| _ = entity.insert(Transform::default()),
-            |error| matches!(error, ClothError::Scale { .. }),
+            |error| matches!(error, ClothError { kind: ClothErrorKind::Scale(_), .. }),
         ));
     }
     for (place, what) in [
@@ -260,7 +276,13 @@ pub fn rows_of_places() -> Vec<Row> {
             [Stands; 2],
             move || (place, ClothTeleport::NEVER),
             |entity| _ = entity.insert(Transform::default()).remove::<ClothTeleport>(),
-            |error| matches!(error, ClothError::Solver { .. } | ClothError::Scale { .. }),
+            |error| {
+                matches!(
+                    error,
+                    ClothError { kind: ClothErrorKind::Solver(_), .. }
+                        | ClothError { kind: ClothErrorKind::Scale(_), .. }
+                )
+            },
         ));
     }
     rows

@@ -8,7 +8,7 @@ use super::{
 use crate::common::*;
 use bevy::{prelude::*, time::Fixed};
 use bevy_drape::{
-    ClothError, ClothGravityOverride, ClothWindOverride,
+    ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothWindOverride,
     prelude::*,
     solver::{SolverError, WindShape},
 };
@@ -58,7 +58,10 @@ fn zones_of_wind() {
     let gone = spawn(&mut app, WindZone::radial(Sphere::new(NAN), 1.0));
     let former = spawn(&mut app, WindZone::radial(Sphere::new(NAN), 1.0));
     updates(&mut app, 8);
-    assert_eq!(told(&app, lost, "lost"), ClothError::NoTransform { entity: lost });
+    assert_eq!(
+        told(&app, lost, "lost"),
+        ClothError { entity: lost, kind: ClothErrorKind::NoTransform }
+    );
     app.world_mut().despawn(gone);
     app.world_mut().entity_mut(former).remove::<WindZone>();
     updates(&mut app, 12);
@@ -67,7 +70,10 @@ fn zones_of_wind() {
         let error = told(&app, *zone, what);
         let expected = matches!(
             error,
-            ClothError::Parameter { component: "WindZone", .. } | ClothError::Scale { .. }
+            ClothError {
+                kind: ClothErrorKind::Parameter { component: ClothComponent::WindZone, .. },
+                ..
+            } | ClothError { kind: ClothErrorKind::Scale(_), .. }
         );
         assert!(expected, "{what}: {error}");
     }
@@ -104,7 +110,12 @@ fn gravity_and_wind_of_the_world_and_the_length_of_ticks() {
         table.push((
             format!("gravity {bad}"),
             Box::new(move |app| _ = app.insert_resource(ClothGravity(bad))),
-            |error| matches!(error, ClothError::Solver { problem: SolverError::Gravity, .. }),
+            |error| {
+                matches!(
+                    error,
+                    ClothError { kind: ClothErrorKind::Solver(SolverError::Gravity), .. }
+                )
+            },
             true,
         ));
     }
@@ -118,7 +129,9 @@ fn gravity_and_wind_of_the_world_and_the_length_of_ticks() {
             app.world_mut().resource_mut::<Time<Virtual>>().set_max_delta(Duration::from_secs(9));
             app.insert_resource(Time::<Fixed>::from_seconds(2.0));
         }),
-        |error| matches!(error, ClothError::Solver { problem: SolverError::Tick(_), .. }),
+        |error| {
+            matches!(error, ClothError { kind: ClothErrorKind::Solver(SolverError::Tick(_)), .. })
+        },
         false,
     ));
     for (what, spoil, is, felt) in table {
