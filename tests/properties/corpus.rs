@@ -4,9 +4,9 @@
 use super::{
     decode::soup_of,
     field::check_field,
-    repository::repository,
     soup::{app, check_soup},
 };
+use crate::support::repository::repository;
 use std::path::PathBuf;
 
 /// The files of a target, by name.

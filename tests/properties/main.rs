@@ -10,10 +10,12 @@ mod corpus;
 mod decode;
 mod field;
 mod meshes;
-#[path = "../../examples/common/repository.rs"]
-mod repository;
 mod solvers;
 mod soup;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 
 use proptest::{
     strategy::Strategy,

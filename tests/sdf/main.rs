@@ -10,8 +10,9 @@
 mod baking;
 mod fields;
 mod meshes;
-mod random;
-#[path = "../../examples/common/repository.rs"]
-mod repository;
 mod saved;
 mod shapes;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;

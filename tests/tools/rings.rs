@@ -25,7 +25,7 @@ use gallery::{
     rings::draw_by_mouse,
 };
 
-use crate::common::*;
+use crate::support::app::*;
 
 const POINTER: PointerId = PointerId::Mouse;
 const SCREEN: UVec2 = UVec2::new(1280, 720);
