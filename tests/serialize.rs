@@ -1,12 +1,10 @@
 //! Settings and states through serde, in RON and in postcard: what comes back is what was written, a scene
 //! goes on with the same bits, and what is damaged, foreign or newer is an error, never a panic.
 
-#[path = "ecs/common.rs"]
-#[allow(dead_code)]
-mod common;
-#[path = "ecs/saved_scene.rs"]
-#[allow(dead_code)]
-mod saved_scene;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "support/mod.rs"]
+mod support;
 
 use bevy::prelude::*;
 use bevy_drape::{
@@ -21,10 +19,15 @@ use bevy_drape::{
         WindFlow, WindShape,
     },
 };
-use common::*;
 use core::fmt::Debug;
-use saved_scene::{Case, Scene, goes_on};
 use serde::{Serialize, de::DeserializeOwned};
+use support::{
+    app::{
+        saved_scene::{Case, Scene, goes_on},
+        *,
+    },
+    dice::Dice,
+};
 
 fn through_ron<T: Serialize + DeserializeOwned>(value: &T) -> T {
     let text = ron::to_string(value).expect("it is written");
@@ -245,14 +248,13 @@ fn no_damage_panics() {
     let mut scene = Scene::new(Case::ALL[2], 0);
     updates(&mut scene.app, 12);
     let bytes = postcard::to_allocvec(&simulation(&scene.app, scene.cloth).save()).unwrap();
-    let mut dice = 7_u64;
+    let mut dice = Dice(7);
     let (mut refused, mut told) = (0, 0);
     for _ in 0..600 {
         let mut damaged = bytes.clone();
         for _ in 0..2 {
-            dice = dice.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let at = (dice >> 33) as usize % damaged.len();
-            damaged[at] ^= 1 << (dice >> 29 & 7);
+            let at = dice.below(damaged.len());
+            damaged[at] ^= 1 << (dice.0 >> 29 & 7);
         }
         let Ok(state) = postcard::from_bytes::<ClothSnapshot>(&damaged) else {
             refused += 1;

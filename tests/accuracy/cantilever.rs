@@ -9,9 +9,9 @@
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{MassLumping, StretchMethod, Topology};
 
-use super::common::*;
 use super::reference::{FLEXION_CURVATURE, Fabric, Hinge, Method, Model, Spring};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const STIFF: f64 = 1e6;
 /// Flexion springs pull along the threads, which must not give way to them.

@@ -9,7 +9,7 @@ use bevy_drape::solver::{
     Substeps,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const CELL: f64 = 0.01;
 const COLUMNS: usize = 5;

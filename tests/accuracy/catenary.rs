@@ -5,9 +5,9 @@
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{ClothSolver, MassLumping, StretchMethod};
 
-use super::common::*;
 use super::reference::{Fabric, Method, Model, Spring};
 use super::scenes::*;
+use crate::support::solver::*;
 
 /// For weight, length and spring constants of one: horizontal pull of an elastic chain of length 1 between
 /// level supports `span` apart, and its sag.

@@ -4,9 +4,9 @@
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{ClothSolver, StretchMethod, Topology};
 
-use super::common::*;
 use super::reference::{Fabric, Method, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const GRAVITY_64: DVec3 = DVec3::new(1.0, -9.81, 0.5);
 const HELD: [usize; 2] = [0, 8];

@@ -6,9 +6,9 @@
 use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_drape::solver::StretchMethod;
 
-use super::common::*;
 use super::reference::{Fabric, Method, Model, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 fn momenta(model: &Model, motion: &Motion) -> (DVec3, DVec3) {
     (0..motion.x.len()).fold((DVec3::ZERO, DVec3::ZERO), |(linear, angular), i| {
@@ -81,10 +81,10 @@ fn relative_damping_brakes_a_spin_at_its_closed_rate() {
         for (i, x) in rest.iter().enumerate() {
             solver.set_velocity(i, turn.cross(*x).as_vec3()).unwrap();
         }
-        let before = super::common::momenta(&solver).1.y;
+        let before = crate::support::solver::momenta(&solver).1.y;
         run(&mut solver, 64, Vec3::ZERO, &[]);
         assert_eq!(solver.plan().clamped, Default::default(), "{}", solver.plan());
-        let left_here = super::common::momenta(&solver).1.y / before;
+        let left_here = crate::support::solver::momenta(&solver).1.y / before;
         let what = format!("graph {graph}: spin left after a second");
         check(&what, left_here, expected, 2e-3 * expected);
         check("less the reference's", left_here - left, 0.0, 2e-5);

@@ -10,8 +10,8 @@ use bevy_drape::solver::{
     ClothSolver, Collider, MassLumping, Material, Pose, Settings, StretchMethod,
 };
 
-use super::common::*;
 use super::scenes::*;
+use crate::support::solver::*;
 
 /// Deepest of points of all faces below a ball of radius `r` about the origin.
 fn deepest_face(x: &[DVec3], columns: usize, r: f64) -> f64 {

@@ -3,9 +3,9 @@
 
 use bevy_drape::solver::{ClothSolver, MassLumping, StretchMethod};
 
-use super::common::*;
 use super::reference::{Fabric, Method, Model, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 /// A sheet of 10 x 10 cells held at its corners.
 fn falling(substeps: u32) -> (ClothSolver, Model) {

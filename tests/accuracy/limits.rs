@@ -6,10 +6,10 @@
 use bevy::math::{DVec2, DVec3};
 use bevy_drape::solver::{ClothSolver, StepInput, StretchMethod, Topology};
 
-use super::common::*;
 use super::modes::turn;
 use super::reference::{FLEXION_CURVATURE, Fabric, Method, Model, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 /// The longest step at which a slight disturbance of an equilibrium does not grow.
 fn longest_stable_step(model: &Model, x: &[DVec3], guess: f64) -> f64 {

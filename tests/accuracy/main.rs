@@ -7,9 +7,6 @@ mod cantilever;
 mod capstan;
 mod catenary;
 mod cloth_order;
-#[allow(dead_code)]
-#[path = "../solver/common.rs"]
-mod common;
 mod conservation;
 mod contact;
 mod energy;
@@ -23,4 +20,8 @@ mod provot;
 mod reference;
 mod scenes;
 mod settled;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 mod units;

@@ -11,9 +11,9 @@ use std::f64::consts::PI;
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{ClothSolver, StepInput, StretchMethod, Topology};
 
-use super::common::*;
 use super::reference::{Fabric, Method, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const CELLS: usize = 10;
 const AMPLITUDE: f64 = 1e-3;

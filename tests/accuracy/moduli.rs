@@ -6,9 +6,9 @@
 use bevy::math::{DMat2, DVec2, DVec3};
 use bevy_drape::solver::{ClothSolver, SoftPin, StepInput, StretchMethod, Topology};
 
-use super::common::*;
 use super::reference::{FLEXION_CURVATURE, Fabric, Method};
 use super::scenes::*;
+use crate::support::solver::*;
 
 struct Moduli {
     ks: f64,

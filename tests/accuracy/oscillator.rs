@@ -10,8 +10,8 @@ use bevy_drape::solver::{
     ClothSolver, DampingForm, MassLumping, Material, StepInput, StretchMethod,
 };
 
-use super::common::*;
 use super::reference::{Damper, Method, Model, Motion, Spring};
+use crate::support::solver::*;
 
 const CELL: f32 = 0.1;
 /// Metres for one of the tables' lengths.

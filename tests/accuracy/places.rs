@@ -5,9 +5,9 @@
 use bevy::math::{DVec3, Quat, Vec3};
 use bevy_drape::solver::{ClothSolver, Lattice, MassLumping, PinMotion, StepInput, StretchMethod};
 
-use super::common::*;
 use super::reference::{Fabric, Method, Motion};
 use super::scenes::*;
+use crate::support::solver::*;
 
 #[test]
 fn the_reference_falls_by_the_closed_form() {

@@ -11,9 +11,9 @@
 use bevy::math::{DVec2, Vec3};
 use bevy_drape::solver::StretchMethod;
 
-use super::common::*;
 use super::reference::{Fabric, Method};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const EPS: f64 = 0.1;
 

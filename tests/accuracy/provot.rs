@@ -5,8 +5,8 @@
 use bevy::math::{DVec3, Quat, Vec2, Vec3};
 use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
 use super::scenes::*;
+use crate::support::solver::*;
 
 /// Largest strain of a chain of `springs` springs held at its top, all 50 % too long, after so many passes
 /// with a limit of 10 %.

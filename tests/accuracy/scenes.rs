@@ -5,8 +5,8 @@ use bevy_drape::solver::{
     Bending, ClothSolver, DampingForm, Graph, Integrator, MassLumping, Material, Settings,
 };
 
-use super::common::*;
 use super::reference::{Fabric, Method, Model};
+use crate::support::solver::*;
 
 /// A sheet in the xz plane with its first particle at the origin: as the solver and as the reference have
 /// it.
@@ -62,12 +62,7 @@ impl Sheet {
         for row in 0..self.cells[1] {
             for column in 0..self.cells[0] {
                 let at = self.at(row, column) as u32;
-                let (right, below) = (at + 1, at + self.columns() as u32);
-                if dice.roll() > 0.0 {
-                    triangles.extend([[at, below, below + 1], [at, below + 1, right]]);
-                } else {
-                    triangles.extend([[at, below, right], [right, below, below + 1]]);
-                }
+                triangles.extend(halves(at, self.columns(), dice.roll() > 0.0));
             }
         }
         std::sync::Arc::new(Graph::new(&self.rest_32(), &triangles, lumping).unwrap())
@@ -142,7 +137,6 @@ pub fn strip(cells: usize, length: f64) -> Sheet {
     Sheet { cells: [2, cells], cell: DVec2::splat(length / cells as f64) }
 }
 
-#[allow(dead_code)]
 pub fn size(sheet: &Sheet) -> Vec2 {
     (sheet.cell * DVec2::new(sheet.cells[0] as f64, sheet.cells[1] as f64)).as_vec2()
 }

@@ -7,9 +7,9 @@ use bevy_drape::solver::{
     ClothSolver, Collider, MassLumping, Pose, Settings, StretchMethod, Topology,
 };
 
-use super::common::*;
 use super::reference::{Fabric, Method};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const CELLS: usize = 12;
 

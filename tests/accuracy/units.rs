@@ -6,9 +6,9 @@ use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_drape::solver::{MassLumping, StretchMethod, Topology};
 
 use super::catenary::elastic;
-use super::common::*;
 use super::reference::{Fabric, Method};
 use super::scenes::*;
+use crate::support::solver::*;
 
 const FORMS: [StretchMethod; 2] = [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads];
 

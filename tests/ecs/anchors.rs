@@ -1,7 +1,7 @@
 //! Anchors: joints of characters, many on one cloth, hard and soft. Truths: exact places, the parabola
 //! of what is let go, and `m g / k`.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothInertia, ClothInterpolation,

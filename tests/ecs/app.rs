@@ -1,6 +1,6 @@
 //! The plugin in apps of all sorts.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     camera::visibility::VisibilityPlugin,
     ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel},

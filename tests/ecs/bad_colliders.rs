@@ -1,7 +1,7 @@
 //! Every number of a collider, out of its range: it is told so by its name, and left out, and the rest of
 //! the world goes on in the same bits as without it.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, MeshProblem,

@@ -1,6 +1,6 @@
 //! Colliders are met, moved, baked, and left out when they cannot be used.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem, SdfColliderDisabled,

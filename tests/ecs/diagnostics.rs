@@ -1,7 +1,7 @@
 //! Diagnostics: numbers are those that the cloths themselves tell, times are those of a clock around them,
 //! and the bits are the same with them and without.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     diagnostic::{DiagnosticPath, DiagnosticsStore},
     prelude::*,

@@ -1,7 +1,7 @@
 //! Events of a cloth: each is told on its entity, at its moment, once; and who hears of it may do anything,
 //! despawning the cloth included.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
     ClothDiverged, ClothExecution, ClothGravityOverride, ClothSleepThreshold, ClothSlept,

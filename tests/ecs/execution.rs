@@ -1,6 +1,6 @@
 //! One result, however it is run: bit equality.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{ClothExecution, ClothSubstep, ClothSubstepSystems, prelude::*, solver::Substeps};
 use std::process::Command;

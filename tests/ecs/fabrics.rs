@@ -4,7 +4,7 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-use super::common::*;
+use crate::support::app::*;
 
 #[test]
 fn rubber_is_a_sheet_of_a_millimetre() {

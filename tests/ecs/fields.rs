@@ -1,6 +1,6 @@
 //! Colliders of distance fields: loaded from files, waited for, and told of when they never come.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{asset::AssetLoadError, prelude::*, tasks::futures_lite::future::yield_now};
 use bevy_drape::{
     ClothError, ClothErrorKind, FieldProblem,

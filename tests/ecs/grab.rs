@@ -1,7 +1,7 @@
 //! Grabs, held to statics (`m g / k` below the target, no more than the limit), to places, and to bit
 //! equality where nothing is grabbed.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothGrab, ClothGravityOverride,

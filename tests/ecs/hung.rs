@@ -1,7 +1,7 @@
 //! Cloths that start hung: held to how little they move once they start, to exact places of what holds
 //! them, and to the same bits however long the background task takes.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothSleepThreshold,
@@ -37,10 +37,6 @@ const RIGHT: Vec3 = Vec3::new(0.35, 2.0, 0.0);
 fn wait_for(app: &mut App, entity: Entity) {
     app.update();
     wait(app, |app| simulation(app, entity).tick_count() > 0);
-}
-
-fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Truths: counts made by hand; the places of welded vertices; the source mesh's own data; that
 //! what is refused is told to its entity alone.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     asset::RenderAssetUsages,
     mesh::{
@@ -17,10 +17,6 @@ use bevy_drape::{
     GridProblem, MeshProblem, PinProblem, SkippedTriangles, VertexFactor, WeightProblem,
     prelude::*, solver::MassLumping,
 };
-
-fn flat(rows: u32, columns: u32) -> Mesh {
-    grid_mesh(rows, columns, |v| v, |r, c| Vec3::new(c as f32, 0.0, r as f32))
-}
 
 /// The error of a cloth of this mesh. It names the entity, and another cloth goes on.
 fn refused(mesh: Mesh) -> MeshProblem {
@@ -62,12 +58,12 @@ fn meshes_that_are_no_cloth_are_told_why() {
     let corners = || vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     let with = |positions: Vec<[f32; 3]>, indices: Vec<u32>| triangle_mesh(positions, indices);
     let taken = || {
-        let mut mesh = flat(3, 3);
+        let mut mesh = flat_mesh(3, 3);
         mesh.take_gpu_data().unwrap();
         mesh
     };
     let without_positions = || {
-        let mut mesh = flat(3, 3);
+        let mut mesh = flat_mesh(3, 3);
         mesh.remove_attribute(Mesh::ATTRIBUTE_POSITION);
         mesh
     };
@@ -151,7 +147,7 @@ fn what_loads_late_is_waited_for_and_what_fails_to_load_is_told() {
 #[test]
 fn what_can_be_skipped_is_skipped_and_counted() {
     // Two by two cells, an isolated vertex, and four triangles that are none.
-    let mut mesh = flat(3, 3);
+    let mut mesh = flat_mesh(3, 3);
     let mut positions: Vec<_> =
         attribute(&mesh, Mesh::ATTRIBUTE_POSITION).iter().map(Vec3::to_array).collect();
     positions.extend([[0.5, 0.0, 0.0], [9.0, 9.0, 9.0], [0.0, 0.0, 0.0]]);
@@ -189,7 +185,7 @@ fn what_can_be_skipped_is_skipped_and_counted() {
 
 #[test]
 fn lists_without_indices_and_strips_are_cloths() {
-    let mut list = flat(4, 5);
+    let mut list = flat_mesh(4, 5);
     list.duplicate_vertices();
     let place = |i: u32| [(i / 2) as f32, 0.0, (i % 2) as f32];
     let strip = bare(PrimitiveTopology::TriangleStrip)
@@ -374,7 +370,7 @@ fn painted(bytes: bool) -> Mesh {
         (0..20).map(|v| [red(v), 0.0, 0.0, 1.0]).collect::<Vec<_>>().into()
     };
     let attribute = MeshVertexAttribute { format: (&values).into(), ..Mesh::ATTRIBUTE_COLOR };
-    flat(4, 5).with_inserted_attribute(attribute, values)
+    flat_mesh(4, 5).with_inserted_attribute(attribute, values)
 }
 
 #[test]
@@ -395,7 +391,7 @@ fn colours_choose_pins() {
 
 #[test]
 fn pins_that_choose_nothing_are_told() {
-    let mut plain = flat(4, 5);
+    let mut plain = flat_mesh(4, 5);
     let mut positions: Vec<_> =
         attribute(&plain, Mesh::ATTRIBUTE_POSITION).iter().map(Vec3::to_array).collect();
     positions.push([9.0; 3]);
@@ -432,7 +428,7 @@ fn weights_come_from_colours_and_lists() {
     let by_color = VertexFactor::Color { channel: ColorChannel::Red, at_zero: 1.0, at_one: 3.0 };
     let by_list = VertexFactor::Data((0..20).map(|v| 1.0 + (v % 5) as f32 * 0.5).collect());
     for (mesh, factor) in
-        [(painted(false), by_color.clone()), (painted(true), by_color), (flat(4, 5), by_list)]
+        [(painted(false), by_color.clone()), (painted(true), by_color), (flat_mesh(4, 5), by_list)]
     {
         let mut app = app();
         let plain = taken_in(&mut app, mesh.clone(), ());
@@ -533,7 +529,7 @@ fn weights_that_cannot_be_used_are_told_and_the_last_good_ones_stay() {
 #[test]
 fn why_a_mesh_is_no_grid_is_kept() {
     let mut app = app();
-    let mut holed = flat(6, 6);
+    let mut holed = flat_mesh(6, 6);
     let Some(Indices::U32(indices)) = holed.indices_mut() else { panic!("it has indices") };
     indices.drain(72..78);
     let entity = taken_in(&mut app, holed, ());

@@ -8,7 +8,6 @@ mod app;
 mod bad_colliders;
 mod bad_input;
 mod colliders;
-mod common;
 mod diagnostics;
 mod events;
 mod execution;
@@ -22,12 +21,15 @@ mod pins;
 mod push;
 mod quality;
 mod refusals;
-mod saved_scene;
 mod seams;
 mod setup;
 mod shapes;
 mod sleep;
 mod state;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 mod teleport;
 mod told;
 mod wind;

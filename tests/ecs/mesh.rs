@@ -1,6 +1,6 @@
 //! The drawn mesh: where, when, and nothing else.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     asset::RenderAssetUsages, camera::primitives::Aabb, mesh::VertexAttributeValues, prelude::*,
     time::TimeUpdateStrategy,

@@ -1,6 +1,6 @@
 //! Pins follow what holds them, and let go when told to.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{ClothError, ClothErrorKind, PinProblem, prelude::*};
 

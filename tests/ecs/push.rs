@@ -1,7 +1,7 @@
 //! Pushes from a game, held to closed forms (`v = J / m`, `v = F t / m`), to momentum, and to bit equality
 //! between frame rates and forms; and that what cannot be pushed is told to its own entity alone.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGravityOverride,

@@ -4,7 +4,7 @@
 use bevy::prelude::*;
 use bevy_drape::{prelude::*, solver::Stretching};
 
-use super::common::*;
+use crate::support::app::*;
 
 #[test]
 fn each_quality_is_what_it_says() {

@@ -1,6 +1,6 @@
 //! What cannot be used is told to its entity, and the other cloths go on.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{
     ClothError, ClothErrorKind, MeshProblem,
@@ -18,10 +18,6 @@ fn check_told(app: &App, entity: Entity, good: Entity) -> ClothError {
     error
 }
 
-fn flat(rows: u32, columns: u32) -> Mesh {
-    grid_mesh(rows, columns, |v| v, |r, c| Vec3::new(c as f32, 0.0, r as f32))
-}
-
 #[test]
 fn a_refused_mesh_is_tried_again_when_it_is_replaced() {
     let mut app = app();
@@ -29,7 +25,7 @@ fn a_refused_mesh_is_tried_again_when_it_is_replaced() {
     let entity = spawn(&mut app, (Cloth::of_mesh3d(), bad));
     updates(&mut app, 2);
     assert!(failure(&app, entity).is_some());
-    let good = Mesh3d(add_mesh(&mut app, flat(3, 4)));
+    let good = Mesh3d(add_mesh(&mut app, flat_mesh(3, 4)));
     app.world_mut().entity_mut(entity).insert(good);
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
@@ -45,7 +41,7 @@ fn a_cloth_of_no_mesh_is_told_so_until_it_has_one() {
         failure(&app, entity),
         Some(ClothError { kind: ClothErrorKind::Mesh(MeshProblem::NoMesh), .. })
     ));
-    let mesh = Mesh3d(add_mesh(&mut app, flat(3, 4)));
+    let mesh = Mesh3d(add_mesh(&mut app, flat_mesh(3, 4)));
     app.world_mut().entity_mut(entity).insert(mesh);
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);

@@ -2,7 +2,7 @@
 //! ought to change nothing), places and velocities that a rigid motion leaves as they were, weights in
 //! balance, and that no particle is ever inside.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothExecution, ClothGravityOverride, ClothInertia, ClothPaused, ClothSleepThreshold,
@@ -300,12 +300,6 @@ fn ride(mut riders: Query<(&mut Transform, &Rides)>) {
         transform.translation += rides.0;
         transform.rotate_z(rides.1);
     }
-}
-
-fn mean_velocity(app: &App, entity: Entity) -> Vec3 {
-    let cloth = simulation(app, entity);
-    let count = cloth.particle_count();
-    (0..count).filter_map(|i| cloth.velocity(i)).sum::<Vec3>() / count as f32
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! From components to a running cloth.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     camera::primitives::Aabb,
     mesh::{Indices, VertexAttributeValues},

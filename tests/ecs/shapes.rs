@@ -3,7 +3,7 @@
 //! Truths: Euler's formula (a closed surface of genus 0 has F = 2 V - 4 triangles, a torus F = 2 V);
 //! that vertices which coincided coincide; the mesh's own normals; the strain limit.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{math::ops, mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::{
     ClothIntake, ClothInterpolation, ClothSleepThreshold, prelude::*, solver::Substeps,

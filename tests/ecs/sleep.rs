@@ -1,7 +1,7 @@
 //! Sleep and freezing: a cloth that cannot be moved by anything keeps its bits, and every cause that
 //! could move it wakes it.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothGravityOverride, ClothPaused, ClothSleepThreshold, SdfColliderDisabled, prelude::*,

@@ -1,9 +1,9 @@
 //! States of cloths, taken out and put back, held to bit equality with a game that was never saved; and what
 //! is another cloth's is refused.
 
-use crate::{
-    common::*,
+use crate::support::app::{
     saved_scene::{Case, Scene, goes_on},
+    *,
 };
 use bevy::{math::bounding::Aabb3d, prelude::*};
 use bevy_drape::{

@@ -2,7 +2,7 @@
 //! entity's frame, the one that stayed; one without inertia is, on an entity that speeds up, the one at
 //! rest.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{ClothInertia, ClothSleepThreshold, ClothTeleport, prelude::*};
 
@@ -329,10 +329,6 @@ fn carriage(free: bool, rides: Option<Rides>, inertia: Option<ClothInertia>) -> 
     updates(&mut app, 90);
     let back = app.world().get::<Transform>(root).unwrap().compute_affine().inverse();
     positions(&app, cloth).iter().map(|p| back.transform_point3(*p)).collect()
-}
-
-fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What is said in the log: by what name, and what nothing but the log can say.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use std::{

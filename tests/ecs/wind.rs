@@ -1,7 +1,7 @@
 //! Air and wind in an app: which cloths feel what, and where. Truths: bit equality (seeds, frame rates, forms,
 //! what is out of reach), and the speed of a light cloth, which is soon the wind's.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothExecution, ClothGravityOverride, ClothWindOverride,
@@ -14,12 +14,6 @@ use std::{f32::consts::FRAC_PI_2, time::Duration};
 fn film() -> impl Bundle {
     let material = ClothMaterial { area_density: 1e-3, ..default() };
     (sheet(), material, ClothGravityOverride(Vec3::ZERO), ClothAir::default())
-}
-
-fn mean_velocity(app: &App, entity: Entity) -> Vec3 {
-    let cloth = simulation(app, entity);
-    let count = cloth.particle_count();
-    (0..count).filter_map(|i| cloth.velocity(i)).sum::<Vec3>() / count as f32
 }
 
 #[track_caller]

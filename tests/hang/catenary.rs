@@ -4,7 +4,7 @@
 use bevy::math::DVec3;
 use bevy_drape::hang::{Catenary, CatenaryError};
 
-use crate::common::*;
+use crate::support::solver::*;
 
 const DOWN: DVec3 = DVec3::NEG_Y;
 

@@ -4,9 +4,10 @@
 //! Tests print `what: measured, reference, tolerance`; see them with `-- --nocapture`.
 
 mod catenary;
-#[path = "../solver/common.rs"]
-#[allow(dead_code)]
-mod common;
 mod refusals;
 mod relax;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 mod surface;

@@ -6,7 +6,7 @@ use bevy_drape::{
     solver::{MassLumping, Topology},
 };
 
-use crate::{common::*, surface::point};
+use crate::{support::solver::*, surface::point};
 
 fn refused(points: &[HangingPoint], max_strain: f32, down: Vec3) -> HangError {
     let topology = Topology::from(sheet(Vec2::ONE, 9, 9, MassLumping::Lumped));

@@ -13,7 +13,7 @@ use bevy_drape::{
     },
 };
 
-use crate::{common::*, surface::point};
+use crate::{support::solver::*, surface::point};
 
 const SIDE: f32 = 1.8;
 

@@ -9,7 +9,7 @@ use bevy_drape::{
     solver::{Graph, MassLumping, Topology},
 };
 
-use crate::common::*;
+use crate::support::solver::*;
 
 const DOWN: Vec3 = Vec3::NEG_Y;
 
@@ -27,34 +27,18 @@ fn hung(topology: &Topology, points: &[HangingPoint]) -> Vec<Vec3> {
     places
 }
 
-/// Strains of the structural springs, ascending.
-fn thread_strains(topology: &Topology, places: &[Vec3]) -> Vec<f64> {
-    let strain = |(a, b, rest): (usize, usize, f32)| {
-        places[a].as_dvec3().distance(places[b].as_dvec3()) / f64::from(rest) - 1.0
-    };
-    let mut strains: Vec<f64> = topology.structural_springs().map(strain).collect();
-    strains.sort_by(f64::total_cmp);
-    strains
-}
-
 /// Prints and bounds the size of strains: the mean, and of 99 % of the springs.
 fn check_strains(what: &str, topology: &Topology, places: &[Vec3], mean: f64, p99: f64) {
-    let mut sizes: Vec<f64> = thread_strains(topology, places).iter().map(|s| s.abs()).collect();
+    let mut sizes: Vec<f64> = thread_strains_at(topology, places).iter().map(|s| s.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let measured = sizes.iter().sum::<f64>() / sizes.len() as f64;
     check_at_most(&format!("{what}: mean strain"), measured, mean);
     check_at_most(&format!("{what}: p99 strain"), sizes[sizes.len() * 99 / 100], p99);
 }
 
-/// A metre of cloth, 33 x 33, as a lattice and as a mesh.
-fn both() -> [(&'static str, Topology); 2] {
-    let lattice = sheet(Vec2::ONE, 33, 33, MassLumping::Lumped);
-    [("lattice", lattice.into()), ("graph", mesh(33, 33, 1.0 / 32.0, 0.25).into())]
-}
-
 #[test]
 fn hung_from_two_corners_no_thread_changes_its_length() {
-    for (name, topology) in both() {
+    for (name, topology) in lattice_and_mesh(1.0, 33) {
         for (span, height) in [(0.6, 0.0), (0.9, 0.3), (0.05, 0.0), (0.01, -0.7), (1.0, 0.0)] {
             let points = [point(0, Vec3::ZERO), point(32, Vec3::new(span, height, 0.0))];
             let places = hung(&topology, &points);
@@ -84,7 +68,7 @@ fn hung_from_two_corners_no_thread_changes_its_length() {
 #[test]
 fn hung_where_it_lies_it_stays() {
     // Corners as far apart as at rest: all curves are taut, and the sheet is flat.
-    for (name, topology) in both() {
+    for (name, topology) in lattice_and_mesh(1.0, 33) {
         let rest = topology.rest_positions();
         let points: Vec<_> = [0, 32, 1056, 1088].iter().map(|&i| point(i, rest[i])).collect();
         let places = hung(&topology, &points);
@@ -95,7 +79,7 @@ fn hung_where_it_lies_it_stays() {
 #[test]
 fn hung_from_more_points_its_threads_are_near_their_length() {
     let flat = |i: usize, topology: &Topology| topology.rest_positions()[i];
-    for (name, topology) in both() {
+    for (name, topology) in lattice_and_mesh(1.0, 33) {
         // Four corners drawn together, as a hammock; three; and one of them higher.
         let drawn = |i: usize, by: f32| point(i, flat(i, &topology) * Vec3::new(by, 1.0, by));
         let four = [0, 32, 1056, 1088].map(|i| drawn(i, 0.8));

@@ -12,6 +12,10 @@ mod field;
 mod meshes;
 mod solvers;
 mod soup;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 
 use proptest::{
     strategy::Strategy,

@@ -1,6 +1,6 @@
 //! Which meshes can be baked, and how the others are refused.
 
-use crate::{meshes::*, random::*};
+use crate::{meshes::*, support::dice::Dice};
 use bevy::math::{DVec3, UVec3, Vec3};
 use bevy_drape::sdf::{BakeError, BakeSettings, DistanceField, SignedDistance};
 
@@ -150,7 +150,7 @@ fn fields_of_any_allowed_size_work() {
             *p = (*p - SHIFT.as_vec3()) * scale;
         }
         let field = bake(&mesh, 0.112 * scale, 0.25 * scale);
-        let mut random = Random(12);
+        let mut random = Dice(12);
         for _ in 0..500 {
             let direction = random.direction();
             let share = random.between(0.2, 3.0);

@@ -1,6 +1,6 @@
 //! Baked fields, held to analytic distances and to brute force.
 
-use crate::{meshes::*, random::*};
+use crate::{meshes::*, support::dice::Dice};
 use bevy::math::{DVec3, UVec3, Vec3, primitives::*};
 use bevy_drape::sdf::{BakeSettings, DistanceField, SignedDistance};
 
@@ -67,7 +67,7 @@ fn baked_nodes_are_exact() {
 fn baked_slope_is_one() {
     const STEP: f64 = 1e-3;
     let field = bake(&sphere_mesh(48, 0.5), 1.0 / 32.0, 0.3);
-    let mut random = Random(8);
+    let mut random = Dice(8);
     for _ in 0..20_000 {
         let p = SHIFT + random.direction() * random.between(0.25, 0.75);
         let distance = |p: DVec3| f64::from(field.distance(p.as_vec3()));
@@ -90,7 +90,7 @@ fn bunny_nodes_equal_brute_force() {
     let field = DistanceField::bake(&mesh.positions, &mesh.indices, &settings).expect("the bunny");
     let dims = field.dims();
     assert!((68..=70).contains(&dims.max_element()), "{dims}");
-    let mut random = Random(9);
+    let mut random = Dice(9);
     let mut inside = 0;
     for _ in 0..3_000 {
         let index = (DVec3::splat(0.5) + 0.5 * random.in_box(1.0)) * dims.as_dvec3();
@@ -116,7 +116,7 @@ fn far_field_is_a_growing_lower_bound() {
     let field = bake(&mesh, 1.0 / 32.0, 0.05);
     let grid = field.grid_bounds();
     let (low, high) = (Vec3::from(grid.min).as_dvec3(), Vec3::from(grid.max).as_dvec3());
-    let mut random = Random(10);
+    let mut random = Dice(10);
     let mut at_best = 0.0_f64;
     for _ in 0..1_500 {
         let scale = 10.0_f64.powf(random.between(-1.0, 1.5));
@@ -162,7 +162,7 @@ fn far_field_is_a_growing_lower_bound() {
 fn overestimate_bounds_the_error() {
     let bunny = bunny();
     let field = bake(&bunny, 1.0 / 24.0, 0.1);
-    let mut random = Random(11);
+    let mut random = Dice(11);
     for _ in 0..3_000 {
         let p = (DVec3::new(0.0, 0.5, 0.0) + random.in_box(0.8)).as_vec3();
         let least = least_distance(&bunny, p.as_dvec3());

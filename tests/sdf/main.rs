@@ -10,6 +10,9 @@
 mod baking;
 mod fields;
 mod meshes;
-mod random;
 mod saved;
 mod shapes;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,10 +1,13 @@
 //! Meshes to bake, and the truth about them.
 
-use crate::random::*;
+use crate::support::dice::Dice;
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::sdf::{BakeSettings, DistanceField, SignedDistance};
 use core::f64::consts::{PI, TAU};
 use examples_common::repository;
+
+/// Where the meshes are moved to, so that nothing lies on a node.
+pub const SHIFT: DVec3 = DVec3::new(0.013, 0.021, 0.007);
 
 #[derive(Clone)]
 pub struct Mesh {
@@ -169,7 +172,7 @@ pub fn meshes() -> [(&'static str, Mesh, Truth); 3] {
 /// Largest and rms error in cells, and rms angle in degrees, within two cells of the surface.
 pub fn band_error(field: &DistanceField, truth: Truth) -> [f64; 3] {
     let h = f64::from(field.cell_size());
-    let mut random = Random(7);
+    let mut random = Dice(7);
     let (mut largest, mut squares, mut angles, mut count) = (0.0_f64, 0.0, 0.0, 0.0);
     for _ in 0..200_000 {
         let p = random.in_box(0.95).as_vec3();

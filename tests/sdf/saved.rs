@@ -2,7 +2,7 @@
 //!
 //! The checksum under test is written out by its definition, a bit at a time.
 
-use crate::{meshes::*, random::*};
+use crate::{meshes::*, support::dice::Dice};
 use bevy::math::Vec3;
 use bevy_drape::sdf::{DistanceField, PointBlock, SampleBlock, SavedFieldError, SignedDistance};
 
@@ -53,7 +53,7 @@ fn forged(at: usize, words: &[u32]) -> Vec<u8> {
 #[test]
 fn a_saved_field_comes_back_in_the_same_bits() {
     let mesh = bunny();
-    let mut random = Random(20);
+    let mut random = Dice(20);
     for field in [small(), bake(&mesh, 1.0 / 24.0, 0.0), bake(&mesh, 1.0 / 16.0, 0.3)] {
         let bytes = field.to_bytes();
         assert_eq!(bytes.len(), HEADER + 4 * field.values().len() + 4);
@@ -141,7 +141,7 @@ fn every_damaged_byte_is_noticed() {
 
 #[test]
 fn bytes_of_any_kind_are_refused_without_panic() {
-    let mut random = Random(21);
+    let mut random = Dice(21);
     let bytes = small().to_bytes();
     for round in 0..20_000 {
         let mut noise: Vec<u8> =

@@ -1,6 +1,6 @@
 //! Shapes and blocks.
 
-use crate::{meshes::*, random::*};
+use crate::{meshes::*, support::dice::Dice};
 use bevy::math::{DVec3, Vec3, bounding::BoundingVolume, primitives::*};
 use bevy_drape::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
 use core::f64::consts::TAU;
@@ -14,7 +14,7 @@ struct Case {
     name: &'static str,
     shape: Box<dyn SignedDistance>,
     /// A random point of the surface and the normal there.
-    surface: fn(&mut Random) -> (DVec3, DVec3),
+    surface: fn(&mut Dice) -> (DVec3, DVec3),
     inside: fn(DVec3) -> bool,
     /// How far one may go in along the normal, from any point of the surface, and how far out.
     reach: [f64; 2],
@@ -114,7 +114,7 @@ fn cases() -> Vec<Case> {
 /// On the surface the distance is zero, and `s` further along the normal it is `s`.
 #[test]
 fn shapes_measure_along_their_normals() {
-    let mut random = Random(1);
+    let mut random = Dice(1);
     for case in cases() {
         for _ in 0..20_000 {
             let (on_surface, normal) = (case.surface)(&mut random);
@@ -138,7 +138,7 @@ fn shapes_measure_along_their_normals() {
 /// The distance is the least distance to the surface, near, inside and far; its sign says inside.
 #[test]
 fn shapes_measure_to_the_nearest_point() {
-    let mut random = Random(2);
+    let mut random = Dice(2);
     for case in cases() {
         let cloud: Vec<DVec3> = (0..40_000).map(|_| (case.surface)(&mut random).0).collect();
         for trial in 0..300 {
@@ -169,7 +169,7 @@ fn shapes_measure_to_the_nearest_point() {
 #[test]
 fn shapes_normals_are_gradients() {
     const STEP: f64 = 1e-3;
-    let mut random = Random(3);
+    let mut random = Dice(3);
     for case in cases() {
         let mut compared = 0;
         for _ in 0..5_000 {
@@ -194,7 +194,7 @@ fn shapes_normals_are_gradients() {
 /// A half-space is solid below its plane.
 #[test]
 fn half_space_is_solid_below() {
-    let mut random = Random(4);
+    let mut random = Dice(4);
     for _ in 0..1_000 {
         let normal = random.direction();
         let plane = InfinitePlane3d::new(normal.as_vec3());
@@ -246,7 +246,7 @@ fn blocks_give_the_same_bits() {
     shapes.push(Box::new(InfinitePlane3d::new(Vec3::new(0.3, 0.9, -0.2))));
     shapes.push(Box::new(bake(&sphere_mesh(8, 0.5), 0.1, 0.2)));
     let odd = [0.0, -0.0, 1e-25, 0.5, -0.7, 3e4, f32::INFINITY, f32::NAN];
-    let mut random = Random(5);
+    let mut random = Dice(5);
     for shape in &shapes {
         for round in 0..2_000 {
             let mut points = PointBlock::default();
@@ -254,8 +254,7 @@ fn blocks_give_the_same_bits() {
                 let p = random.in_box(if round % 3 == 0 { 3.0 } else { 0.65 }).as_vec3();
                 (points.x[lane], points.y[lane], points.z[lane]) = (p.x, p.y, p.z);
                 if round % 4 == 0 {
-                    let pick =
-                        |random: &mut Random| odd[(odd.len() as f64 * random.unit()) as usize];
+                    let pick = |random: &mut Dice| odd[(odd.len() as f64 * random.unit()) as usize];
                     points.x[lane] = pick(&mut random);
                     points.z[lane] = pick(&mut random);
                 }

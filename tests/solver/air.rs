@@ -8,7 +8,7 @@ use bevy_drape::solver::{
     StretchMethod, Wind, WindFlow, WindShape, Zone,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// Takes ticks in a wind, with the pins where they are.
 fn blow(solver: &mut ClothSolver, ticks: usize, gravity: Vec3, wind: Wind<'_>) {
@@ -57,12 +57,6 @@ fn crumpled(air: Air, material: Material, seed: u64, speed: f32) -> ClothSolver 
 /// Nothing but air acts.
 fn loose(area_density: f32) -> Material {
     Material { area_density, thread_stiffness: 0.0, ..plain() }
-}
-
-fn mean_velocity(solver: &ClothSolver) -> DVec3 {
-    let mass: f64 =
-        (0..solver.topology().particle_count()).map(|i| f64::from(solver.mass(i))).sum();
-    momenta(solver).0 / mass
 }
 
 #[test]

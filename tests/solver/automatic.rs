@@ -11,7 +11,7 @@ use bevy_drape::{
     },
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 fn fabric() -> Material {
     Material {

@@ -9,7 +9,7 @@ use bevy_drape::solver::{
     Bending, ClothSolver, Lattice, MassLumping, Material, Settings, StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A strip along z, clamped by its first two rows, settled under gravity: drop over reach of its
 /// tip.

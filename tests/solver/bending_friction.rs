@@ -1,7 +1,7 @@
 //! Friction inside the fabric. Truths: it does no work on a free cloth but takes energy, and leaves its momentum and its
 //! spin; a swing ends; without it nothing changes.
 
-use crate::common::*;
+use crate::support::solver::*;
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
     ClothSolver, Collider, MassLumping, Material, Pose, StretchMethod, Topology,

@@ -7,7 +7,7 @@ use bevy_drape::{
     solver::{ClothSolver, Collider, MassLumping, Material, Pose, StretchMethod},
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const N: usize = 48;
 

@@ -13,7 +13,7 @@ use bevy_drape::{
     },
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 fn fixed<'a>(shape: &'a dyn SignedDistance, pose: Pose, friction: f32) -> Collider<'a> {
     Collider::new(shape, pose).with_friction(friction)

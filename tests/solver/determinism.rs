@@ -9,7 +9,7 @@ use bevy_drape::{
     },
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A wavy floor that only its author knows.
 #[derive(Debug)]

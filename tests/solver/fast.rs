@@ -11,7 +11,7 @@ use bevy_drape::{
     solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, StepInput},
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A collider's pose at a time \[s\].
 pub type Path<'a> = &'a dyn Fn(f32) -> Pose;

@@ -25,7 +25,7 @@ use bevy_drape::{
     },
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// One of the scenes: a cloth, and what surrounds it.
 struct Scene {
@@ -308,23 +308,6 @@ impl Shape {
             Self::Ground => Box::new(InfinitePlane3d::default()),
             Self::Ball(radius) => Box::new(Sphere::new(radius)),
             Self::Cube(side) => Box::new(Cuboid::from_length(side)),
-        }
-    }
-}
-
-/// Fowler, Noll and Vo's hash (FNV-1a, 64 bits).
-struct Fingerprint(u64);
-
-impl Default for Fingerprint {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fingerprint {
-    fn add(&mut self, bits: &[[u32; 6]]) {
-        for byte in bits.iter().flatten().flat_map(|word| word.to_le_bytes()) {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
 }

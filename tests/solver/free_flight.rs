@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::{DVec3, Vec3};
 use bevy_drape::solver::{ClothSolver, DampingForm, Lattice, MassLumping, Material, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 const V0: Vec3 = Vec3::new(1.0, 2.0, -0.5);
 

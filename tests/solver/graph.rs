@@ -11,7 +11,7 @@ use bevy_drape::solver::{
     Topology,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const FORMS: [StretchMethod; 2] = [StretchMethod::ExplicitSprings, StretchMethod::ImplicitThreads];
 
@@ -77,10 +77,12 @@ fn a_grid_of_any_diagonals_is_the_lattice() {
                     for i in 0..rows * columns {
                         assert!((a.mass(i) - b.mass(i)).abs() < 1e-6 * a.mass(i), "mass of {i}");
                     }
-                    let apart =
-                        farthest(&super::common::positions(&a), &super::common::positions(&b));
+                    let apart = farthest(
+                        &crate::support::solver::positions(&a),
+                        &crate::support::solver::positions(&b),
+                    );
                     let sag = largest(
-                        &super::common::positions(&a)
+                        &crate::support::solver::positions(&a)
                             .iter()
                             .map(|p| f64::from(-p.y))
                             .collect::<Vec<_>>(),
@@ -297,7 +299,7 @@ fn hangs(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, pins: &[u32], name: &st
     for form in FORMS {
         let mut solver = at_rest(&graph, Vec3::ZERO, material, settings(form, 20));
         run(&mut solver, 64, Vec3::ZERO, &[]);
-        let moved = farthest(&positions, &super::common::positions(&solver));
+        let moved = farthest(&positions, &crate::support::solver::positions(&solver));
         check_at_most(&format!("{name}, {form:?}: moved [m]"), moved, 2e-5);
         solver.set_pins(pins).unwrap();
         let mut most = 0.0_f32;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::Vec3;
 use bevy_drape::solver::{Graph, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A strip of 1 m along z, clamped by its first rows, settled under gravity: drop over reach of its
 /// tip. `gamma = rho g L^3 / B`.

@@ -8,7 +8,7 @@ use bevy_drape::solver::{
     StepInput, StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// Everything on: rectangles, and other cells; curved at rest; six groups of pins.
 fn busy(form: StretchMethod, bending: Bending, damping_form: DampingForm) -> ClothSolver {

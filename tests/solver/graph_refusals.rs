@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::Vec3;
 use bevy_drape::solver::{ClothSolver, Graph, GraphError, MassLumping, Settings, Weights};
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A square of two triangles.
 const SQUARE: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(1.0, 0.0, 1.0)];

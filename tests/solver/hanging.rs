@@ -6,7 +6,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 const K: f32 = 20.0;
 const COLUMNS: usize = 5;

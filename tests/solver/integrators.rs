@@ -10,7 +10,7 @@ use bevy_drape::solver::{
     StretchMethod, Topology,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const CELL: f32 = 0.1;
 const STIFFNESS: f32 = 0.25;

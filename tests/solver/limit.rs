@@ -5,7 +5,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{Bending, ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// Strains after 3 s of the table's scene: 20 x 20 cells, hung from two corners.
 fn two_corners(stiffness: f32, limit: f32, passes: u32, substeps: u32) -> Vec<f64> {

@@ -4,9 +4,8 @@
 use bevy::math::{DVec3, Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{ClothSolver, Collider, MassLumping, Material, Pose, Settings, Topology};
 
-use super::common::*;
+use crate::support::solver::*;
 
-const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 const TIP: f32 = 0.03;
 const THICKNESS: f32 = 0.02;
 
@@ -15,11 +14,6 @@ fn both() -> [Topology; 2] {
     let n = 48;
     let woven = sheet(Vec2::splat(1.5), n, n, MassLumping::Lumped);
     [woven.into(), mesh(n, n, 1.5 / (n - 1) as f32, 0.2).into()]
-}
-
-fn middle(topology: &Topology) -> Vec3 {
-    let positions = topology.rest_positions();
-    positions.iter().sum::<Vec3>() / positions.len() as f32
 }
 
 /// Above the tip, its middle there.
@@ -63,7 +57,7 @@ fn what_the_cloth_loses_the_point_that_it_hangs_from_is_given() {
         let mut solver = above_tip(&topology, 0.0);
         let collider = Collider::new(&tip, Pose::from_translation(Vec3::ZERO));
         let collider = Collider { measured: true, ..collider };
-        let mass: f64 = (0..topology.particle_count()).map(|i| f64::from(solver.mass(i))).sum();
+        let mass = mass(&solver);
         let (mut given, mut fallen) = (DVec3::ZERO, DVec3::ZERO);
         for _ in 0..120 {
             run(&mut solver, 1, GRAVITY, &[collider]);

@@ -7,7 +7,6 @@ mod automatic;
 mod bending;
 mod bending_friction;
 mod carry;
-mod common;
 mod contact;
 mod determinism;
 mod fast;
@@ -30,6 +29,10 @@ mod shared;
 mod soft;
 mod spring;
 mod stability;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 mod survival;
 mod symmetry;
 mod tethers;

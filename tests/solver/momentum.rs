@@ -8,7 +8,7 @@ use bevy_drape::solver::{
     Bending, ClothSolver, DampingForm, MassLumping, Material, Settings, StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A crumpled sheet whose particles go every way.
 fn crumpled(material: Material, settings: Settings) -> ClothSolver {

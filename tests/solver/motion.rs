@@ -7,7 +7,7 @@ use bevy_drape::solver::{
     ClothSolver, MassLumping, Material, Pose, RigidMotion, SolverError, StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// A sheet that swings from two corners and is far from flat.
 fn swinging() -> ClothSolver {
@@ -65,13 +65,6 @@ fn strain_and_relative_velocities_are_what_they_were() {
             assert!(fastest(&moved) > 0.1);
         }
     }
-}
-
-/// Strains of the threads from local positions: far away the world's coordinates round.
-fn thread_strains(solver: &ClothSolver) -> Vec<f64> {
-    let place = |i: usize| solver.local_position(i).as_dvec3();
-    let springs = solver.topology().structural_springs();
-    springs.map(|(i, j, rest)| place(i).distance(place(j)) / f64::from(rest) - 1.0).collect()
 }
 
 #[test]

@@ -8,23 +8,13 @@ use bevy_drape::solver::{
     PushWith, Settings, SoftPin, SolverError, StepInput, StretchMethod, Topology,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const FORCE: Vec3 = Vec3::new(0.3, -0.2, 0.5);
 
 fn topologies() -> [(&'static str, Topology); 2] {
     let lattice = sheet(Vec2::new(1.0, 0.8), 9, 13, MassLumping::Lumped);
     [("lattice", lattice.into()), ("mesh", mesh(9, 13, 0.08, 0.2).into())]
-}
-
-fn mass(solver: &ClothSolver) -> f64 {
-    (0..solver.topology().particle_count()).map(|i| f64::from(solver.mass(i))).sum()
-}
-
-fn centre(solver: &ClothSolver) -> DVec3 {
-    let count = solver.topology().particle_count();
-    let weighted = |i: usize| solver.position(i).as_dvec3() * f64::from(solver.mass(i));
-    (0..count).map(weighted).sum::<DVec3>() / mass(solver)
 }
 
 /// Ticks without gravity, each with a force on the whole cloth.

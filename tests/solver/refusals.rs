@@ -6,7 +6,7 @@ use bevy_drape::solver::{
     SolverError, StepInput, StretchMethod, Substeps,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
 

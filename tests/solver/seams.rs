@@ -8,18 +8,12 @@ use bevy_drape::solver::{
     Settings, SoftPin, StepInput, StretchMethod, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
-use super::common::*;
 use super::fast::deepest_way;
+use crate::support::solver::*;
 
 /// Both kinds of a sheet of 33 x 33 particles and a metre, the mesh irregular.
 fn both() -> [Topology; 2] {
-    let lattice = sheet(Vec2::ONE, 33, 33, MassLumping::Lumped);
-    [lattice.into(), mesh(33, 33, 1.0 / 32.0, 0.25).into()]
-}
-
-fn middle(topology: &Topology) -> Vec3 {
-    let rest = topology.rest_positions();
-    rest.iter().sum::<Vec3>() / rest.len() as f32
+    lattice_and_mesh(1.0, 33).map(|(_, topology)| topology)
 }
 
 /// In its rest shape, its middle at a place.

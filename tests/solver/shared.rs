@@ -9,7 +9,7 @@ use bevy_drape::solver::{
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// Rows and columns: enough for sheets of threads to be shared, bands that end within a strip, blocks that end within a
 /// row.

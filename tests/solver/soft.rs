@@ -8,7 +8,7 @@ use bevy_drape::solver::{
     SolverError, StepInput, StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// The smallest lattice, every particle on a spring of its own: four masses that move alike.
 fn on_springs(stiffness: f32, damping: f32, substeps: u32) -> (ClothSolver, f64) {

@@ -10,7 +10,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 const CELL: f32 = 0.1;
 const AMPLITUDE: f64 = 0.01;

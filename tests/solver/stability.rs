@@ -8,7 +8,7 @@ use bevy_drape::solver::{
 };
 use std::sync::Arc;
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// Springs and hinges of a lattice as `(weights of particles, constant)`: the energy is
 /// `constant / 2 |sum of weight x|^2`.

@@ -9,7 +9,7 @@ use bevy_drape::solver::{
     ClothSolver, DampingForm, Lattice, MassLumping, Material, Settings, StretchMethod, Substeps,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 /// No real cloth is as stiff.
 fn stiff() -> Material {

@@ -7,7 +7,7 @@ use bevy_drape::solver::{
     StretchMethod,
 };
 
-use super::common::*;
+use crate::support::solver::*;
 
 const SIDE: usize = 21;
 

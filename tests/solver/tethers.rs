@@ -4,7 +4,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{ClothSolver, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 fn settled(solver: &ClothSolver, tethers: bool, pins: &[u32], ticks: usize) -> ClothSolver {
     let mut solver = solver.clone();

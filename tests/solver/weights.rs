@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{Lattice, LatticeError, MassLumping, Material, Settings, StretchMethod};
 
-use super::common::*;
+use crate::support::solver::*;
 
 fn weighted(lattice: &Lattice, mass: &[f32], stiffness: &[f32]) -> Arc<Lattice> {
     Arc::new(lattice.clone().with_weights(mass, stiffness).unwrap())

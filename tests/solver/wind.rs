@@ -7,7 +7,7 @@ use bevy::math::{
 };
 use bevy_drape::solver::{Gusts, Pose, Wind, WindFlow, WindShape, Zone};
 
-use super::common::*;
+use crate::support::solver::*;
 
 const GUSTS: Gusts = Gusts { strength: 3.0, scale: 2.0, period: 0.5, seed: 11 };
 

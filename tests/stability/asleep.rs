@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use crate::app::{app, frame, simulation, spawn, spawn_cloth};
-use crate::other::common::check_at_most;
+use crate::support::solver::check_at_most;
 use bevy::{
     math::primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
     prelude::*,

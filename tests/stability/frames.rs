@@ -6,7 +6,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
-use crate::{app::*, common::Dice};
+use crate::{app::*, support::solver::Dice};
 
 /// Ticks of ten seconds.
 const TICKS: usize = 640;

@@ -36,17 +36,16 @@
 
 mod app;
 mod asleep;
-mod common;
 mod extremes;
 mod far;
 mod fast_colliders;
 mod frames;
 mod gravity;
 mod handled;
+mod kinds;
 mod lying;
 mod masses;
 mod medial;
-mod other;
 mod outside;
 mod pinned;
 mod pool;
@@ -54,5 +53,10 @@ mod pulled;
 mod rest;
 mod squeezed;
 mod starts;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
 mod teleports;
 mod thin;
+mod trial;

@@ -3,7 +3,7 @@
 use bevy::math::Vec2;
 use bevy_drape::solver::{Material, PlanReason, Stretching};
 
-use crate::common::*;
+use crate::trial::*;
 
 /// All four corners of a sheet.
 fn four(n: usize) -> [u32; 4] {

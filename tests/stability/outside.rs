@@ -4,14 +4,10 @@
 //! that a cloth of what is left of a bad mesh moves and is drawn for ten seconds, and that a world which goes
 //! bad over and over leaves others alone. Truths: finite places and normals of length one; bit equality.
 
-#[allow(dead_code)]
-#[path = "../ecs/common.rs"]
-pub mod ecs;
-
-use super::other::TEN_SECONDS;
+use crate::support::app::*;
+use crate::{app::stiffest, kinds::TEN_SECONDS};
 use bevy::prelude::*;
 use bevy_drape::{ClothGravityOverride, ClothWindOverride, prelude::*};
-use ecs::*;
 
 /// A strip of two triangles, then whatever else.
 fn strip(more: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
@@ -80,13 +76,7 @@ fn h14_what_is_left_of_a_bad_mesh_is_a_cloth() {
         .flat_map(|(what, mesh)| {
             let mesh = add_mesh(&mut app, mesh);
             let material = ClothMaterial::default();
-            let stiffest = ClothMaterial {
-                thread_stiffness: 1e15,
-                shear_stiffness: 1e15,
-                flexural_rigidity: 1e9,
-                damping: 1e9,
-                ..material
-            };
+            let stiffest = ClothMaterial { damping: 1e9, ..stiffest() };
             [("automatic", material), ("stiffest", stiffest)].map(|(name, material)| {
                 let bundle = (
                     Cloth::of_mesh3d(),
@@ -167,13 +157,7 @@ fn victim(app: &mut App, graph: bool, material: ClothMaterial) -> Victim {
 /// none of it go on in the same bits; the cloths that do are finite throughout, and cloths again after it.
 #[test]
 fn h15_a_world_that_goes_bad_over_and_over() {
-    let stiffest = ClothMaterial {
-        thread_stiffness: 1e15,
-        shear_stiffness: 1e15,
-        flexural_rigidity: 1e9,
-        damping: 1e9,
-        ..default()
-    };
+    let stiffest = ClothMaterial { damping: 1e9, ..stiffest() };
     let run = |bad: bool| {
         let mut app = app();
         app.insert_resource(ClothWind::steady(Vec3::new(1.0, 0.0, 2.0)));

@@ -4,7 +4,7 @@
 //! All and none are in `tests/solver/survival.rs`, `all_pinned_or_none_is_a_cloth_too`, for a lattice; the
 //! mesh is here. Soft pins that are led away: `tests/solver/soft.rs`.
 
-use super::other::{common::*, *};
+use crate::{kinds::*, support::solver::*};
 use bevy::math::Vec3;
 use bevy_drape::solver::StretchMethod;
 

@@ -1,7 +1,7 @@
 //! One and eight threads. Truth: bit equality. One, two and four threads, and forms: `tests/ecs/execution.rs`;
 //! instruction sets: `tests/solver/determinism.rs` and `graph_determinism.rs`.
 
-use super::outside::ecs::*;
+use crate::support::{app::*, bits::Fingerprint};
 use bevy::{
     asset::AssetPlugin, mesh::MeshPlugin, prelude::*, time::TimeUpdateStrategy,
     transform::TransformPlugin,
@@ -42,9 +42,8 @@ fn scene(app: &mut App) -> u64 {
         })
         .collect();
     updates(app, 640);
-    cloths.iter().flat_map(|cloth| bits(app, *cloth)).flatten().fold(0, |sum: u64, bits| {
-        (sum.rotate_left(5) ^ u64::from(bits)).wrapping_mul(0x517c_c1b7_2722_0a95)
-    })
+    let bits: Vec<_> = cloths.iter().flat_map(|cloth| bits(app, *cloth)).collect();
+    Fingerprint::of(&bits)
 }
 
 #[test]

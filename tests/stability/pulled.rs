@@ -3,7 +3,7 @@
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::PinMotion;
 
-use crate::common::*;
+use crate::trial::*;
 
 /// Leads pins evenly to other places in so many frames.
 fn lead(trial: &mut Trial, frames: usize, way: impl Fn(u32) -> Vec3) {

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{Settings, Substeps};
 
-use crate::common::*;
+use crate::{support::solver::Dice, trial::*};
 
 const N: usize = 24;
 

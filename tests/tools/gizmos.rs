@@ -1,6 +1,6 @@
 //! Lines that would be drawn, as Bevy's `GizmoAsset` holds them.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin},
     prelude::*,

@@ -4,10 +4,11 @@
 //! Truths: closed forms (a plane's normal, circles around a sphere's middle, an anchor's place), counts, and
 //! that what is off draws nothing.
 
-#[path = "../ecs/common.rs"]
-#[allow(dead_code)]
-mod common;
 mod gizmos;
 mod panel;
 mod picking;
 mod rings;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;

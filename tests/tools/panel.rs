@@ -1,7 +1,7 @@
 //! The panel without its window: what it gathers is what the components and closed forms say, and what it is
 //! asked for is what the components become.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothGravityOverride, ClothPanel, ClothPanelModelPlugin, ClothWindOverride, PanelAction,

@@ -3,7 +3,7 @@
 //! Truths: a ray meets a cloth where it is now and not where it was; what is grabbed comes to where the ray
 //! crosses the plane it was grabbed in, within what the spring gives under the weight it lifts.
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{
     camera::NormalizedRenderTarget,
     ecs::system::RunSystemOnce,

@@ -24,7 +24,7 @@ use bevy_drape::prelude::*;
 use curtain::{Ring, draw, draw_by_mouse};
 use examples_common::Particles;
 
-use crate::common::*;
+use crate::support::app::*;
 
 const POINTER: PointerId = PointerId::Mouse;
 const SCREEN: UVec2 = UVec2::new(1280, 720);

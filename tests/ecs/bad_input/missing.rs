@@ -5,7 +5,7 @@ use super::{
     rows::Fate::{self, GoesOn, Runs},
     told, world,
 };
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothInterpolation, ClothWindOverride, MeshProblem,

@@ -24,7 +24,7 @@ mod rows;
 mod surroundings;
 mod together;
 
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{ClothError, prelude::*};
 use rows::{

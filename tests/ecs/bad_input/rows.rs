@@ -1,7 +1,7 @@
 //! What can be wrong with a cloth, one row each.
 
 use super::{Act, HUGE, INF, NAN, pins};
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,

@@ -5,7 +5,7 @@ use super::{
     rows::{bad_winds, is_wind},
     told, world,
 };
-use crate::common::*;
+use crate::support::app::*;
 use bevy::{prelude::*, time::Fixed};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothWindOverride,

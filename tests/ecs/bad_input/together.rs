@@ -1,7 +1,7 @@
 //! What is asked of a running cloth, and several errors on one entity.
 
 use super::{Act, HUGE, INF, NAN, alone, bundle, is_finite, pins, world};
-use crate::common::*;
+use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{ClothError, ClothSleepThreshold, ColliderImpulse, prelude::*};
 

@@ -1,20 +1,26 @@
 //! The app that the tests run, and how they look at it.
 
+mod meshes;
+mod pools;
+pub mod saved_scene;
+
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
+
 use bevy::{
-    app::{Plugins, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
-    asset::{AssetPlugin, RenderAssetUsages},
-    mesh::{Indices, MeshPlugin, PrimitiveTopology, VertexAttributeValues},
+    app::Plugins,
+    asset::AssetPlugin,
+    mesh::{MeshPlugin, VertexAttributeValues},
     prelude::*,
-    tasks::ComputeTaskPool,
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
 use bevy_drape::{ClothError, ClothExecution, prelude::*};
-use std::{
-    path::Path,
-    process::Command,
-    time::{Duration, Instant},
-};
+
+pub use meshes::*;
+pub use pools::{POOL, in_pools};
 
 pub use examples_common::run_in_series;
 
@@ -135,104 +141,14 @@ pub fn drawn_positions(app: &App, entity: Entity) -> Vec<Vec3> {
     local.into_iter().map(|p| to_world.transform_point(p)).collect()
 }
 
-/// A grid of quads with its vertices renamed by `name`, in the places that `place` gives to its rows and
-/// columns.
-pub fn grid_mesh(
-    rows: u32,
-    columns: u32,
-    name: impl Fn(u32) -> u32,
-    place: impl Fn(u32, u32) -> Vec3,
-) -> Mesh {
-    let mut positions = vec![[0.0; 3]; (rows * columns) as usize];
-    for r in 0..rows {
-        for c in 0..columns {
-            positions[name(r * columns + c) as usize] = place(r, c).to_array();
-        }
-    }
-    let mut indices = Vec::new();
-    for r in 0..rows - 1 {
-        for c in 0..columns - 1 {
-            let a = r * columns + c;
-            let (b, below, d) = (a + 1, a + columns, a + columns + 1);
-            indices.extend([a, below, b, b, below, d].map(&name));
-        }
-    }
-    triangle_mesh(positions, indices)
+/// The mean of the particles' velocities.
+pub fn mean_velocity(app: &App, entity: Entity) -> Vec3 {
+    let cloth = simulation(app, entity);
+    let count = cloth.particle_count();
+    (0..count).filter_map(|i| cloth.velocity(i)).sum::<Vec3>() / count as f32
 }
 
-/// A metre of cloth, 8 x 8 as the sheet, with one cell cut out: no grid.
-pub fn holed_mesh() -> Mesh {
-    let place = |r: u32, c: u32| Vec3::new(c as f32 / 7.0 - 0.5, 0.0, r as f32 / 7.0 - 0.5);
-    let mut mesh = grid_mesh(8, 8, |v| v, place);
-    let Some(Indices::U32(indices)) = mesh.indices_mut() else { panic!("it has indices") };
-    indices.drain(6 * 24..6 * 25);
-    mesh
-}
-
-pub fn triangle_mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices))
-}
-
-/// A closed box around the origin.
-pub fn box_mesh(half: f32) -> Mesh {
-    let corner = |i: u32| [1, 2, 4].map(|bit| if i & bit == 0 { -half } else { half });
-    let quads =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let indices = quads.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
-    triangle_mesh((0..8).map(corner).collect(), indices)
-}
-
-/// Set in the processes that [`in_pools`] starts.
-pub const POOL: &str = "BEVY_DRAPE_TEST_POOL";
-
-/// What a scene comes to in compute pools of each size. A process has one pool for good, so each size has a
-/// process of its own: the test of this name again, with a variable set. There it is `None`.
-#[allow(clippy::print_stdout)]
-pub fn in_pools(
-    name: &str,
-    sizes: &[usize],
-    plugins: impl Fn(&mut App),
-    scene: impl Fn(&mut App) -> String,
-) -> Option<Vec<String>> {
-    if let Ok(size) = std::env::var(POOL) {
-        let size = size.parse().unwrap();
-        let mut app = app_of_pool(size);
-        plugins(&mut app);
-        app.insert_resource(ClothExecution::Fused);
-        app.finish();
-        app.cleanup();
-        app.update();
-        assert_eq!(ComputeTaskPool::get().thread_num(), size);
-        println!("bits {}", scene(&mut app));
-        return None;
-    }
-    let bits = sizes.iter().map(|size| {
-        let output = Command::new(std::env::current_exe().unwrap())
-            .args([name, "--exact", "--nocapture"])
-            .env(POOL, size.to_string())
-            .output()
-            .unwrap();
-        let text = String::from_utf8(output.stdout).unwrap();
-        let line =
-            text.lines().find_map(|line| line.split_once("bits ")).map(|(_, bits)| bits.to_owned());
-        line.unwrap_or_else(|| panic!("{text}"))
-    });
-    Some(bits.collect())
-}
-
-fn app_of_pool(size: usize) -> App {
-    let exactly = TaskPoolThreadAssignmentPolicy {
-        min_threads: size,
-        max_threads: size,
-        percent: 1.0,
-        on_thread_spawn: None,
-        on_thread_destroy: None,
-    };
-    let task_pool_options =
-        TaskPoolOptions { max_total_threads: 16, compute: exactly, ..default() };
-    let mut app = App::new();
-    app.add_plugins(MinimalPlugins.set(TaskPoolPlugin { task_pool_options }));
-    app
+/// How far apart particles are at most, each from itself \[m\].
+pub fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }

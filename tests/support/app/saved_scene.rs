@@ -1,7 +1,7 @@
 //! A scene with all that has a state of its own, to be saved and loaded: cloths that fall onto a ball that
 //! moves, held hard and softly by an anchor that moves, pushed, grabbed and blown at.
 
-use crate::common::*;
+use super::*;
 use bevy::{
     ecs::entity::{EntityHashMap, MapEntities},
     prelude::*,

@@ -1,18 +1,11 @@
 //! The cloths that the cases are run with, and what is looked at in each tick.
 
-#[allow(dead_code)]
-#[path = "../solver/common.rs"]
-pub mod common;
-
+use crate::support::solver::*;
 use bevy::math::{Quat, Vec3};
-use bevy_drape::{
-    ClothMaterial,
-    solver::{
-        ClothSolver, Collider, MassLumping, Material, PinMotion, Settings, StepInput,
-        StretchMethod, Topology,
-    },
+use bevy_drape::solver::{
+    ClothSolver, Collider, MassLumping, Material, PinMotion, Settings, StepInput, StretchMethod,
+    Topology,
 };
-use common::*;
 use std::sync::Arc;
 
 /// Ticks of ten seconds.
@@ -27,22 +20,6 @@ pub struct Kind {
     pub topology: Topology,
     pub material: Material,
     pub settings: Settings,
-}
-
-/// What a user gets who sets nothing.
-pub fn usual() -> Material {
-    ClothMaterial::default().into()
-}
-
-/// The stiffest that is accepted.
-pub fn stiffest() -> Material {
-    Material {
-        thread_stiffness: 1e15,
-        shear_stiffness: 1e15,
-        flexural_rigidity: 1e9,
-        damping: 1e9,
-        ..usual()
-    }
 }
 
 /// A square of `side` metres and `n` x `n` particles in the xz plane, its middle at the origin, as a lattice

@@ -8,13 +8,12 @@ use bevy_drape::solver::{
     StretchMethod, Topology, Weights,
 };
 
-pub use crate::other::common::Dice;
+use crate::support::solver::*;
 
 /// A frame, and a tick \[s\].
 pub const FRAME: f32 = 1.0 / 60.0;
 /// Frames of a scene: ten seconds.
 pub const SCENE: usize = 600;
-pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 /// The limit of strain that all cloths have here.
 pub const LIMIT: f32 = 0.1;
 
@@ -115,12 +114,7 @@ impl Variant {
                     let off = dice.vector() * 0.2;
                     positions[at as usize] += Vec3::new(off.x * cell.x, 0.0, off.z * cell.y);
                 }
-                let (right, below, across) = (at + 1, at + columns as u32, at + columns as u32 + 1);
-                if dice.roll() > 0.0 {
-                    triangles.extend([[at, below, across], [at, across, right]]);
-                } else {
-                    triangles.extend([[at, below, right], [right, below, across]]);
-                }
+                triangles.extend(halves(at, columns, dice.roll() > 0.0));
             }
         }
         let weights = Weights { mass: &mass, stiffness: &stiffness };
@@ -228,23 +222,12 @@ impl Trial {
     }
 
     pub fn places(&self) -> Vec<Vec3> {
-        (0..self.solver.topology().particle_count()).map(|i| self.solver.position(i)).collect()
-    }
-
-    pub fn velocities(&self) -> Vec<Vec3> {
-        (0..self.solver.topology().particle_count()).map(|i| self.solver.velocity(i)).collect()
+        positions(&self.solver)
     }
 
     /// Centre of mass, and its velocity.
     pub fn centre(&self) -> (DVec3, DVec3) {
-        let (mut at, mut speed, mut mass) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-        for i in 0..self.solver.topology().particle_count() {
-            let m = f64::from(self.solver.mass(i));
-            at += self.solver.position(i).as_dvec3() * m;
-            speed += self.solver.velocity(i).as_dvec3() * m;
-            mass += m;
-        }
-        (at / mass, speed / mass)
+        (centre(&self.solver), mean_velocity(&self.solver))
     }
 
     /// The largest strain of a structural spring.
@@ -280,7 +263,7 @@ impl Trial {
             pin.start = pin.end;
         }
         let places = self.places();
-        let velocities = self.velocities();
+        let velocities = velocities(&self.solver);
         if !places.iter().chain(&velocities).all(|p| p.is_finite()) {
             return self.fail(format!("frame {frame}: not finite"));
         }
@@ -366,11 +349,6 @@ impl Trial {
 pub fn verdict(trials: impl IntoIterator<Item = Trial>) {
     let failures: Vec<_> = trials.into_iter().flat_map(|trial| trial.failures).collect();
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
-}
-
-pub fn extent(places: &[Vec3]) -> (Vec3, Vec3) {
-    let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    places.iter().fold(none, |(low, high), &p| (low.min(p), high.max(p)))
 }
 
 /// Both corners of the first row.
