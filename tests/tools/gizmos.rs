@@ -133,7 +133,7 @@ fn contacts_have_the_colliders_normal() {
     spawn(&mut app, (ground.clone(), Transform::from_scale(Vec3::splat(2.0))));
     // Another that it does not meet.
     spawn(&mut app, (ground.in_layers(2), Transform::from_xyz(0.0, 5.0, 0.0)));
-    let settings = ClothSettings { layers: 1, ..default() };
+    let settings = ClothSettings { layers: 1.into(), ..default() };
     let cloth = spawn(&mut app, (sheet(), settings, Transform::from_xyz(0.0, 0.02, 0.0)));
     app.update();
     assert_eq!(lines(&app), [], "it has not come down yet");
