@@ -136,7 +136,3 @@ pub fn list(values: &[f64]) -> String {
 pub fn strip(cells: usize, length: f64) -> Sheet {
     Sheet { cells: [2, cells], cell: DVec2::splat(length / cells as f64) }
 }
-
-pub fn size(sheet: &Sheet) -> Vec2 {
-    (sheet.cell * DVec2::new(sheet.cells[0] as f64, sheet.cells[1] as f64)).as_vec2()
-}

@@ -2,10 +2,10 @@
 //! sets), closed forms (terminal speed, weight over stiffness), kept momentum, and that no particle goes
 //! through.
 
-use bevy::math::{DVec3, Quat, Vec2, Vec3, primitives::Sphere};
+use bevy::math::{DVec3, Quat, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Air, Bending, ClothSolver, Collider, Gusts, Isa, MassLumping, Material, PinMotion, Pose,
-    Settings, SoftPin, StepInput, StretchMethod, Topology, Wind, WindFlow, WindShape, Zone,
+    Air, Bending, ClothSolver, Collider, Gusts, Isa, Material, PinMotion, Pose, Settings, SoftPin,
+    StepInput, StretchMethod, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 use super::fast::deepest_way;

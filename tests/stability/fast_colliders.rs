@@ -4,7 +4,7 @@
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{Collider, Pose, StepInput};
 
-use crate::trial::*;
+use crate::{support::solver::GRAVITY, trial::*};
 
 /// How near to the middle of a ball a particle comes on a straight way, as seen from it \[m\].
 fn nearest(from: Vec3, to: Vec3) -> f32 {

@@ -7,7 +7,10 @@ use std::cell::RefCell;
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{Settings, Substeps};
 
-use crate::{support::solver::Dice, trial::*};
+use crate::{
+    support::solver::{Dice, extent},
+    trial::*,
+};
 
 const N: usize = 24;
 
