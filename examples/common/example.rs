@@ -45,10 +45,11 @@ impl Example {
     /// The same, with more in the app that has a window.
     pub fn show_with(self, add: impl FnOnce(&mut App)) -> AppExit {
         let more = "Where there is no display or no graphics adapter it says so and runs headless.";
-        let command = Command::new(self.name)
+        // What is told last holds: the options have a description of their own.
+        let command = Options::augment_args(Command::new(self.name))
             .about(self.about)
             .long_about(format!("{}.\n\n{more}", self.about));
-        let matches = Options::augment_args(command).get_matches();
+        let matches = command.get_matches();
         let options = Options::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
         self.run(&options, add)
     }
