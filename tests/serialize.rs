@@ -11,7 +11,7 @@ use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGrab,
     ClothGravityOverride, ClothInertia, ClothInterpolation, ClothPaused, ClothSleepThreshold,
     ClothSnapshot, ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel,
-    HangingPlaces, SdfColliderSnapshot, VertexFactor,
+    HangingPlaces, SdfColliderDisabled, SdfColliderSnapshot, VertexFactor,
     prelude::*,
     sdf::shapes::CapsuleBetween,
     solver::{
@@ -74,6 +74,7 @@ fn settings_come_back() {
     comes_back(ClothInertia::new(0.3));
     comes_back(ClothSleepThreshold::default());
     comes_back(ClothPaused { steps: 2 });
+    comes_back(SdfColliderDisabled);
     comes_back(HangOnStart { places: HangingPlaces::Rest, ..default() });
     comes_back(ClothExecution::Staged);
     comes_back(ColliderImpulse(Vec3::Z));

@@ -119,6 +119,7 @@ fn components_are_registered() {
         "ClothSimulation",
         "ClothFailure",
         "SdfCollider",
+        "SdfColliderDisabled",
         "SdfColliderSnapshot",
         "ColliderImpulse",
         "BakeSdf",

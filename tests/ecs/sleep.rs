@@ -27,12 +27,13 @@ fn until_asleep(app: &mut App, cloth: Entity, most: usize) -> usize {
     panic!("awake after {most} ticks: {:?} m", simulation(app, cloth).last_tick());
 }
 
-/// A cloth over a ball and the ground, and one that hangs beside it.
+/// A cloth over a ball, with one more ball far away, one switched off, and an anchor.
 struct Scene {
     app: App,
     cloth: Entity,
     ball: Entity,
     far: Entity,
+    off: Entity,
     anchor: Entity,
 }
 
@@ -41,11 +42,13 @@ fn scene() -> Scene {
     let ball = spawn(&mut app, SdfCollider::from(Sphere::new(0.3)).with_friction(0.9));
     let far = (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(9.0, 0.0, 0.0));
     let far = spawn(&mut app, far);
+    let off = (SdfCollider::from(Sphere::new(0.3)), Transform::from_xyz(0.4, 0.0, 0.0));
+    let off = spawn(&mut app, (off, SdfColliderDisabled));
     let anchor = spawn(&mut app, Transform::from_xyz(0.0, 0.6, 0.0));
     let pins = ClothPins::vertices([0]).and(ClothPins::vertices([7]).anchored_to(anchor));
     let cloth = (sheet(), thick(), pins, Transform::from_xyz(0.0, 0.32, 0.0));
     let cloth = spawn(&mut app, cloth);
-    Scene { app, cloth, ball, far, anchor }
+    Scene { app, cloth, ball, far, off, anchor }
 }
 
 #[test]
@@ -105,7 +108,7 @@ fn a_pendulum_does_not_sleep_where_it_turns() {
 #[test]
 fn every_cause_wakes() {
     type Act = fn(&mut Scene);
-    let causes: [(&str, Act); 19] = [
+    let causes: [(&str, Act); 20] = [
         ("gravity", |s| s.app.world_mut().resource_mut::<ClothGravity>().0.x = 0.1),
         ("own gravity", |s| {
             s.app.world_mut().entity_mut(s.cloth).insert(ClothGravityOverride(Vec3::X));
@@ -139,6 +142,9 @@ fn every_cause_wakes() {
         }),
         ("a collider is switched off", |s| {
             s.app.world_mut().entity_mut(s.ball).insert(SdfColliderDisabled);
+        }),
+        ("a collider is switched on", |s| {
+            s.app.world_mut().entity_mut(s.off).remove::<SdfColliderDisabled>();
         }),
         ("a collider has another shape", |s| {
             let mut collider = s.app.world_mut().get_mut::<SdfCollider>(s.ball).unwrap();
