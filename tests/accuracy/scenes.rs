@@ -1,6 +1,6 @@
 //! Scenes that several modules settle or compare.
 
-use bevy::math::{DVec2, DVec3, Vec2, Vec3};
+use bevy::math::{DVec2, DVec3, Vec3};
 use bevy_drape::solver::{
     Bending, ClothSolver, DampingForm, Graph, Integrator, MassLumping, Material, Settings,
 };
