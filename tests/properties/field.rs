@@ -17,7 +17,7 @@ pub fn check_field(bytes: &[u8]) -> Result<bool, String> {
 }
 
 /// With checksums that are right, or it would be refused for them alone.
-fn summed(bytes: &[u8]) -> Vec<u8> {
+pub fn summed(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let end = bytes.len();
     if end >= HEADER + 4 {

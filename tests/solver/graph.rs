@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use bevy::math::{DVec3, Vec2, Vec3};
+use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{
-    ClothSolver, Graph, MassLumping, Material, Settings, StretchMethod, Stretching, Substeps,
-    Topology,
+    Bending, ClothSolver, Graph, MassLumping, Material, Settings, StretchMethod, Stretching,
+    Substeps, Topology,
 };
 
 use crate::support::solver::*;
@@ -156,9 +156,7 @@ fn an_irregular_sheet_sags_as_the_lattice() {
 fn momentum_is_kept() {
     let graph = mesh(14, 11, 0.06, 0.25);
     for form in FORMS {
-        for bending in
-            [bevy_drape::solver::Bending::SecondDifference, bevy_drape::solver::Bending::Flexion]
-        {
+        for bending in [Bending::SecondDifference, Bending::Flexion] {
             let material = Material {
                 thread_stiffness: 200.0,
                 flexural_rigidity: 1e-3,
@@ -211,23 +209,34 @@ fn all_fall_alike() {
 
 #[test]
 fn weights_make_particles_heavier_and_springs_stiffer() {
-    let (positions, triangles) = jittered(6, 6, 0.1, 0.2, 9);
     let heavy: Vec<f32> = (0..36).map(|i| if i < 18 { 1.0 } else { 2.0 }).collect();
     let stiff = vec![3.0; 36];
     let weights = bevy_drape::solver::Weights { mass: &heavy, stiffness: &stiff };
-    let weighted = Graph::with_weights(&positions, &triangles, MassLumping::Lumped, weights);
-    let weighted = Arc::new(weighted.unwrap());
-    let even = Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap());
-    let material = Material { drag: 8.0, thread_stiffness: 20.0, ..plain() };
-    let a = settled(weighted.clone(), material, StretchMethod::ImplicitThreads, false, Vec3::Z);
-    let thrice = Material { thread_stiffness: 60.0, ..material };
-    let b = settled(even, thrice, StretchMethod::ImplicitThreads, false, Vec3::Z);
-    for (i, factor) in heavy.iter().enumerate() {
-        assert!((a.mass(i) - b.mass(i) * factor).abs() < 1e-6 * a.mass(i), "{i}");
+    // Each row but the last, which is lumped to half of it, hangs from those above: the five rows of cells
+    // carry 7, 6, 5, 3 and 1 rows where the lower three are twice as heavy, and 4.5, 3.5, 2.5, 1.5 and 0.5
+    // where all are alike.
+    let expected = 22.0 / 12.5;
+    // Off the grid, threads of all directions share the load.
+    for (jitter, tolerance) in [(0.0, 1e-3), (0.2, 0.04)] {
+        let (positions, triangles) = jittered(6, 6, 0.1, jitter, 9);
+        let weighted = Graph::with_weights(&positions, &triangles, MassLumping::Lumped, weights);
+        let even = Graph::new(&positions, &triangles, MassLumping::Lumped).unwrap();
+        let material = Material { drag: 8.0, thread_stiffness: 20.0, ..plain() };
+        let thrice = Material { thread_stiffness: 60.0, ..material };
+        for form in FORMS {
+            let a = settled(Arc::new(weighted.clone().unwrap()), material, form, false, Vec3::Z);
+            let b = settled(Arc::new(even.clone()), thrice, form, false, Vec3::Z);
+            for (i, factor) in heavy.iter().enumerate() {
+                assert!((a.mass(i) - b.mass(i) * factor).abs() < 1e-6 * a.mass(i), "{i}");
+            }
+            let elongation = |solver: &ClothSolver| {
+                let drop = |i: usize| f64::from(solver.position(i).z - positions[i].z);
+                (30..36).map(drop).sum::<f64>() / 6.0
+            };
+            let what = format!("jitter {jitter}, {form:?}: elongation, relative");
+            check(&what, elongation(&a) / elongation(&b), expected, tolerance);
+        }
     }
-    // Stiffer all over, and up to twice as heavy: between one and two times the elongation.
-    let drop = |solver: &ClothSolver| f64::from(solver.position(33).z - positions[33].z);
-    check("elongation for nearly twice the load, relative", drop(&a) / drop(&b), 1.75, 0.1);
 }
 
 #[test]
@@ -339,22 +348,29 @@ fn a_large_irregular_mesh_stays_within_its_limit() {
     assert!(hem < -1.0 && hem > -2.5, "{hem}");
 }
 
+/// The pins are where they belong, so that there is a place for all else.
 #[test]
-fn a_spoiled_start_stays_finite() {
+fn a_spoiled_start_sorts_itself_out() {
     let graph = mesh(15, 12, 0.05, 0.3);
-    let count = graph.particle_count();
-    let mut dice = Dice(11);
-    let starts: [(&str, Vec<Vec3>); 3] = [
-        ("collapsed", vec![Vec3::ZERO; count]),
-        ("random", (0..count).map(|_| dice.vector()).collect()),
-        ("folded", graph.rest_positions().iter().map(|p| p.with_x((p.x - 0.3).abs())).collect()),
+    let rest = graph.rest_positions();
+    let scattered = |seed: u64| {
+        let mut dice = Dice(seed);
+        rest.iter().map(|_| dice.vector()).collect()
+    };
+    let starts: [(&str, Vec<Vec3>); 6] = [
+        ("collapsed", vec![Vec3::ZERO; rest.len()]),
+        ("collapsed elsewhere", vec![Vec3::new(0.3, 0.1, 0.4); rest.len()]),
+        ("scattered", scattered(11)),
+        ("scattered", scattered(12)),
+        ("scattered", scattered(13)),
+        ("folded", rest.iter().map(|p| p.with_x((p.x - 0.3).abs())).collect()),
     ];
-    for (name, start) in starts {
+    for (name, mut start) in starts {
+        for pin in [0, 11] {
+            start[pin] = rest[pin];
+        }
         for form in FORMS {
-            for bending in [
-                bevy_drape::solver::Bending::SecondDifference,
-                bevy_drape::solver::Bending::Flexion,
-            ] {
+            for bending in [Bending::SecondDifference, Bending::Flexion] {
                 let material = Material {
                     thread_stiffness: 1e5,
                     shear_stiffness: 1e4,
@@ -368,14 +384,19 @@ fn a_spoiled_start_stays_finite() {
                 let mut solver =
                     ClothSolver::new(graph.clone(), &start, material, settings).unwrap();
                 solver.set_pins(&[0, 11]).unwrap();
-                run(&mut solver, 192, GRAVITY, &[]);
-                let energy: f64 =
-                    velocities(&solver).iter().map(|v| v.as_dvec3().length_squared()).sum::<f64>()
-                        / count as f64;
-                check_at_most(&format!("{name} {form:?} {bending:?}: v^2"), energy, 2e3);
-                assert!(positions(&solver).iter().all(|p| p.is_finite()));
-                let centre = positions(&solver).iter().map(|p| p.as_dvec3()).sum::<DVec3>();
-                assert!((centre / count as f64).length() < 5.0);
+                let what = format!("{name} {form:?} {bending:?}");
+                run(&mut solver, 256, GRAVITY, &[]);
+                // Chaotic, so by what the draws come to: to 0.76 m/s after four seconds, and to a strain of 0.17. What
+                // began at the very place of its pin keeps knots there, of a strain to 0.27.
+                let square = |v: &Vec3| v.as_dvec3().length_squared();
+                let mean = velocities(&solver).iter().map(square).sum::<f64>() / rest.len() as f64;
+                check_at_most(&format!("{what}: rms speed [m/s]"), mean.sqrt(), 1.2);
+                let most = if name == "collapsed" { 0.35 } else { 0.2 };
+                check_at_most(&format!("{what}: strain"), solver.strain().max.into(), most);
+                // It hangs from its row of 0.55 m, 0.7 m long.
+                let (low, high) = solver.bounds();
+                let (least, most) = (Vec3::new(-0.35, -0.9, -0.7), Vec3::new(0.9, 0.35, 0.7));
+                assert!(low.cmpge(least).all() && high.cmple(most).all(), "{what}: {low} {high}");
             }
         }
     }

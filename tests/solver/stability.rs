@@ -2,7 +2,7 @@
 //! bits,
 //! its largest eigenvalue by power iteration. No configuration of the sheet exceeds it.
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{DVec3, Vec2, Vec3};
 use bevy_drape::solver::{
     ClothSolver, Lattice, MassLumping, Material, PlanReason, Settings, StretchMethod, Stretching,
 };
@@ -308,17 +308,24 @@ fn most_energy(
     assert!(clamped.margin > 0.88, "the bound is not reached: {clamped}");
     let rest = lattice.rest_positions();
     let energy = |solver: &ClothSolver| {
-        let stored: f64 = terms
-            .iter()
-            .map(|(ends, k)| {
-                let (i, j) = (ends[0].0, ends[1].0);
-                let l = solver.position(i).as_dvec3().distance(solver.position(j).as_dvec3());
-                0.5 * k * scale * (l - rest[i].as_dvec3().distance(rest[j].as_dvec3())).powi(2)
-            })
-            .sum();
+        let mut stored = 0.0;
+        let mut force = vec![DVec3::ZERO; rest.len()];
+        for (ends, k) in &terms {
+            let (i, j) = (ends[0].0, ends[1].0);
+            let way = solver.position(j).as_dvec3() - solver.position(i).as_dvec3();
+            let stretch = way.length() - rest[i].as_dvec3().distance(rest[j].as_dvec3());
+            stored += 0.5 * k * scale * stretch * stretch;
+            let pull = way.normalize_or_zero() * (k * scale * stretch);
+            force[i] += pull;
+            force[j] -= pull;
+        }
+        // The velocity is that of half a substep before, and the force leads to that of half a substep after. With
+        // the product of both for the square of either, leapfrog keeps the energy of any linear spring exactly.
+        let h = f64::from(clamped.step);
         let moving: f64 = (0..rest.len())
             .map(|i| {
-                0.5 * f64::from(solver.mass(i)) * solver.velocity(i).as_dvec3().length_squared()
+                let before = solver.velocity(i).as_dvec3() * f64::from(solver.mass(i));
+                0.5 * before.dot(before + force[i] * h) / f64::from(solver.mass(i))
             })
             .sum();
         stored + moving
@@ -332,50 +339,41 @@ fn most_energy(
     most
 }
 
-#[test]
-fn folded_and_random_sheets_do_not_blow_up_at_the_planned_step() {
-    let n = 20;
-    let lattice = sheet(Vec2::ONE, n, n, MassLumping::Lumped);
+/// Nothing gains energy, in any of eight draws: in none, folded or thrown, does the most over 2 s come to more than
+/// 0.88 of the first.
+fn check_energy(
+    what: &str,
+    lattice: &Arc<Lattice>,
+    place: impl Fn(usize, Vec3) -> Vec3,
+    thrown: f32,
+) {
     let material = Material { thread_stiffness: 1e4, ..plain() };
     let settings = Settings { max_speed: 1e5, ..settings(StretchMethod::ExplicitSprings, 8) };
-    let mut dice = Dice(11);
-    let folded: Vec<_> = lattice
-        .rest_positions()
-        .iter()
-        .map(|&p| Vec3::new(p.x.abs(), 0.0, p.z) + dice.vector() * 1e-4)
-        .collect();
-    let folded_twice: Vec<_> = lattice
-        .rest_positions()
-        .iter()
-        .map(|&p| Vec3::new(p.x.abs(), 0.0, p.z.abs()) + dice.vector() * 1e-4)
-        .collect();
-    let random: Vec<_> =
-        lattice.rest_positions().iter().map(|&p| p + dice.vector() * 0.01).collect();
-    // The measure swings, as its velocity is of half a substep before. Thrown by 0.4 of a cell and
-    // more,
-    // collapsed springs do heat the sheet at this step: the speed limit is there for that.
-    for (what, start) in [("folded", folded), ("folded twice", folded_twice), ("random", random)] {
-        check_at_most(
-            &format!("{what}, most energy over the first"),
-            most_energy(&start, &lattice, material, settings),
-            2.0,
-        );
+    let mut worst = 0.0_f64;
+    for seed in 11..19 {
+        let mut dice = Dice(seed);
+        let rest = lattice.rest_positions().iter().enumerate();
+        let start: Vec<_> = rest.map(|(i, &p)| place(i, p) + dice.vector() * thrown).collect();
+        worst = worst.max(most_energy(&start, lattice, material, settings));
     }
+    check_at_most(&format!("{what}, most energy over the first"), worst, 1.0);
+}
+
+#[test]
+fn folded_and_random_sheets_do_not_blow_up_at_the_planned_step() {
+    let lattice = sheet(Vec2::ONE, 20, 20, MassLumping::Lumped);
+    // Thrown by 0.4 of a cell and more, collapsed springs do heat the sheet at this step: the speed limit is
+    // there for that.
+    check_energy("folded", &lattice, |_, p| Vec3::new(p.x.abs(), 0.0, p.z), 1e-4);
+    let twice = |_, p: Vec3| Vec3::new(p.x.abs(), 0.0, p.z.abs());
+    check_energy("folded twice", &lattice, twice, 1e-4);
+    check_energy("random", &lattice, |_, p| p, 0.01);
 }
 
 #[test]
 fn a_folded_strip_two_particles_wide_does_not_blow_up() {
     let lattice = sheet(Vec2::new(1.0, 0.05), 2, 21, MassLumping::Lumped);
-    let material = Material { thread_stiffness: 1e4, ..plain() };
-    let settings = Settings { max_speed: 1e5, ..settings(StretchMethod::ExplicitSprings, 8) };
-    let mut dice = Dice(11);
     // Every cell folded onto one line of cells: each spring lies along z.
-    let folded: Vec<_> = (0..42)
-        .map(|i| Vec3::Z * 0.05 * ((i / 21 + i % 21) % 2) as f32 + dice.vector() * 1e-4)
-        .collect();
-    check_at_most(
-        "most energy over the first",
-        most_energy(&folded, &lattice, material, settings),
-        2.0,
-    );
+    let folded = |i: usize, _| Vec3::Z * 0.05 * ((i / 21 + i % 21) % 2) as f32;
+    check_energy("strip", &lattice, folded, 1e-4);
 }

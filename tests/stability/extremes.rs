@@ -4,7 +4,7 @@
 //! Numbers out of their ranges are refused: `tests/solver/refusals.rs`; ends of the ranges for 2 s on a lattice:
 //! `tests/solver/survival.rs`. Shapes that cannot be hung: `tests/hang/refusals.rs`, `tests/ecs/hung.rs`.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy_drape::solver::{DampingForm, Material, StretchMethod, Substeps};
 
 const N: usize = 9;

@@ -4,7 +4,7 @@
 //! Free flight far away: `tests/solver/free_flight.rs`. Here is what has pins, colliders that move, air and
 //! friction.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{Quat, Vec2, Vec3, primitives::Cuboid};
 use bevy_drape::solver::{
     Air, Collider, Graph, MassLumping, Pose, Settings, StepInput, Topology, Wind,

@@ -1,7 +1,7 @@
 //! Gravity that is none, turned round, or a hundred times what it is. Truths: momentum under no force, bounds
 //! of a cloth that hangs, and the strain limit once gravity is itself again.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{Vec3, primitives::Sphere};
 use bevy_drape::solver::{Collider, Pose};
 

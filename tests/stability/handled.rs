@@ -1,7 +1,7 @@
 //! Cloth that is wrung, drawn through a funnel, and pulled off a table. Truths: the box that the motion of
 //! the pins gives, the strain limit a second after the hands are still, and the surfaces of the colliders.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Quat, Vec3,
     primitives::{Cuboid, Torus},

@@ -1,7 +1,7 @@
 //! Sheets of 64 x 64 that have been dropped on solids with edges and tips, as a user has them. Truth: after twenty
 //! seconds a cloth hardly moves, and no thread is longer than its strain limit allows.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Vec2, Vec3,
     primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},

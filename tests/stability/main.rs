@@ -24,7 +24,7 @@
 //! | `h14` | meshes that are hardly one | assets | `outside` |
 //! | `h15` | a world whose numbers are none | games | `outside` |
 //! | `h16` | gravity none, a hundred times, turned round | Newton, `test_cloth` | `gravity` |
-//! | `h17` | ten minutes at rest | this project | `rest` |
+//! | `h17` | ten minutes at rest | this project | `tests/long`, `rest` |
 //! | `h18` | ten kilometres from the origin | games | `far` |
 //! | `h19` | wrung, drawn through a ring, pulled off a table | Harmon et al. 2008, *Robust Treatment of Simultaneous Collisions* | `handled` |
 //! | `h20` | pins beyond reach, led away, everywhere, nowhere | Provot 1995, whose correction then has no solution | `pinned` |
@@ -42,7 +42,6 @@ mod fast_colliders;
 mod frames;
 mod gravity;
 mod handled;
-mod kinds;
 mod lying;
 mod masses;
 mod medial;
@@ -50,7 +49,6 @@ mod outside;
 mod pinned;
 mod pool;
 mod pulled;
-mod rest;
 mod squeezed;
 mod starts;
 // Each test crate uses a part of it.

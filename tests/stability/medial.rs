@@ -6,7 +6,7 @@
 //! `normals_are_defined_everywhere`. Fields beyond their grid: `tests/sdf/fields.rs`. A saved field cannot
 //! hold what is no number: `tests/sdf/saved.rs`.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Quat, Vec3,
     bounding::Aabb3d,

@@ -5,7 +5,7 @@
 //! bad over and over leaves others alone. Truths: finite places and normals of length one; bit equality.
 
 use crate::support::app::*;
-use crate::{app::stiffest, kinds::TEN_SECONDS};
+use crate::{app::stiffest, support::kinds::TEN_SECONDS};
 use bevy::prelude::*;
 use bevy_drape::{ClothGravityOverride, ClothWindOverride, prelude::*};
 

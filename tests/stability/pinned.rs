@@ -4,7 +4,7 @@
 //! All and none are in `tests/solver/survival.rs`, `all_pinned_or_none_is_a_cloth_too`, for a lattice; the
 //! mesh is here. Soft pins that are led away: `tests/solver/soft.rs`.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::Vec3;
 use bevy_drape::solver::StretchMethod;
 
@@ -36,7 +36,9 @@ fn h20_all_held_stand_and_none_held_fall() {
 }
 
 /// Pins that are led apart, until they are this much further from each other than the cloth lets them be.
-fn stretched(kind: &Kind, reach: f32, pins: &[u32]) {
+///
+/// Then it is stretched by so much at most, if it is of what a user gets and they ask for little.
+fn stretched(kind: &Kind, reach: f32, pins: &[u32], most: f32) {
     let usual = kind.what.contains("automatic");
     let mut kind = kind.clone();
     // In air that lets nothing swing for long.
@@ -47,9 +49,12 @@ fn stretched(kind: &Kind, reach: f32, pins: &[u32]) {
     // From the middle of the cloth, within two seconds.
     let path = |p: Vec3, t: f32| p + (p + Vec3::Y * 0.5) * (reach - 1.0) * (0.5 * t).min(1.0);
     let led = Led::new(&solver, &path);
-    // The corners are 0.71 m from the middle, and nothing is further from them than the cloth reaches, by
-    // as much more as they are too far apart.
-    let within = Within::cube(0.5 + 0.71 * reach + 1.5 * reach);
+    // Aside nothing is further than the pins, and below no further than pins, or than it hung at first. What cannot be
+    // flat buckles out of its plane, and upwards.
+    let (up, out) = if reach <= 1.2 { (0.2, 0.6) } else { (1.2, 1.2) };
+    let (side, below) = (0.5 * reach + 0.01, (0.5 + 0.5 * reach).max(1.03) + 0.01);
+    let above = 0.5 * (reach - 1.0) + up;
+    let within = Within(Vec3::new(-side, -below, -out), Vec3::new(side, above, out));
     for tick in 0..TEN_SECONDS {
         step(&mut solver, &what, within, GRAVITY, &led.motions(tick), &[]);
     }
@@ -63,9 +68,9 @@ fn stretched(kind: &Kind, reach: f32, pins: &[u32]) {
         // By chance: of eight reaches from 1.03 to 1.2 one trembles by 0.1 to 0.8 mm, which one depends on
         // rounding; the others by some micrometres.
         check_at_most(&format!("{what}: most moved in a tick [m]"), moved, 1e-3);
-        // Stretched by what the pins ask for, and twice the limit; not in a few cells alone.
-        let most = f64::from(reach) - 1.0 + 2.0 * f64::from(kind.material.max_strain);
-        check_at_most(&format!("{what}: strain"), strain(&solver), 2.0 * most);
+        // Most at the pins, the more so the finer the cloth: to twice and four times what the pins ask for, and to
+        // four and five.
+        check_at_most(&format!("{what}: strain"), strain(&solver), most.into());
     }
 }
 
@@ -78,8 +83,8 @@ fn places(n: usize) -> [Vec<u32>; 3] {
 #[test]
 fn h20_pins_beyond_reach_do_not_shake_the_cloth() {
     for kind in forms(1.0) {
-        for reach in [1.05, 1.2, 2.0, 5.0] {
-            places(N).iter().for_each(|pins| stretched(&kind, reach, pins));
+        for (reach, most) in [(1.05, 0.12), (1.2, 0.7), (2.0, f32::NAN), (5.0, f32::NAN)] {
+            places(N).iter().for_each(|pins| stretched(&kind, reach, pins, most));
         }
     }
 }
@@ -89,8 +94,8 @@ fn h20_pins_beyond_reach_do_not_shake_the_cloth() {
 fn h20_nor_do_they_a_fine_cloth() {
     let n = 33;
     for kind in kinds_of(1.0, n, &[("automatic", usual())]) {
-        for reach in [1.05, 1.2] {
-            places(n).iter().for_each(|pins| stretched(&kind, reach, pins));
+        for (reach, most) in [(1.05, 0.3), (1.2, 0.9)] {
+            places(n).iter().for_each(|pins| stretched(&kind, reach, pins, most));
         }
     }
 }

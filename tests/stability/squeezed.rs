@@ -2,7 +2,7 @@
 //! be where both let it. Truth: it is let out no faster than the settings say, moves no more and more, and
 //! where the colliders part again it is a cloth again.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Quat, Vec3,
     primitives::{Cuboid, InfinitePlane3d, Sphere},

@@ -1,7 +1,7 @@
 //! Solids that are thinner than the particles are apart. Truth: the cloth hangs on them, or has slid off as a whole, and
 //! what struck it does not stay hooked in it.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Quat, Vec2, Vec3,
     primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d},

@@ -1,6 +1,7 @@
 //! What the tests share. Each test crate includes it by one line, and uses a part of it:
 //!
 //! - [`solver`]: sheets, materials, ways to run, measures and bits of what has no ECS.
+//! - [`kinds`]: the cloths that hard cases are run with, as lattices and as meshes.
 //! - [`app`]: an app with the plugin, and how it is looked at.
 //! - [`dice`], [`table`]: numbers that only look random, reference tables.
 
@@ -8,6 +9,7 @@ pub mod app;
 pub mod bits;
 pub mod checks;
 pub mod dice;
+pub mod kinds;
 pub mod materials;
 pub mod measures;
 pub mod runs;

@@ -1,6 +1,6 @@
 //! The cloths that the cases are run with, and what is looked at in each tick.
 
-use crate::support::solver::*;
+use super::solver::*;
 use bevy::math::{Quat, Vec3};
 use bevy_drape::solver::{
     ClothSolver, Collider, MassLumping, Material, PinMotion, Settings, StepInput, StretchMethod,

@@ -1,7 +1,7 @@
 //! Ten minutes at rest: a cloth that has come to rest stays there. Truth: it is where it was a minute after it
 //! began, and where it is in any tick it is in the next.
 
-use crate::{kinds::*, support::solver::*};
+use crate::support::{kinds::*, solver::*};
 use bevy::math::{
     Quat, Vec3,
     primitives::{InfinitePlane3d, Sphere},
