@@ -32,10 +32,10 @@
 //! | `h22` | a cloth through the middle of a solid, where no way out is the nearest | distance fields | `medial` |
 //! | `h23` | between solids that leave no room | this project | `squeezed` |
 //! | `h24` | one and eight threads | this project | `pool` |
-//! | - | what is thin or sharp; rest and sleep on solids | this project | `thin`, `lying`, `asleep` |
+//! | - | what is thin or sharp; rest on solids | this project | `thin`, `lying` |
+//! | - | sleep on solids; a minute without damping | this project | `tests/long`, `asleep`, `energy` |
 
 mod app;
-mod asleep;
 mod extremes;
 mod far;
 mod fast_colliders;

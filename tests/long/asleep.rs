@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 
-use crate::app::{app, frame, simulation, spawn, spawn_cloth};
+use crate::support::app::{app_with, simulation, spawn};
 use crate::support::solver::check_at_most;
 use bevy::{
     math::primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
     prelude::*,
+    time::TimeUpdateStrategy,
 };
 use bevy_drape::prelude::*;
 
@@ -16,14 +17,15 @@ const FRAMES: u32 = 20 * 60;
 
 /// Drops a cloth on a solid whose middle is so high, and tells since when it sleeps \[s\].
 fn asleep_since(solid: impl Into<SdfShape>, middle: f32, settings: ClothSettings) -> f64 {
-    let mut app = app();
+    let mut app = app_with(ClothPlugin::default());
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
     spawn(&mut app, SdfCollider::from(InfinitePlane3d::new(Vec3::Y)));
     spawn(&mut app, (SdfCollider::new(solid), Transform::from_xyz(0.0, middle, 0.0)));
     let sheet = Cloth::sheet(Vec2::splat(1.6), UVec2::splat(64));
-    let cloth = spawn_cloth(&mut app, (sheet, settings, Transform::from_xyz(0.0, 1.3, 0.0)));
+    let cloth = spawn(&mut app, (sheet, settings, Transform::from_xyz(0.0, 1.3, 0.0)));
     let mut since = None;
     for done in 0..FRAMES {
-        frame(&mut app, FRAME);
+        app.update();
         let sleeps = simulation(&app, cloth).is_asleep();
         since = sleeps.then(|| since.unwrap_or(done));
     }
