@@ -46,7 +46,7 @@ fn h23_between_two_balls() {
     }
 }
 
-/// Sixteen seconds: what moves in the last four is no more than before, but for chance: between colliders
+/// Ten seconds: what moves in the last two is no more than before, but for chance: between colliders
 /// that contradict each other it trembles, more or less of it.
 fn check_growth(solver: &mut ClothSolver, what: &str, colliders: &[Collider<'_>]) {
     let within = Within::cube(1.6);
@@ -56,7 +56,7 @@ fn check_growth(solver: &mut ClothSolver, what: &str, colliders: &[Collider<'_>]
             most.max(solver.largest_move().into())
         })
     };
-    let (first, last) = (most_of(12 * SECOND), most_of(4 * SECOND));
+    let (first, last) = (most_of(8 * SECOND), most_of(2 * SECOND));
     check_at_most(&format!("{what}: most moved in a tick, later [m]"), last, 1.25 * first + 1e-4);
 }
 
