@@ -29,11 +29,11 @@ pub struct ClothPickingPlugin;
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ClothPicking {
-    /// Whether it does.
+    /// Whether the mouse can pull cloths.
     pub enabled: bool,
-    /// By which button.
+    /// The button that pulls.
     pub button: PointerButton,
-    /// What is within this distance is grabbed \[m\], the nearest particle at least. Larger grabs more.
+    /// Distance within which particles are grabbed \[m\], the nearest at least. Larger grabs more.
     pub radius: f32,
     /// See [`ClothGrab::stiffness`] \[N/m\].
     pub stiffness: f32,

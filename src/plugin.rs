@@ -275,7 +275,7 @@ fn register_fields(app: &mut App) {
     }
 }
 
-/// A cloth that is one no longer stops, and has no error as one; its mesh stays as it is.
+/// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape.
 fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands, mut failures: Failures) {
     commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
     for blame in Blame::OF_CLOTHS {

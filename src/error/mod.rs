@@ -87,7 +87,7 @@ pub enum ClothErrorKind {
     #[error("it or one of its parents has no `Transform`; insert one")]
     NoTransform,
     /// The solver refuses to go on. The cloth stays where it was last finite.
-    #[error("{0}; it is held until that is mended")]
+    #[error("{0}; the cloth is frozen until this is fixed")]
     Solver(SolverError),
     /// The plugin's schedule does not run at a fixed step.
     #[error(
@@ -157,9 +157,9 @@ impl ClothErrorKind {
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(opaque, Component, Debug, PartialEq, Clone)]
 pub struct ClothFailure {
-    /// What is wrong: of several things, what came last.
+    /// The error: of several, the one that came last.
     pub error: ClothError,
-    /// What else is, one a component at fault.
+    /// The other errors, at most one for each `Blame`.
     others: Vec<ClothError>,
 }
 

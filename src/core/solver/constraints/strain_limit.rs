@@ -165,8 +165,8 @@ pub(crate) struct Spring {
 }
 
 impl Spring {
-    /// What brings it to so many rest lengths, as the correction of an end of inverse mass one
-    /// \[m kg\]; negative where it is shorter.
+    /// Multiplier that brings the spring to `limit` rest lengths \[m kg\]; an end of inverse mass `w` moves by `w` times
+    /// it. Negative where the spring is shorter.
     #[inline(always)]
     pub fn pull_to(&self, limit: f32) -> f32 {
         let excess = (self.length - self.rest * limit) / self.inverse_masses;

@@ -56,8 +56,8 @@ use crate::solver::simd::soa::{Soa, ValuesMut};
 const LEAST_SLIDING: f32 = 1e-20;
 /// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
 const CALMED: f32 = 8.0;
-/// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
-/// all. What lies in a few layers, or is laid over a smooth edge, is below them.
+/// Normal load, in particle weights: up to `LIGHT` corrections ignore friction, from `HEAVY` they take it fully into
+/// account. A cloth that lies in a few layers, or over a smooth edge, stays below both.
 const LIGHT: f32 = 8.0;
 const HEAVY: f32 = 32.0;
 /// The least part of its inverse mass that corrections see of what friction holds.

@@ -115,7 +115,7 @@ impl Workspace {
 }
 
 impl State {
-    /// Something moves a particle while pulls are noted that is none of them.
+    /// Excludes a displacement that is not a correction from the recorded corrections.
     pub(crate) fn leave_out(&mut self, slot: usize, moved: Vec3) {
         self.pull.set(slot, self.pull.get(slot) - moved);
     }
