@@ -177,7 +177,7 @@ pub use simulation::snapshot::ClothSnapshot;
 pub use step::ClothExecution;
 pub use wind::zone::WindZone;
 
-/// What most games need: `use bevy_drape::prelude::*`. All else is in the crate itself and in its modules.
+/// The items that most games need: `use bevy_drape::prelude::*`. All others are in the crate itself and in its modules.
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,

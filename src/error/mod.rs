@@ -1,4 +1,4 @@
-//! What can go wrong, told to the entity that it concerns.
+//! Errors, reported on the entity that they concern.
 
 pub(crate) mod failures;
 pub(crate) mod problems;
@@ -17,11 +17,11 @@ use crate::solver::{GraphError, LatticeError, ParameterError, SolverError, State
 pub struct ClothError {
     /// The cloth, collider or zone.
     pub entity: Entity,
-    /// What is wrong with it.
+    /// The problem with it.
     pub kind: ClothErrorKind,
 }
 
-/// What is wrong, without the entity that it is wrong with.
+/// The problem of a [`ClothError`], without its entity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClothErrorKind {
     /// The mesh cannot become a cloth.
@@ -53,7 +53,7 @@ pub enum ClothErrorKind {
     Pin {
         /// Index in `ClothPins::pins`.
         pin: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: PinProblem,
     },
     /// The cloth does not start hung from its pins, but in its rest shape.
@@ -67,7 +67,7 @@ pub enum ClothErrorKind {
     Forces {
         /// Index in `ClothForces::forces`.
         force: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: SolverError,
     },
     /// `ClothGrab` holds nothing.
@@ -130,7 +130,7 @@ pub enum ClothComponent {
 }
 
 impl ClothErrorKind {
-    /// What the entity is called before its number.
+    /// The noun before the entity's number.
     fn subject(&self) -> &'static str {
         match self {
             Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
@@ -139,7 +139,7 @@ impl ClothErrorKind {
         }
     }
 
-    /// What stands between the entity and the message.
+    /// The text between the entity and the message.
     fn joint(&self) -> &'static str {
         match self {
             Self::Draw(_) | Self::Hang(_) | Self::Push(_) | Self::Grab(_) | Self::VariableStep => {

@@ -1,4 +1,4 @@
-//! What a cloth is made of and how it is to be solved, as plain numbers in SI units.
+//! The material of a cloth and the settings of its solver, as plain numbers in SI units.
 
 use bevy_math::Vec3;
 

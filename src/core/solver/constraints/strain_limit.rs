@@ -174,8 +174,8 @@ impl Spring {
     }
 }
 
-/// What of the sum `all` of the inverse masses `w` of both ends moves along a spring, for what it goes `across` the
-/// surfaces that they lie on, along the normals \[1/kg\].
+/// Part of the sum `all` of both ends' inverse masses `w` that moves them along a spring \[1/kg\]. `across` is how far the
+/// spring reaches along the normal of the surface that each end lies on.
 #[inline(always)]
 pub(crate) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
     let taken = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);
