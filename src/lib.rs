@@ -87,7 +87,7 @@
 //! # Limits
 //!
 //! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
-//! - Cloths do not meet each other, nor themselves, and do not push colliders.
+//! - Cloths do not collide with each other or with themselves, and do not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
