@@ -146,9 +146,9 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
 
-/// What has moved the anchor that leads the cloth since the instant that is drawn: the whole cloth is
-/// drawn as much further, so that it does not lag behind its own pinned edge. A cloth that nothing
-/// holds hard is drawn where it is.
+/// Motion of the anchor that leads the cloth since the instant that is drawn: the whole cloth is
+/// drawn as much further, so that it does not lag behind its own pinned edge. `None` where the anchor
+/// has not moved, or holds nothing hard: the cloth is drawn where it is.
 fn moved_since(
     attachments: &Attachments,
     seen: &[Option<Pose>],

@@ -87,7 +87,7 @@
 //! # Limits
 //!
 //! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
-//! - Cloths do not meet each other, nor themselves, and do not push colliders.
+//! - Cloths do not collide with each other or with themselves, and do not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
@@ -177,7 +177,7 @@ pub use simulation::snapshot::ClothSnapshot;
 pub use step::ClothExecution;
 pub use wind::zone::WindZone;
 
-/// What most games need: `use bevy_drape::prelude::*`. All else is in the crate itself and in its modules.
+/// The items that most games need: `use bevy_drape::prelude::*`. All others are in the crate itself and in its modules.
 pub mod prelude {
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,

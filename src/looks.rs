@@ -1,4 +1,4 @@
-//! What a cloth wants of its material where it is drawn.
+//! The render material of a cloth.
 
 use bevy::prelude::*;
 

@@ -29,11 +29,11 @@ pub struct ClothPickingPlugin;
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ClothPicking {
-    /// Whether it does.
+    /// Whether the mouse can pull cloths.
     pub enabled: bool,
-    /// By which button.
+    /// The button that pulls.
     pub button: PointerButton,
-    /// What is within this distance is grabbed \[m\], the nearest particle at least. Larger grabs more.
+    /// Distance within which particles are grabbed \[m\], the nearest at least. Larger grabs more.
     pub radius: f32,
     /// See [`ClothGrab::stiffness`] \[N/m\].
     pub stiffness: f32,
@@ -51,7 +51,7 @@ impl Default for ClothPicking {
     }
 }
 
-/// What holds a cloth.
+/// The grip of a pointer on a cloth.
 #[derive(Component, Clone, Copy, Debug)]
 struct Grip {
     /// The pointer, and the camera that it was seen by.
@@ -103,8 +103,8 @@ fn grab(
         .try_insert((grip, ClothGrab { hold, target: place, stiffness, damping, max_force }));
 }
 
-/// What is held follows its pointer, in the plane across the view where it was grabbed. Outside of the view it
-/// stays.
+/// Grabbed particles follow their pointer, in the plane across the view where they were grabbed. Outside of the view
+/// they stay.
 fn drag(
     mut held: Query<(&Grip, &mut ClothGrab)>,
     cameras: Query<&GlobalTransform, With<Camera>>,

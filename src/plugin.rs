@@ -36,7 +36,11 @@
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
 //! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
-//! | a component | its file in `cloth`, its system in `simulation`; `register_type` and the system in `build` below, `lib.rs` | `ClothComponent` in `error/mod.rs`, for numbers that are out of range |
+//! | a component of a cloth | its file in `cloth`, its system in `simulation` (of the air, in `wind`); `register_type` and the system in `build` below, `lib.rs` | `ClothComponent` in `error/mod.rs`, for numbers that are out of range |
+//! | a component of a collider or a wind zone | component and system together, in `collider` or `wind`, like `SdfCollider`, `BakeSdf` and `WindZone`; `register_type` and the system in `build` below, `lib.rs` | an observer of its removal in `build` below, like `forget_zone` |
+//! | an event that a game triggers | its struct in `cloth`, like `PushCloth` in `cloth/forces.rs`; its observer in `simulation`, like `pushing::ask_for_push`; `add_observer` in `build` below, `lib.rs` | a `ClothErrorKind` where it can be refused |
+//! | an event that a cloth triggers | `cloth/events.rs`; triggered in `simulation` or `step`; `lib.rs` | |
+//! | a source of wind | `core/solver/forces/wind` (its law, its check); `cloth/wind.rs` (the component, `ClothWind::at`); `wind/mod.rs` (`gather_air`; `blows`, which keeps cloths awake) | `simulation/tick_state.rs` (`ClothStep`), `simulation/sleeping.rs` (as seen from a cloth that rides along), `gizmos/wind.rs` |
 //!
 //! The compiler names most of the rest: what has to know all shapes or numbers lists them without `..` or `_`.
 
@@ -275,7 +279,7 @@ fn register_fields(app: &mut App) {
     }
 }
 
-/// A cloth that is one no longer stops, and has no error as one; its mesh stays as it is.
+/// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape.
 fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands, mut failures: Failures) {
     commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
     for blame in Blame::OF_CLOTHS {

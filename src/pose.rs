@@ -1,8 +1,8 @@
 //! Where pins and colliders are at a tick's start and at its end.
 //!
-//! What is moved in the fixed schedule is taken as it is. What is moved once a frame (after the
-//! fixed loop, as animation is) would stand still through a frame's first tick and jump in the
-//! next: its way since the last frame is spread over the ticks of this one.
+//! The pose of an entity moved in the fixed schedule is taken as it is. An entity moved once a frame (after
+//! the fixed loop, as by an animation) would stand still through a frame's first tick and jump in the
+//! next: its motion since the last frame is spread over the ticks of this one.
 
 use bevy::prelude::*;
 

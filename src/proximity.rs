@@ -1,4 +1,4 @@
-//! What of a cloth is near a collider: looked up by what looks at cloths, never in a tick.
+//! The particles of a cloth that are near a collider: for gizmos and panel, never in a tick.
 
 use bevy::prelude::*;
 

@@ -3,8 +3,8 @@
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 
-/// What happens to cloths, in this order. `Setup` to `Finish` are in the plugin's schedule, once a
-/// tick.
+/// The sets of systems that act on cloths, in this order. `Setup` to `Finish` are in the plugin's schedule,
+/// once a tick.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClothSystems {
     /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what

@@ -1,13 +1,14 @@
-//! What becomes of a cloth, told on its entity: for observers.
+//! Events that a cloth triggers on its own entity.
 
 use bevy::prelude::*;
 
 use crate::solver::SolverError;
 
 /// A cloth is set up, in the shape in which it starts, and will take the next tick: its
-/// [`ClothSimulation`](crate::ClothSimulation) is there. One with [`HangOnStart`](crate::HangOnStart) is so when it hangs at rest.
+/// [`ClothSimulation`](crate::ClothSimulation) is there. A cloth with [`HangOnStart`](crate::HangOnStart) is set up
+/// when it hangs at rest.
 ///
-/// Told once; and once more where the cloth starts anew, as its [`Cloth`](crate::Cloth) or its mesh was
+/// Triggered once, and again each time the cloth starts anew, as its [`Cloth`](crate::Cloth) or its mesh was
 /// changed, or its [`ClothSimulation`](crate::ClothSimulation) was taken away.
 ///
 /// ```
@@ -29,15 +30,15 @@ pub struct ClothReady {
     pub entity: Entity,
 }
 
-/// A cloth has come to rest and sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold). Told in the first tick that
-/// it does not take.
+/// A cloth has come to rest and sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold). Triggered in the first
+/// tick that it does not take.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClothSlept {
     /// The cloth.
     pub entity: Entity,
 }
 
-/// A cloth that slept is awake. Told in the tick that it takes again, before it is solved.
+/// A cloth that slept is awake. Triggered in the tick that it takes again, before it is solved.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClothWoke {
     /// The cloth.
@@ -45,7 +46,7 @@ pub struct ClothWoke {
 }
 
 /// A cloth came to positions that are not finite: it is back where the tick began, and is held there until
-/// it is reset or has another material, settings or air. Told once each time.
+/// it is reset or has another material, settings or air. Triggered once each time.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct ClothDiverged {
     /// The cloth.

@@ -55,7 +55,7 @@ impl From<ClothForce> for ClothForces {
 
 /// Pushes a cloth in its next tick, once: [`ClothSimulation::push`](crate::ClothSimulation::push) from where there are only `Commands`.
 ///
-/// What cannot be used is told as a [`ClothErrorKind::Push`](crate::ClothErrorKind::Push).
+/// A push that cannot be used is reported as a [`ClothErrorKind::Push`](crate::ClothErrorKind::Push).
 ///
 /// ```
 /// # use bevy::prelude::*;

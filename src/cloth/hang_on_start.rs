@@ -15,8 +15,8 @@ use crate::solver::ParameterError;
 /// The pins hang at two or more places, no two of them further apart than the cloth between them reaches.
 /// Where they do not, that is told as a [`ClothErrorKind::Hang`](crate::ClothErrorKind::Hang), and the cloth starts in its rest shape.
 ///
-/// It is looked at when the cloth starts, and of no effect on one that runs. Removing it before that lets
-/// the cloth start from where it is.
+/// Read once, when the cloth starts; has no effect on a running cloth. Removing it while the cloth comes to
+/// rest in the background lets the cloth start from where it is.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,10 +1,10 @@
-//! What a cloth is made of.
+//! The material of a cloth.
 
 use bevy::prelude::*;
 
 use crate::solver::{DampingForm, Material};
 
-/// What a cloth is made of. May be changed at any time.
+/// The material of a cloth. May be changed at any time.
 ///
 /// All numbers are of the cloth, not of its springs: a finer sheet of the same material behaves the
 /// same. The default is a light cotton that gives; for others see [`ClothMaterial::FABRICS`].

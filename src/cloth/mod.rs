@@ -1,4 +1,4 @@
-//! What users spawn and tune: [`Cloth`] and the components beside it.
+//! The components that users spawn and tune: [`Cloth`] and those beside it.
 
 pub(crate) mod air;
 pub(crate) mod events;
@@ -26,10 +26,10 @@ use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 
 /// A piece of cloth.
 ///
-/// Spawning it is enough: the components beside it come with their defaults (and count as such when they
-/// are taken away), and the plugin adds a [`ClothSimulation`](crate::ClothSimulation) as soon as it has all it needs. A [`Cloth::sheet`] makes its own mesh (where
-/// the app has meshes at all); give the entity a `MeshMaterial3d` to see it, two-sided
-/// (`double_sided: true, cull_mode: None`).
+/// Spawning it is enough: required components are inserted with defaults; removing the material, settings, pins or
+/// interpolation restores its default. The plugin adds a [`ClothSimulation`](crate::ClothSimulation) as soon as the
+/// cloth has all it needs. A [`Cloth::sheet`] makes its own mesh (where the app has meshes at all); give the entity a
+/// `MeshMaterial3d` to see it, two-sided (`double_sided: true, cull_mode: None`).
 ///
 /// ```
 /// # use bevy::prelude::*;

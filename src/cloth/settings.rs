@@ -23,10 +23,9 @@ pub struct ClothSettings {
     pub bending: Bending,
     /// How the motion is integrated. All but Verlet are there to be compared with it: they are not stable.
     pub integrator: Integrator,
-    /// Whether no particle gets further from the pins than the cloth between them allows.
+    /// Whether tethers (long-range attachments) keep particles within reach of the pins.
     pub tethers: bool,
-    /// Speed that no particle exceeds [m/s]. Higher than any real motion of the scene, and no
-    /// higher.
+    /// Speed that no particle exceeds [m/s]. Set it just above the fastest real motion in the scene.
     pub max_speed: f32,
     /// Speed at which particles that are inside a collider are pushed out [m/s]. Higher frees a cloth
     /// sooner that was spawned inside one.
@@ -34,8 +33,8 @@ pub struct ClothSettings {
     /// The layers of colliders that it meets: those of which
     /// [`SdfCollider::layers`](crate::SdfCollider::layers) shares one.
     pub layers: ClothLayers,
-    /// Whether its edges are held out of colliders that are thin or sharp beside the distance of its particles, and not
-    /// these alone. Takes no time elsewhere.
+    /// Whether edges and faces, not only particles, collide with solids that are thin or sharp relative to the particle
+    /// spacing. Free elsewhere.
     pub edges: bool,
 }
 
@@ -90,18 +89,19 @@ impl From<ClothSettings> for Settings {
     }
 }
 
-/// What is drawn of a cloth between two ticks.
+/// How a cloth is drawn between two ticks.
+///
+/// In both modes, a hard-pinned cloth is drawn shifted and turned rigidly by the motion of its leading anchor since the
+/// drawn instant.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum ClothInterpolation {
     /// A blend of the last two ticks: smooth at any frame rate, up to a tick late. A blended
     /// particle may dip into a collider between the two.
-    ///
-    /// Either way, a cloth that is pinned is drawn as much further as what leads it has moved since.
     #[default]
     Blend,
-    /// The last tick as it is: never inside a collider, but it stutters unless frames and ticks go
-    /// together.
+    /// The last tick as it is: it stutters unless frames and ticks go together. It dips into no collider between two
+    /// ticks, unless the collider or the leading anchor has moved since the last one.
     LastTick,
 }

@@ -11,16 +11,16 @@ use crate::solver::ParameterError;
 /// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
-/// It is places that are looked at, not speeds: what trembles on the spot is at rest, and what turns at
+/// Positions are compared, not speeds: a cloth that trembles on the spot is at rest, and one that turns at
 /// the end of a swing is not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothSleepThreshold {
-    /// How far along any axis a particle may go from where it is and still be at rest \[m\]. Higher
-    /// sleeps sooner; 0 never. The default is 3 mm.
+    /// Largest change of any coordinate of a particle, since the rest timer started, that still counts as rest
+    /// \[m\]. A larger change starts the timer anew. Higher sleeps sooner; 0 never. The default is 3 mm.
     pub distance: f32,
-    /// Time for which all particles have to stay that near \[s\]. Higher sleeps later. The default is
+    /// Time after which a cloth that stayed at rest falls asleep \[s\]. Higher sleeps later. The default is
     /// 1 s, in which a small pendulum has been at both its ends.
     pub time: f32,
 }

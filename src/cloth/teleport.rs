@@ -6,24 +6,24 @@ use bevy::prelude::*;
 
 use crate::solver::ParameterError;
 
-/// From what motion in one tick on an entity counts as teleported, so that its cloth is carried along.
+/// Motion in one tick beyond which an entity counts as teleported, so that its cloth is carried along.
 /// A cloth without this component has the default.
 ///
-/// What jumps is the cloth's entity, or the anchors that alone hold it, all of them together. The cloth
-/// keeps its shape and its motion, turned with the entity, and goes on from there. Colliders that jump
-/// in the same tick do not sweep through it. See [`TeleportCloth`] for shorter jumps.
+/// The cloth's own entity leads it, or the first anchor where only anchors hold it. Whatever else holds the
+/// cloth has to jump with it. The cloth keeps its shape and its motion, turned with what leads it.
+/// Colliders that jump in the same tick do not sweep through it. See [`TeleportCloth`] for shorter jumps.
 ///
-/// What is moved once a frame is judged by the frame's whole way, with as much room for each of its
-/// ticks, four at most.
+/// For an entity moved once a frame, the whole frame's motion is tested: `distance` is multiplied by the
+/// frame's ticks (1 to 4), `angle` is not.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ClothTeleport {
-    /// Way in a tick that is a jump \[m\]. Higher lets faster things drag their cloth; infinite is
-    /// never. The default of 2 m is 128 m/s at 64 ticks a second.
+    /// Distance moved in a tick beyond which it is a jump \[m\]. Higher lets faster things drag their cloth;
+    /// infinite is never. The default of 2 m is 128 m/s at 64 ticks a second.
     pub distance: f32,
-    /// Turn in a tick that is a jump \[rad\]. Higher lets faster turns swing their cloth; infinite is
-    /// never. The default is 60 degrees.
+    /// Rotation in a tick beyond which it is a jump \[rad\]. Higher lets faster turns swing their cloth;
+    /// infinite is never. The default is 60 degrees.
     pub angle: f32,
 }
 

@@ -151,7 +151,7 @@ pub(crate) fn finish_bakes(
     }
 }
 
-/// What is to be baked no longer is not, and has no error from it. A finished field stays.
+/// When `BakeSdf` is removed, cancels the running bake and clears its errors. A finished field stays.
 pub(crate) fn cancel_bake(
     removed: On<Remove, BakeSdf>,
     mut commands: Commands,

@@ -1,4 +1,4 @@
-//! What has changed among the colliders since the last tick: where a sleeping cloth has to wake.
+//! Changes among the colliders since the last tick: where a sleeping cloth has to wake.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume};

@@ -1,4 +1,4 @@
-//! What cloths do to colliders.
+//! The momentum that cloths give to colliders.
 
 use bevy::prelude::*;
 

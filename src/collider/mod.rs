@@ -1,4 +1,4 @@
-//! What cloths collide with, and where it is in each tick.
+//! Colliders: the solids that cloths collide with, and where they are in each tick.
 
 pub(crate) mod bake;
 pub(crate) mod check;
@@ -19,15 +19,16 @@ use crate::collider::tick_colliders::ColliderPose;
 use crate::sdf::shapes::CapsuleBetween;
 use crate::sdf::{DistanceField, SignedDistance};
 
-/// Way in a tick from which on a collider has been put elsewhere, and has not gone there \[m\].
+/// Distance moved in a tick beyond which a collider counts as teleported, and sweeps nothing on its way \[m\].
 const JUMP: f32 = 10.0;
 
-/// A rigid solid that all cloths collide with.
+/// A rigid solid for every cloth that shares one of its layers.
 ///
-/// It follows its entity, which may be scaled alike along all axes; another scale, a length of the shape
-/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a [`ClothError`](crate::ClothError), and
-/// the collider is left out as long. May be moved in the fixed schedule or once a frame, and changed at
-/// any time. Where it goes more than 10 m in a tick it has been put there, and sweeps nothing on its way.
+/// It follows its entity, which may be scaled alike along all axes. Another scale, a length of the shape
+/// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a
+/// [`ClothError`](crate::ClothError), and the collider is ignored until that is fixed. May be moved in the
+/// fixed schedule or once a frame, and changed at any time. A collider that moves more than 10 m in a tick
+/// counts as teleported: it sweeps nothing on its way.
 ///
 /// ```
 /// # use bevy::prelude::*;

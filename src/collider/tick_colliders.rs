@@ -285,8 +285,7 @@ fn gather(
     Ok(Gathered { entity, shape, motion, friction, layers, measured: false })
 }
 
-/// What is a collider no longer is met no more, has no error as one, and has not moved if it becomes one
-/// again.
+/// When `SdfCollider` is removed, drops it from the tick, clears its errors and forgets its motion.
 pub(crate) fn forget_collider(
     removed: On<Remove, SdfCollider>,
     mut snapshot: ResMut<TickColliders>,

@@ -1,4 +1,4 @@
-//! What [bevy_drape](https://docs.rs/bevy_drape) computes cloth with: no ECS, no clock, no window.
+//! The numerics of [bevy_drape](https://docs.rs/bevy_drape): cloth without an ECS, a clock or a window.
 //!
 //! | module | what it is |
 //! | --- | --- |

@@ -15,9 +15,10 @@ pub(crate) enum Blame {
     Shape,
     Weights,
     Pins,
-    /// It may mend unseen, and is looked at again and again.
+    /// It can mend without a change of component, and is checked again and again.
     Pose,
-    /// As a pose, where only a mesh can tell.
+    /// Like `Pose`, for mesh problems that can mend without a change of `Cloth` or `BakeSdf`: a missing mesh, a
+    /// `SkinnedMesh`.
     Unseen,
     Motion,
     Drawing,

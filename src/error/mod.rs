@@ -1,4 +1,4 @@
-//! What can go wrong, told to the entity that it concerns.
+//! Errors, reported on the entity that they concern.
 
 pub(crate) mod failures;
 pub(crate) mod problems;
@@ -17,11 +17,11 @@ use crate::solver::{GraphError, LatticeError, ParameterError, SolverError, State
 pub struct ClothError {
     /// The cloth, collider or zone.
     pub entity: Entity,
-    /// What is wrong with it.
+    /// The problem with it.
     pub kind: ClothErrorKind,
 }
 
-/// What is wrong, without the entity that it is wrong with.
+/// The problem of a [`ClothError`], without its entity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClothErrorKind {
     /// The mesh cannot become a cloth.
@@ -53,7 +53,7 @@ pub enum ClothErrorKind {
     Pin {
         /// Index in `ClothPins::pins`.
         pin: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: PinProblem,
     },
     /// The cloth does not start hung from its pins, but in its rest shape.
@@ -67,7 +67,7 @@ pub enum ClothErrorKind {
     Forces {
         /// Index in `ClothForces::forces`.
         force: usize,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: SolverError,
     },
     /// `ClothGrab` holds nothing.
@@ -87,7 +87,7 @@ pub enum ClothErrorKind {
     #[error("it or one of its parents has no `Transform`; insert one")]
     NoTransform,
     /// The solver refuses to go on. The cloth stays where it was last finite.
-    #[error("{0}; it is held until that is mended")]
+    #[error("{0}; the cloth is frozen until this is fixed")]
     Solver(SolverError),
     /// The plugin's schedule does not run at a fixed step.
     #[error(
@@ -130,7 +130,7 @@ pub enum ClothComponent {
 }
 
 impl ClothErrorKind {
-    /// What the entity is called before its number.
+    /// The noun before the entity's number.
     fn subject(&self) -> &'static str {
         match self {
             Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
@@ -139,7 +139,7 @@ impl ClothErrorKind {
         }
     }
 
-    /// What stands between the entity and the message.
+    /// The text between the entity and the message.
     fn joint(&self) -> &'static str {
         match self {
             Self::Draw(_) | Self::Hang(_) | Self::Push(_) | Self::Grab(_) | Self::VariableStep => {
@@ -157,9 +157,9 @@ impl ClothErrorKind {
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(opaque, Component, Debug, PartialEq, Clone)]
 pub struct ClothFailure {
-    /// What is wrong: of several things, what came last.
+    /// The error: of several, the one that came last.
     pub error: ClothError,
-    /// What else is, one a component at fault.
+    /// The other errors, at most one for each `Blame`.
     others: Vec<ClothError>,
 }
 

@@ -231,7 +231,7 @@ pub enum FieldProblem {
     Content {
         /// The file, as it was asked for.
         path: String,
-        /// What is wrong with it.
+        /// The problem with it.
         problem: SavedFieldError,
     },
     /// Its file cannot be loaded.
@@ -239,7 +239,7 @@ pub enum FieldProblem {
     LoadFailed {
         /// The file, as it was asked for.
         path: String,
-        /// What the asset server says.
+        /// The asset server's message.
         reason: String,
     },
     /// Nothing loads it, and it is not among the app's assets.

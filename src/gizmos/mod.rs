@@ -19,7 +19,7 @@ use crate::schedule::ClothSystems;
 /// Lines are where the last tick took the particles: a part of a tick ahead of a mesh whose
 /// [`ClothInterpolation`](crate::ClothInterpolation) blends.
 ///
-/// What is drawn is chosen in Bevy's `GizmoConfigStore`:
+/// Bevy's `GizmoConfigStore` holds the choice of what is drawn:
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -32,7 +32,7 @@ use crate::schedule::ClothSystems;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ClothGizmosPlugin;
 
-/// What the gizmos show, each switched on by itself.
+/// The choice of gizmos, each switched on by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, GizmoConfigGroup)]
 pub struct ClothGizmos {
     /// Threads: grey at rest, red stretched, blue compressed.

@@ -93,7 +93,7 @@ pub(crate) fn recognize(
         .ok_or(misfit)
 }
 
-/// The two sides of a grid of this many vertices, triangles and border vertices.
+/// Side lengths in vertices, shorter first, of a grid with these counts; `None` if no grid has them.
 fn sides(vertices: usize, triangles: usize, border: usize) -> Option<(usize, usize)> {
     let quads = triangles / 2;
     let sum = (vertices + 1).checked_sub(quads)?;

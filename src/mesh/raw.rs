@@ -1,4 +1,4 @@
-//! What a cloth or a collider reads of a mesh asset: the door, where its data are checked.
+//! The data that a cloth or a collider reads of a mesh asset: the door, where they are checked.
 
 use std::hash::{DefaultHasher, Hasher};
 

@@ -1,9 +1,9 @@
-//! What the solver chose and why, in words.
+//! The choices of the solver and their reasons, in words.
 
 use crate::cloth::material::ClothMaterial;
 use crate::solver::{Plan, PlanReason, Stretching};
 
-/// What a plan means, a sentence a line: the form and its reason, the substeps, how near it is to the limit of
+/// The meaning of a plan, a sentence a line: the form and its reason, the substeps, how near it is to the limit of
 /// stability, and which constants are lower than the material asks for.
 pub fn explain(plan: &Plan, material: &ClothMaterial) -> Vec<String> {
     let form = match plan.stretching {

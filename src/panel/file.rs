@@ -16,12 +16,12 @@ pub enum MaterialFileError {
         /// Why not.
         error: io::Error,
     },
-    /// What is in the file is no material.
+    /// The file does not hold a material.
     #[error("{path} is no material: {error}", path = path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and in which line.
+        /// The problem, and its line.
         error: Box<ron::error::SpannedError>,
     },
     /// A number cannot be written: it is no number.

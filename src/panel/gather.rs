@@ -36,7 +36,7 @@ pub(super) struct Looked {
     failure: Option<&'static ClothFailure>,
 }
 
-/// What surrounds it.
+/// The surroundings of the chosen cloth.
 #[derive(SystemParam)]
 pub(super) struct Around<'w> {
     gravity: Option<Res<'w, ClothGravity>>,

@@ -1,8 +1,8 @@
-//! What the plots show: the last frames, measured.
+//! The last frames, measured, for the plots.
 
 use std::collections::VecDeque;
 
-/// What a frame came to.
+/// The measurements of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PanelSample {
     /// When: seconds of the fixed clock \[s\].

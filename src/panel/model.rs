@@ -1,4 +1,4 @@
-//! What the panel knows, and what it can ask for.
+//! The facts that the panel shows, and the actions that it can ask for.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ pub struct ClothPanel {
     pub open: bool,
     /// The file that its buttons save the material to and load it from.
     pub path: String,
-    /// What it last said: that a file was saved, or why not.
+    /// The last message: that a file was saved, or why not.
     pub(super) message: String,
     pub(super) facts: Option<PanelFacts>,
     pub(super) history: PanelHistory,
@@ -54,12 +54,12 @@ impl ClothPanel {
         self.facts.as_ref()
     }
 
-    /// What it measured, frame by frame.
+    /// The measurements, frame by frame.
     pub fn history(&self) -> &PanelHistory {
         &self.history
     }
 
-    /// What it last said: that a file was saved, or why not.
+    /// The last message: that a file was saved, or why not.
     pub fn message(&self) -> &str {
         &self.message
     }
@@ -70,7 +70,7 @@ impl ClothPanel {
     }
 }
 
-/// What is known of the chosen cloth.
+/// The facts about the chosen cloth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelFacts {
     /// All cloths, by name, in the order of their entities' numbers.
@@ -95,13 +95,13 @@ pub struct PanelFacts {
     pub paused: bool,
     /// Whether it sleeps.
     pub asleep: bool,
-    /// What the solver chose.
+    /// The solver's plan.
     pub plan: Plan,
-    /// What is wrong with it.
+    /// The errors on its entity.
     pub errors: Vec<String>,
 }
 
-/// What the panel can be asked to do, to the chosen cloth where nothing else is said.
+/// An action that the panel can be asked for, on the chosen cloth where nothing else is said.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PanelAction {
     /// Chooses another cloth.

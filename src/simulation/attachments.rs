@@ -1,7 +1,7 @@
-//! Pins at work: which particle hangs on which anchor, where in its frame, and how it moves in a
-//! tick.
+//! Pins at work: which particle hangs on which anchor, and where in its frame.
 //!
-//! Hard pins are given to the solver as places, soft ones as the targets of springs.
+//! Their motions in a tick are worked out in `holding`, which gives hard pins to the solver as places, and soft ones
+//! as the targets of springs.
 
 use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;

@@ -1,4 +1,4 @@
-//! What holds and leads a cloth's particles, as the solver is told of it.
+//! Pins and grabs together, as the solver takes them: held particles, springs, and their motions in a tick.
 
 use bevy::prelude::*;
 
@@ -8,13 +8,13 @@ use crate::simulation::attachments::{Attachments, Pulled};
 use crate::simulation::grabbed::Grabbed;
 use crate::solver::{ClothSolver, PinMotion, RigidMotion};
 
-/// What holds and leads particles of a cloth.
+/// The particles of a cloth that are held, and by what.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Holding {
-    /// What pins hold.
+    /// The particles that pins hold.
     pub(crate) attachments: Attachments,
-    /// What a hand holds.
+    /// The particles that a [`ClothGrab`](crate::ClothGrab) holds.
     pub(crate) grab: Option<Box<Grabbed>>,
 }
 

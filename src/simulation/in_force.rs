@@ -1,4 +1,4 @@
-//! What of a cloth's components and mesh is in force.
+//! The shape, material, settings, pins and weights of a cloth that are in force.
 
 use bevy::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::cloth::weights::ClothWeights;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::Pose;
 
-/// What a running cloth was made from. The components beside it may hold numbers that were refused.
+/// The values that a running cloth uses. The components beside it may hold numbers that were refused.
 #[derive(Reflect)]
 #[reflect(from_reflect = false)]
 pub(crate) struct InForce {

@@ -15,6 +15,17 @@
 //! | `tick_state` | the tick's input and its result | `step` |
 //! | `progress` | the ticks so far | `step` |
 //!
+//! The files about what is held:
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `attachments` | data: the anchors, which particle each holds, and where in its frame |
+//! | `pinning` | system: makes attachments of new and changed `ClothPins` |
+//! | `anchors` | system: moves anchors on by a tick, lets go where one is gone, carries or resets the cloth with them |
+//! | `grabbed` | data: the particles that a `ClothGrab` holds, and its target's way |
+//! | `grabbing` | system: begins, drags and ends grabs |
+//! | `holding` | attachments and grab together, as the solver takes them: pins, springs, and the motion of each in a tick |
+//!
 //! `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
 //! are measured.
 

@@ -1,4 +1,4 @@
-//! What a cloth has come to by its last tick.
+//! A cloth's state after its last tick: the count of ticks, the last report, whether it has diverged.
 
 use bevy::prelude::*;
 

@@ -69,8 +69,8 @@ impl ReferenceFrame {
         far || angle < PI && from.rotation.dot(to.rotation).abs() < ops::cos(0.5 * angle)
     }
 
-    /// What the cloth does as its reference moves: the motion that carries it at once, if any. Begins a
-    /// tick.
+    /// Begins a tick: follows the motion of the reference. Returns the motion that carries the cloth at once, if any;
+    /// else sets the ride.
     pub fn follow(
         &mut self,
         anchors: &[Anchor],

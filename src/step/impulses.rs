@@ -1,4 +1,4 @@
-//! What cloths gave the colliders in a tick.
+//! Momentum that cloths gave the colliders in a tick.
 
 use bevy::prelude::*;
 

@@ -52,7 +52,7 @@ pub(crate) fn is_staged(runner: Res<Runner>) -> bool {
     runner.staged
 }
 
-/// What the schedule's clock says of this run.
+/// The step of this run, by the schedule's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Fixed,
@@ -141,7 +141,7 @@ fn others_take_part(world: &mut World) -> bool {
     count.is_ok_and(|count| count != STAGES)
 }
 
-/// What all cloths share in a tick.
+/// The surroundings that all cloths share in a tick.
 #[derive(SystemParam)]
 pub(crate) struct Surroundings<'w, 's> {
     snapshot: Res<'w, TickColliders>,

@@ -11,9 +11,9 @@ use crate::solver::{ParameterError, WindFlow, WindShape, Zone};
 /// [`ClothWind`](crate::ClothWind), and zones that overlap add up. Cloths with
 /// [`ClothAir`](crate::ClothAir) feel it.
 ///
-/// It follows its entity, which may be scaled alike along all axes; another scale is refused with a
-/// [`ClothError`](crate::ClothError), and the zone is left out as long. May be changed at any time. A cloth that is nowhere
-/// near is not slowed by it.
+/// It follows its entity, which may be scaled alike along all axes. Another scale is refused with a
+/// [`ClothError`](crate::ClothError), and the zone is ignored until that is fixed. May be changed at any
+/// time. A zone costs no time for cloths that are nowhere near.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -119,7 +119,7 @@ pub(crate) fn gather_zones(
     sorted.extend(found.iter().map(|(_, zone)| *zone));
 }
 
-/// What is a zone no longer has no error as one.
+/// Clears a zone's errors when `WindZone` is removed.
 pub(crate) fn forget_zone(removed: On<Remove, WindZone>, mut failures: Failures) {
     failures.clear(removed.entity, Blame::Component(ClothComponent::WindZone));
     failures.clear(removed.entity, Blame::Pose);

@@ -1,5 +1,5 @@
-//! Relaxed, held to the elastic catenary of a chain (`data/catenary_discrete_sag.csv`), to itself from run
-//! to run, and to how little it moves once it is let go.
+//! Tests `relax` against the elastic catenary of a chain (`data/catenary_discrete_sag.csv`), for repeatability, and for
+//! how little the cloth moves when released.
 
 use std::time::Instant;
 

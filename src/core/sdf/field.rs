@@ -1,4 +1,4 @@
-//! What a distance field is: a grid of distances and the facts known about it.
+//! A distance field: a grid of distances and the facts known about it.
 
 use super::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance, lookup};
 use bevy_math::{UVec3, Vec3, bounding::Aabb3d};

@@ -79,7 +79,7 @@ pub enum SavedFieldError {
     /// Its checksums are right, but it says what no field can be.
     #[error("no distance field has such {what}: bake it again")]
     Impossible {
-        /// What is wrong.
+        /// The problem.
         what: &'static str,
     },
 }
@@ -136,7 +136,7 @@ impl DistanceField {
     }
 }
 
-/// What a header of version 1 says.
+/// A header of version 1.
 struct Header {
     dims: UVec3,
     origin: Vec3,

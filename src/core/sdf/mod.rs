@@ -42,7 +42,7 @@ use bevy_math::{
 /// One AVX-512 register, two of AVX2, four of SSE2.
 pub const LANES: usize = 16;
 
-/// What a surface looks like from a point.
+/// The surface of a solid, as seen from a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SdfSample {
     /// Distance to the surface \[m\]. Negative inside.

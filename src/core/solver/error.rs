@@ -1,4 +1,4 @@
-//! What a solver refuses.
+//! Errors of a solver: the input that it refuses, and divergence.
 
 use crate::solver::settings::{MassLumping, ParameterError};
 use crate::solver::topology::graph::GraphError;

@@ -1,4 +1,4 @@
-//! What a tick is given and what it gives back.
+//! The input of a tick, and its report.
 
 use bevy_math::Vec3;
 
@@ -8,7 +8,7 @@ use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
 use crate::solver::settings::is_near;
 
-/// What surrounds a cloth in one tick. Positions are in world space. The default is no time at all, which
+/// The surroundings of a cloth in one tick. Positions are in world space. The default has no length, which
 /// is refused.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepInput<'a> {

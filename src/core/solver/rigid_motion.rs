@@ -170,7 +170,7 @@ impl ClothSolver {
         self.survey_anew();
     }
 
-    /// What the motion does to positions relative to the origin; an error where it cannot be used.
+    /// The motion of positions relative to the origin; an error where it cannot be used.
     fn carried_by(&self, motion: &RigidMotion) -> Result<Placement, SolverError> {
         let origin = self.state.origin;
         let survey = self.survey();

@@ -1,4 +1,4 @@
-//! What a cloth is made of and how it is to be solved, as plain numbers in SI units.
+//! The material of a cloth and the settings of its solver, as plain numbers in SI units.
 
 use bevy_math::Vec3;
 
@@ -142,16 +142,17 @@ pub struct Settings {
     pub bending: Bending,
     /// How the motion is integrated. All but Verlet are there to be compared with it: they are not stable.
     pub integrator: Integrator,
-    /// Whether no particle gets further from the pins than the cloth between them allows.
+    /// Whether tethers (long-range attachments) keep particles within reach of the pins.
     pub tethers: bool,
-    /// Speed that no particle exceeds \[m/s\]. Higher than any real motion of the scene, and no higher.
+    /// Speed that no particle exceeds \[m/s\]. Set it just above the fastest real motion in the scene.
     pub max_speed: f32,
     /// Speed at which particles inside a collider are pushed out \[m/s\]. Higher frees a cloth sooner that began inside
     /// of one.
     pub max_depenetration_speed: f32,
     /// The layers of colliders that it meets, a bit each.
     pub layers: u32,
-    /// Whether edges are held out of colliders that are thin or sharp, and not particles alone.
+    /// Whether edges and faces, not only particles, collide with solids that are thin or sharp relative to the particle
+    /// spacing.
     pub edges: bool,
 }
 

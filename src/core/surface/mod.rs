@@ -1,4 +1,4 @@
-//! What is drawn of a cloth: where its particles are in some frame, and the normals and tangents of the surface
+//! The drawn surface of a cloth: where its particles are in some frame, and the normals and tangents of the surface
 //! between them. Pure geometry over slices, once a frame; no mesh asset.
 
 mod groups;

@@ -15,8 +15,8 @@ pub struct Tangents {
 }
 
 impl Tangents {
-    /// Those of the vertices of a mesh, at the places where they were loaded; `corners` are its triangles'
-    /// vertices, three by three. What is beyond the vertices is left out, and triangles without an area.
+    /// The tangents of a mesh's vertices, at the places where they were loaded; `corners` are its triangles'
+    /// vertices, three by three. Triangles with a corner beyond the vertices, or without an area, are left out.
     pub fn new(places: &[[f32; 3]], tangents: &[[f32; 4]], corners: &[u32]) -> Self {
         let is_known = |&corner: &u32| (corner as usize) < places.len().min(tangents.len());
         let (corners, _) = corners.as_chunks::<3>();

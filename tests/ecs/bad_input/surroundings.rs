@@ -101,7 +101,7 @@ fn zones_of_wind() {
     }
 }
 
-/// What all cloths share is told to each that feels it; one that has its own goes on.
+/// A bad world-wide setting is reported on every cloth that uses it; a cloth with its own override keeps running.
 #[test]
 fn gravity_and_wind_of_the_world_and_the_length_of_ticks() {
     type Change = Box<dyn Fn(&mut App)>;

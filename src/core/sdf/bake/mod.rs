@@ -214,7 +214,7 @@ fn share(progress: &mut dyn FnMut(f32), from: f32, to: f32) -> impl FnMut(f32) {
     move |done| progress(from + (to - from) * done)
 }
 
-/// What is known at every node so far.
+/// The nearest triangle found so far, at every node.
 struct Nearest {
     /// Squared distance to `triangle` \[m2\]; infinite while there is none.
     squared: Vec<f64>,

@@ -1,6 +1,6 @@
 //! Raster sweeps over the grid: every node learns its neighbours' nearest triangles.
 //!
-//! What is carried is the triangle, not a distance or an offset: the receiving node measures its own exact
+//! Nodes hand on the triangle, not a distance or an offset: the receiving node measures its own exact
 //! distance to it. Each of the two sweeps along z visits, slice by slice, the nine neighbours in the slice
 //! before; within the slice two sweeps along y take the three neighbours in the row before; within the row
 //! two sweeps along x take the node before. Together all 26 neighbours.

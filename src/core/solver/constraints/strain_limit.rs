@@ -165,8 +165,8 @@ pub(crate) struct Spring {
 }
 
 impl Spring {
-    /// What brings it to so many rest lengths, as the correction of an end of inverse mass one
-    /// \[m kg\]; negative where it is shorter.
+    /// Multiplier that brings the spring to `limit` rest lengths \[m kg\]; an end of inverse mass `w` moves by `w` times
+    /// it. Negative where the spring is shorter.
     #[inline(always)]
     pub fn pull_to(&self, limit: f32) -> f32 {
         let excess = (self.length - self.rest * limit) / self.inverse_masses;
@@ -174,8 +174,8 @@ impl Spring {
     }
 }
 
-/// What of the sum `all` of the inverse masses `w` of both ends moves along a spring, for what it goes `across` the
-/// surfaces that they lie on, along the normals \[1/kg\].
+/// Part of the sum `all` of both ends' inverse masses `w` that moves them along a spring \[1/kg\]. `across` is how far the
+/// spring reaches along the normal of the surface that each end lies on.
 #[inline(always)]
 pub(crate) fn mobility(all: f32, across: [f32; 2], length: f32, w: [f32; 2]) -> f32 {
     let taken = w[0] * (across[0] * across[0]) + w[1] * (across[1] * across[1]);

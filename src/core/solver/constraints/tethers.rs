@@ -119,8 +119,8 @@ impl TetherSet {
         }
     }
 
-    /// What the bounds are to be multiplied by, as the pins are too far apart for them on their way through a
-    /// tick; at least 1.
+    /// Factor for the bounds, at least 1, where the pins are too far apart for them on their way through a
+    /// tick.
     ///
     /// Between the ends of straight ways nothing is further apart than at one of the ends.
     pub fn ease(&self, pins: &[PinMotion]) -> f32 {

@@ -17,8 +17,8 @@
 //! would not do: the corrections come to another end in each, particles at Coulomb's limit change from one to the other in
 //! every substep, and the cloth trembles. For the same reason slips follow with a delay.
 //!
-//! What corrections pull at a particle and do not move is a pull all the same, and is carried on (`integrate::houbolt`) with the mobility
-//! that it was followed with. Momentum is accounted for to the last part: `impulses`.
+//! A pull of corrections that does not move its particle is a pull all the same, and is carried on (`integrate::houbolt`)
+//! with the mobility that it was followed with. Momentum is accounted for to the last part: `impulses`.
 
 use bevy_math::Vec3;
 
@@ -56,15 +56,14 @@ pub(crate) struct ActiveSet {
     pub holder: Array,
     /// A particle's displacement before any correction, by slot \[m\].
     pub unpulled: Soa,
-    /// What of the pulls that were carried on has been left out for good, by slot \[m\]; known where a
-    /// collider is measured.
+    /// Part of the pulls carried on that was left out for good, by slot \[m\]; known where a collider is measured.
     pub dropped: Soa,
     /// Momentum that the cloth gives to colliders.
     pub impulses: Impulses,
     /// Displacement along the normal that was taken before the corrections, by slot \[m\].
     pub lost: Array,
-    /// What pulls at a particle along the normal without moving it, as the correction of one of inverse mass one, by
-    /// slot \[m kg\].
+    /// Pull at a particle along the normal that does not move it, as the correction of a particle of inverse mass one,
+    /// by slot \[m kg\].
     pub load: Array,
 }
 

@@ -183,7 +183,7 @@ struct BlockGaps<'a> {
     x: &'a Soa,
     origin: Vec3,
     bounds: &'a Aabb3d,
-    /// What the cloth is held from, and the slack \[m\].
+    /// Distance that the cloth is held at, and the slack \[m\].
     held: f32,
     /// The way that the cloth has gone up to now \[m\].
     before: f32,

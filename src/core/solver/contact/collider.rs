@@ -1,4 +1,4 @@
-//! What a cloth collides with, and where it is in each substep.
+//! The solids that a cloth collides with, and where they are in each substep.
 
 use bevy_math::bounding::Aabb3d;
 use bevy_math::{Mat3, Quat, Vec3};

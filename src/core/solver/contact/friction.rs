@@ -14,7 +14,8 @@ use bevy_math::Vec3;
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::simd::block::larger;
 
-/// Pulls, in limits of friction, from which on what holds a particle has none left for its way.
+/// Pull, as a multiple of Coulomb's limit, from which friction no longer brakes the particle's own motion, if its slip is
+/// at most 2/3: see [`Sliding::left`].
 const SPENT: f32 = 3.0;
 
 /// A particle's way along a surface, as displacements \[m\].

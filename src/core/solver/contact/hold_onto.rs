@@ -16,8 +16,8 @@ pub(crate) struct HoldOnto<'a> {
     /// Length of the substep \[s\].
     pub step: f32,
     pub d: &'a mut Soa,
-    /// What is carried on of the pulls in the substep before (`integrate::houbolt`), less the displacements; `None` where nothing
-    /// is.
+    /// Part of the last substep's pulls that is carried on (`integrate::houbolt`), less the displacements; `None` where
+    /// nothing is carried on.
     pub carried: Option<&'a Soa>,
 }
 

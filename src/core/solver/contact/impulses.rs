@@ -1,4 +1,4 @@
-//! What the cloth gives to the colliders that are measured.
+//! Momentum that the cloth gives to the colliders that are measured.
 //!
 //! The pulls of a cloth sum up to none, and so does what is carried on of them (`integrate::houbolt`). Where a collider bears
 //! a pull that is not noted, what is carried on of the opposite pulls has no counterpart: half of it moves the cloth in the

@@ -5,9 +5,28 @@
 //! speed. Coulomb's friction acts on the displacement relative to the collider's surface, with the
 //! impulse of that same undoing.
 //!
-//! Where a particle and a collider pass each other by more than epsilon in a substep, the way between
-//! is looked at too (`swept`). What cannot touch is not looked at at all (`broad_phase`). Corrections know what
-//! lies on a collider (`active_set`). After the particles come the edges between them (`edges`).
+//! Particles meet one collider after the other (`ResolveContacts`), and after them the edges between them.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `collider` | a collider, and its motion through a tick and in a substep |
+//! | `keys` | the keys by which colliders are known from tick to tick |
+//! | `broad_phase` | the colliders that may be touched, and the blocks of particles that may touch them |
+//! | `response` | a band of particles meets one collider: swept, then pushed out |
+//! | `swept` | fast particles and colliders, which pass each other by more than epsilon in a substep |
+//! | `push_out` | a block of particles at a collider: its gaps, its push, its slip |
+//! | `friction` | Coulomb's friction of a particle that lies on a collider |
+//! | `active_set` | the particles that lie on colliders, with normal, slip and load, as corrections know them |
+//! | `hold_onto` | before the corrections: particles of the active set go only where their surface lets them |
+//! | `hold` | after the corrections: how those particles were held |
+//! | `found` | during contact: the active set of the next substep |
+//! | `let_go` | after contact: particles of the active set that touch nothing any more |
+//! | `impulses`, `ledger` | momentum given to the colliders that are measured |
+//! | `edges` | edges and faces: near a rim or tip (`nearby`), nearest place (`search`), solved together (`solve`) |
+//!
+//! Friction is in four places. `friction` brakes a particle that rests or slides. `Pushed::slip` in `push_out` tells
+//! corrections which part of its inverse mass moves it along the surface in the next substep. `swept` has a friction of
+//! its own, at the impact. So has `edges/solve`, for pressed edges and faces.
 
 mod active_set;
 mod broad_phase;
@@ -56,8 +75,8 @@ use crate::solver::simd::soa::{Soa, ValuesMut};
 const LEAST_SLIDING: f32 = 1e-20;
 /// Depths of the deepest particle within which a collider calms the cloth while it lets it out.
 const CALMED: f32 = 8.0;
-/// Weights of a particle that press one up to which corrections know of no friction, and from which on they know of
-/// all. What lies in a few layers, or is laid over a smooth edge, is below them.
+/// Normal load, in particle weights: up to `LIGHT` corrections ignore friction, from `HEAVY` they take it fully into
+/// account. A cloth that lies in a few layers, or over a smooth edge, stays below both.
 const LIGHT: f32 = 8.0;
 const HEAVY: f32 = 32.0;
 /// The least part of its inverse mass that corrections see of what friction holds.

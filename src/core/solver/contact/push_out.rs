@@ -71,7 +71,8 @@ impl Pushed {
         before + (slips - before) * rate
     }
 
-    /// What part of the pulls at a particle is expected again. What begins to touch by a blow expects nothing.
+    /// Part of the pulls at a particle that is expected again. A particle that begins to touch by a blow expects ever less,
+    /// the harder the blow.
     #[inline(always)]
     fn lasts(&self, lane: usize, hold: &Hold, settings: &ContactSettings) -> f32 {
         let blow = self.undone.0[lane] * settings.per_weight * (1.0 / BLOW);

@@ -89,7 +89,8 @@ impl Hinges {
     }
 }
 
-/// What all numbers above zero are, to within rounding of the lengths that they come from.
+/// The value that all numbers above zero share, to within rounding of the lengths that they come from; `None` if they
+/// differ.
 fn common(inverse_rest: &[f32]) -> Option<f32> {
     let there = || inverse_rest.iter().copied().filter(|&inverse| inverse > 0.0);
     let (low, high) = there().fold((f32::MAX, 0.0_f32), |(l, h), i| (l.min(i), h.max(i)));

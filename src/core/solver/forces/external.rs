@@ -22,7 +22,7 @@ pub(crate) const MOST_ACCELERATION: f32 = 1e9;
 pub enum PushOn {
     /// One particle.
     Particle(u32),
-    /// What is within a ball.
+    /// All particles within a ball.
     Within {
         /// Its middle, in world space \[m\].
         centre: Vec3,
@@ -37,7 +37,7 @@ pub enum PushOn {
     All,
 }
 
-/// What particles are pushed with.
+/// The force, impulse or change of velocity that particles are pushed with.
 #[derive(Clone, Copy, Debug, PartialEq, bevy_reflect::Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum PushWith {

@@ -12,7 +12,7 @@
 //! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
 //! sum up to none but at its pins, so that carrying a part of all of them keeps its momentum.
 //!
-//! What lies on a collider does not follow all of what pulls it, and the collider bears the rest. That is a pull all
+//! A particle on a collider does not follow all of its pulls, and the collider bears the rest. That is a pull all
 //! the same, and is noted as one (`contact`). What holds springs to their strain limit is not carried on, nor is
 //! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
 //! first order there, and so is a mesh that touches a collider, or is so stiff that one pass over its chains of edges leaves

@@ -1,4 +1,4 @@
-//! What is different of a sheet and of a mesh: the constants of their springs and hinges, and what the stages of a substep
+//! The differences of sheets and meshes: the constants of their springs and hinges, and what the stages of a substep
 //! do with them. All else is the same for both, and in `stages`.
 //!
 //! | | rest shape | its particles | its threads |
@@ -59,7 +59,7 @@ impl Model {
     }
 }
 
-/// What a stage works on, beside the model.
+/// The particles that a stage works on, beside the model.
 pub(crate) struct Particles<'a> {
     pub isa: Isa,
     pub bands: &'a Bands,
@@ -67,7 +67,7 @@ pub(crate) struct Particles<'a> {
     pub state: &'a mut State,
 }
 
-/// What acts on the particles in a substep.
+/// Forces, plan and settings that act on the particles in a substep.
 pub(crate) struct Acting<'a> {
     pub plan: &'a Plan,
     pub damping_form: DampingForm,

@@ -68,7 +68,7 @@ impl Bound {
         }
     }
 
-    /// Of a sheet with these hinges and inverse masses.
+    /// The bound of a sheet with these hinges and inverse masses.
     pub fn of_lattice(lattice: &Lattice, hinges: &[Hinges; 2], inverse_mass: &[f32]) -> Self {
         if lattice.uniform {
             Self::uniform(lattice, hinges, inverse_mass)

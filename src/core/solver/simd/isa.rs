@@ -8,7 +8,7 @@ use crate::solver::simd::transpose::{Plain, Transpose};
 /// A vector instruction set of x86-64. Other processors have [`Isa::Baseline`] alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Isa {
-    /// What the crate was compiled for: SSE2 on x86-64, unless built with more.
+    /// The instruction set that the crate was compiled for: SSE2 on x86-64, unless built with more.
     Baseline,
     /// AVX2, with the rest of the x86-64-v3 level.
     Avx2,

@@ -197,7 +197,7 @@ impl<T: Clone> Clone for Workspaces<T> {
 
 /// A kernel that can be cut in two between rows.
 pub(crate) trait Cut: Sized + Send {
-    /// What it returns.
+    /// The result for a band.
     type Output: Merge;
     /// The rows that it works on.
     fn band(&self) -> &Band;
@@ -235,9 +235,9 @@ macro_rules! cut_between_rows {
 
 pub(crate) use cut_between_rows;
 
-/// What bands find out.
+/// Results of bands, which can be put together.
 pub(crate) trait Merge: Send {
-    /// What a band and those below it have found.
+    /// The result of a band together with those below it.
     fn merge(self, below: Self) -> Self;
 }
 

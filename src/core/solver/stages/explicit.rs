@@ -20,8 +20,8 @@ impl ClothSolver {
         }
     }
 
-    /// What comes after the accelerations where the substep begins: drag, and with the midpoint method the
-    /// accelerations at its middle.
+    /// Ends the first stage, after the accelerations where the substep begins: applies drag, and works out the
+    /// accelerations at its middle for the midpoint method.
     pub(crate) fn accumulate_explicitly(&mut self, input: &StepInput<'_>) {
         self.brake();
         let Some(mut study) = self.workspace.study.take() else { return };

@@ -134,8 +134,8 @@ impl ClothSolver {
         self.pushes.as_ref().is_some_and(|pushes| pushes.strength > 0.0)
     }
 
-    /// What forces add to the load on the tethers, in the direction of gravity \[m/s2\]: to the next power
-    /// of two, so that their bounds need not change with every one.
+    /// Load that forces add to the tethers, in the direction of gravity \[m/s2\]: rounded up to a power of two, so
+    /// that the tethers' bounds do not change with every force.
     pub(crate) fn load_of_pushes(&self, gravity: Vec3) -> Vec3 {
         let Some(pushes) = self.pushes.as_ref().filter(|pushes| pushes.strength > 0.0) else {
             return Vec3::ZERO;

@@ -1,4 +1,4 @@
-//! What a solver does in each stage of a substep: which kernels run, on what, in which order.
+//! The stages of a substep: which kernels run, on what, in which order.
 //!
 //! | stage | file | beside it |
 //! | --- | --- | --- |
@@ -7,7 +7,7 @@
 //! | 3 | `correct` | `soft_pins` |
 //! | 4 | `collide` | |
 //!
-//! What a stage does differently on a sheet and on a mesh is in `model`.
+//! The parts of stages that differ between a sheet and a mesh are in `model`.
 
 mod bending_friction;
 mod collide;

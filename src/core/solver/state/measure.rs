@@ -1,4 +1,4 @@
-//! What a tick came to: whether all is finite, how far anything moved, how far threads stretched.
+//! Measures of a tick: whether all is finite, how far anything moved, how far threads stretched.
 
 use bevy_math::Vec3;
 
@@ -128,7 +128,7 @@ impl Merge for Survey {
     }
 }
 
-/// What has been seen so far, a lane each.
+/// Measures of the particles seen so far, a lane each.
 struct Totals {
     moved: Block,
     /// Squares of lengths over rest lengths.

@@ -24,8 +24,7 @@ pub(crate) struct State {
     /// positions. So a velocity changes by computed corrections, never by a difference of rounded
     /// positions.
     pub d: Soa,
-    /// What corrections add to displacements in a substep \[m\], see `integrate::houbolt`; of those that are held,
-    /// anything.
+    /// Displacements that corrections add in a substep \[m\], see `integrate::houbolt`; arbitrary for held particles.
     pub pull: Soa,
     /// Whether `pull` is that of the last substep.
     pub carries: bool,
@@ -39,7 +38,7 @@ pub(crate) struct State {
     /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
     /// substep, less what drag takes. Corrections with a compliance answer forces through it.
     pub response: f32,
-    /// What lay on colliders in the last substep.
+    /// Particles that lay on colliders in the last substep.
     pub contacts: ActiveSet,
 }
 
@@ -94,11 +93,11 @@ fn on_grid(p: Vec3) -> Vec3 {
 pub(crate) struct Workspace {
     /// Accelerations \[m/s2\], where they differ between particles.
     pub a: Soa,
-    /// What the integrators for study work in, where one is chosen.
+    /// Memory of the integrators for study, where one is chosen.
     pub study: Option<ExplicitWorkspace>,
     /// Whether corrections are carried on in this tick.
     pub carries: bool,
-    /// What contact remembers within a tick.
+    /// The memory of contact within a tick.
     pub broad_phase: BroadPhase,
 }
 
@@ -115,7 +114,7 @@ impl Workspace {
 }
 
 impl State {
-    /// Something moves a particle while pulls are noted that is none of them.
+    /// Excludes a displacement that is not a correction from the recorded corrections.
     pub(crate) fn leave_out(&mut self, slot: usize, moved: Vec3) {
         self.pull.set(slot, self.pull.get(slot) - moved);
     }

@@ -1,4 +1,4 @@
-//! What a cloth's particles are joined by: a lattice, or a graph.
+//! The topology of a cloth, which joins its particles: a lattice, or a graph.
 
 pub(crate) mod geodesic;
 pub(crate) mod graph;

@@ -29,7 +29,7 @@ pub(crate) struct Freed {
     pub slot: u32,
     /// Index of the collider.
     pub collider: u32,
-    /// How long it does so yet \[s\].
+    /// Time left in which it passes through \[s\]; restarted while its threads pull it.
     pub left: f32,
 }
 

@@ -4,8 +4,8 @@
 //! particle adds up those of its triangles in their order, so that nothing is scattered and the sum
 //! is the same on every machine.
 //!
-//! What a triangle needs of a corner (position, displacement, acceleration) is packed into one cache
-//! line a particle first, so that a corner is one load: three arrays of three axes would be nine.
+//! The numbers that a triangle needs of a corner (position, displacement, acceleration) are packed into one
+//! cache line a particle first, so that a corner is one load: three arrays of three axes would be nine.
 
 use bevy_math::Vec3;
 

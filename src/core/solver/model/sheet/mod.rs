@@ -47,13 +47,13 @@ struct SheetWorkspace {
     brakes: Brakes,
     /// Pulls of shear springs.
     row_pulls: Workspaces<RowPulls>,
-    /// What threads are solved in.
+    /// Memory that threads are solved in.
     threads: Workspaces<ThreadWorkspace>,
     /// Displacements of the rows on both sides of each cut.
     seams: Seams,
     /// Displacements of columns, where they are solved apart from each other.
     apart: Soa,
-    /// What is borne by what particles of such columns lie on.
+    /// Loads that particles of such columns put on what they lie on.
     load_apart: Array,
 }
 
