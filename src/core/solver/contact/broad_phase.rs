@@ -9,7 +9,7 @@ use bevy_math::Vec3;
 use bevy_math::bounding::Aabb3d;
 
 use crate::solver::contact::Collider;
-use crate::solver::contact::edges::nearby::Nearby;
+use crate::solver::contact::edges::candidates::Nearby;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;

@@ -22,7 +22,7 @@
 //! | `found` | during contact: the active set of the next substep |
 //! | `let_go` | after contact: particles of the active set that touch nothing any more |
 //! | `impulses`, `ledger` | momentum given to the colliders that are measured |
-//! | `edges` | edges and faces: near a rim or tip (`nearby`), nearest place (`search`), solved together (`solve`) |
+//! | `edges` | edges and faces: near a rim or tip (`candidates`), nearest place (`search`), solved together (`solve`) |
 //!
 //! Friction is in four places. `friction` brakes a particle that rests or slides. `Pushed::slip` in `push_out` tells
 //! corrections which part of its inverse mass moves it along the surface in the next substep. `swept` has a friction of

@@ -2,10 +2,10 @@
 //!
 //! The distance to a solid changes by at most a metre in a metre. So an edge of length l, whose ends have the gaps g0 and g1
 //! to what is held, is held itself as long as g0 + g1 >= l. Of the others, those are left out whose ends see the surface face
-//! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod (`nearby`). There the
+//! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod (`candidates`). There the
 //! place of an edge that is nearest to the solid is searched (`search`; for contact with distance fields: Macklin et al. 2020,
 //! *Local Optimization for Robust Signed Distance Field Collision*), and moved out with both ends, each by its
-//! share and its inverse mass (`press`). Where the three corners of a face see three sides of a solid, whose vertex may be in their
+//! share and its inverse mass (`contact_point`). Where the three corners of a face see three sides of a solid, whose vertex may be in their
 //! midst, the face is searched and held in the same way.
 //!
 //! An edge is held at half the distance of the particles, so that on a smooth solid these touch first, and edges cost nothing.
@@ -13,14 +13,14 @@
 //! Edges that meet at a particle hold each other, and so they are solved together, with Coulomb's friction and the strain limit
 //! of the threads beside them (`solve`). What they were pressed by is expected again in the next substep, and given to
 //! the displacements before the corrections (`memory`): threads that pull an edge over a rim find it held, and so they
-//! are stretched no further there, and nothing trembles. Threads that a collider is hooked in are let through (`hooked`).
+//! are stretched no further there, and nothing trembles. Threads that a collider is hooked in are let through (`release`).
 
 mod body;
-mod hooked;
+pub(super) mod candidates;
+mod contact_point;
 mod list;
 pub(super) mod memory;
-pub(super) mod nearby;
-mod press;
+mod release;
 mod search;
 mod solve;
 
@@ -29,13 +29,13 @@ use bevy_math::Vec3;
 pub(crate) use crate::solver::contact::edges::list::Edges;
 pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
 
-pub(super) use crate::solver::contact::edges::nearby::{Nearby, NearbyMut};
+pub(super) use crate::solver::contact::edges::candidates::{Nearby, NearbyMut};
 
 use crate::solver::contact::ContactSettings;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
-use crate::solver::contact::edges::nearby::{FindClose, Inside};
-use crate::solver::contact::edges::press::Place;
+use crate::solver::contact::edges::candidates::{FindClose, Inside};
+use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
 use crate::solver::contact::impulses::Share;
 use crate::solver::simd::block::larger;

@@ -6,7 +6,7 @@ use bevy_math::Vec3;
 
 use crate::solver::contact::BLOW;
 use crate::solver::contact::edges::body::Body;
-use crate::solver::contact::edges::press::Press;
+use crate::solver::contact::edges::contact_point::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
 use crate::solver::simd::block::larger;
 

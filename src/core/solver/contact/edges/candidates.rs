@@ -1,8 +1,8 @@
 //! How particles lie to a collider, and which edges and faces between them are to be looked at closely.
 
 use crate::solver::contact::edges::Rule;
+use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
-use crate::solver::contact::edges::press::Place;
 use crate::solver::contact::edges::solve::System;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
