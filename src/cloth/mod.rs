@@ -90,7 +90,8 @@ impl Cloth {
     ///
     /// Vertices at the same place (within 1e-5 of the mesh's largest side) are one particle: seams
     /// of the texture do not open, and hard edges stay hard. Triangles without area are left out,
-    /// and counted in [`ClothSimulation::intake`](crate::ClothSimulation::intake). An open grid of rows x columns quads, the
+    /// and counted in [`ClothSimulation::intake`](crate::ClothSimulation::intake). A mesh with a vertex on an edge that its triangle does
+    /// not have is refused: the cloth would come open there. An open grid of rows x columns quads, the
     /// vertices in any order, is solved faster than other meshes.
     ///
     /// The mesh may still be loading. The cloth draws into a copy of its own: the asset is never

@@ -44,6 +44,49 @@ fn a_mesh_that_is_no_cloth_is_refused() {
     assert_eq!(make(&five, &HALVES), Err(GraphError::Isolated { particle: 4 }));
 }
 
+/// A square, and beside its edge from 1 to 3 a row of triangles with the given particles on that edge.
+fn with_a_side(on: &[Vec3]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let positions = [SQUARE.as_slice(), &[Vec3::new(2.0, 0.0, 0.5)], on].concat();
+    let side: Vec<u32> = [1].into_iter().chain((5..).take(on.len())).chain([3]).collect();
+    let fan = side.windows(2).map(|pair| [pair[0], 4, pair[1]]);
+    (positions, HALVES.into_iter().chain(fan).collect())
+}
+
+#[test]
+fn a_particle_on_an_edge_that_does_not_have_it_is_refused() {
+    let junction = GraphError::TJunction { particle: 5, first: 1, second: 3 };
+    let middle = Vec3::new(1.0, 0.0, 0.5);
+    let (positions, triangles) = with_a_side(&[middle]);
+    let refused = make(&positions, &triangles).unwrap_err();
+    assert_eq!(refused, junction);
+    let said = "particle 5 lies on the edge from 1 to 3, whose triangle does not have it (a T-junction): split that \
+                triangle there";
+    assert_eq!(refused.to_string(), said);
+    // More than one, in whatever order, whoever has the lower number.
+    let (positions, triangles) =
+        with_a_side(&[middle, middle + Vec3::Z * 0.2, middle + Vec3::Z * 0.3]);
+    assert_eq!(make(&positions, &triangles), Err(junction));
+    let other: Vec<_> = triangles.iter().map(|t| t.map(|corner| 7 - corner)).collect();
+    let reversed: Vec<_> = positions.iter().rev().copied().collect();
+    let found = make(&reversed, &other).unwrap_err();
+    assert!(matches!(found, GraphError::TJunction { first: 4 | 6, second: 4 | 6, .. }), "{found}");
+}
+
+#[test]
+fn a_slit_and_a_hole_are_no_junction() {
+    // The side is one edge, and both triangles have it.
+    let (positions, triangles) = with_a_side(&[]);
+    assert!(make(&positions, &triangles).is_ok());
+    // A hole, however narrow it is.
+    let (positions, triangles) = with_a_side(&[Vec3::new(1.001, 0.0, 0.5)]);
+    assert!(make(&positions, &triangles).is_ok());
+    // A slit that is closed at rest, with particles on both sides at other places.
+    let (mut positions, mut triangles) = with_a_side(&[Vec3::new(1.0, 0.0, 0.5)]);
+    positions.push(Vec3::new(1.0, 0.0, 0.3));
+    triangles.splice(1..2, [[3, 2, 6], [6, 2, 1]]);
+    assert!(make(&positions, &triangles).is_ok());
+}
+
 #[test]
 fn weights_that_are_no_weights_are_refused() {
     let make = |mass: &[f32], stiffness: &[f32]| {

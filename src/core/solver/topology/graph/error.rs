@@ -62,6 +62,19 @@ pub enum GraphError {
         /// The other.
         second: usize,
     },
+    /// A particle lies on an edge that it is no end of, and the cloth would come open there.
+    #[error(
+        "particle {particle} lies on the edge from {first} to {second}, whose triangle does not have it (a T-junction): \
+         split that triangle there"
+    )]
+    TJunction {
+        /// The particle.
+        particle: usize,
+        /// One end of the edge.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
     /// A particle without a triangle.
     #[error("particle {particle} is a corner of no triangle: leave it out")]
     Isolated {

@@ -2,7 +2,7 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `error`, `validate` | what is refused |
+//! | `error`, `validate`, `junctions` | what is refused |
 //! | `reorder` | where the particles lie in memory |
 //! | `edges`, `springs` | edges and the triangles beside them; masses and spring constants |
 //! | `planarity` | whether straight lines between particles lie within the cloth |
@@ -25,6 +25,7 @@ mod error;
 pub(crate) mod grid_hinges;
 pub(crate) mod hinge;
 pub(crate) mod hinges;
+mod junctions;
 mod planarity;
 mod reorder;
 mod springs;
@@ -45,6 +46,7 @@ use crate::solver::topology::graph::chains::Chains;
 use crate::solver::topology::graph::coloring::Pairs;
 use crate::solver::topology::graph::edges::Mesh;
 use crate::solver::topology::graph::hinges::Hinges;
+use crate::solver::topology::graph::junctions::Junction;
 use crate::solver::topology::graph::wide_hinges::LazyWideHinges;
 
 /// Factors of single particles, in their order; an empty list stands for ones.
@@ -107,7 +109,7 @@ impl Graph {
     ///
     /// # Errors
     /// [`GraphError`] where these make no cloth: vertices at one place are to be welded and triangles
-    /// without area left out before.
+    /// without area left out before, and no vertex may lie on an edge of which it is no end.
     pub fn new(
         positions: &[Vec3],
         triangles: &[[u32; 3]],
@@ -143,6 +145,11 @@ impl Graph {
         let corners: Vec<_> = triangles.iter().map(|t| t.map(|p| slot_of[p as usize])).collect();
         let mesh = Mesh { positions: &by_slot, triangles: &corners };
         let edges = mesh.edges();
+        if let Some(Junction { slot, edge }) = junctions::find(&mesh, &edges) {
+            let [particle, first, second] =
+                [slot, edge[0], edge[1]].map(|slot| particle_at[slot as usize] as usize);
+            return Err(GraphError::TJunction { particle, first, second });
+        }
         let total_area = (0..triangles.len()).map(|t| mesh.area(t)).sum::<f64>() as f32;
         let count = positions.len();
         let structural = springs::structural(&edges, lumping, weights.stiffness);
