@@ -1,7 +1,8 @@
 //! The rooms of the house: which file may know which. Read off the sources, as they are parsed by `syn`.
 //!
 //! Truths: the tables of rooms in `src/core/solver/mod.rs` and `src/plugin.rs`, whose order is the order of
-//! knowing; that no circle of imports joins any files; and that the diagrams of `ARCHITECTURE.md` are those of the sources.
+//! knowing; that no circle of imports joins any files, and none is too long to read; and that the diagrams of
+//! `ARCHITECTURE.md` are those of the sources.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -13,6 +14,9 @@ use syn::{
     Attribute, File, ItemMod, ItemUse, UseTree, VisRestricted,
     visit::{self, Visit},
 };
+
+/// Lines that a file must not reach.
+const LONGEST: usize = 400;
 
 /// A module, by the segments of its path from the crate's root.
 type Module = Vec<String>;
@@ -36,6 +40,8 @@ impl Sources {
                     folders.push(path);
                 } else if path.extension().is_some_and(|extension| extension == "rs") {
                     let text = fs::read_to_string(&path).unwrap();
+                    let lines = text.lines().count();
+                    assert!(lines < LONGEST, "{} has {lines} lines", path.display());
                     let file = syn::parse_file(&text)
                         .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
                     files.insert(module_of(&root, &path), file);

@@ -1,5 +1,4 @@
-//! Everything that a solver's later ticks depend on, besides its rest shape, material and settings: taken out
-//! and put back, to the bit.
+//! All that a solver's later ticks depend on, besides rest shape, material and settings: taken out and put back, to the bit.
 //!
 //! Each structure is taken apart here field by field, so that one that is added cannot be forgotten: it does
 //! not compile.
