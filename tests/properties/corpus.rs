@@ -71,5 +71,6 @@ fn meshes_of_the_corpus() {
     });
     let cloths = found.filter(|is_cloth| *is_cloth).count();
     // Whoever adds a file tells here what becomes of it.
-    assert_eq!((cloths, files.len()), (313, 465), "cloths of files");
+    // Five have T-junctions and no other fault.
+    assert_eq!((cloths, files.len()), (308, 465), "cloths of files");
 }
