@@ -32,11 +32,12 @@
 //! | --- | --- | --- |
 //! | a force of a game's own | nowhere: `ClothForces`, `PushCloth`, or a system between two stages of [`ClothSubstep`] | |
 //! | a force | `core/solver/forces`: see *A new force* in `core/solver/mod.rs` | a component in `cloth`, like `ClothAir`, handed on in `Gather`, like `wind::gather_air`: what could move a cloth wakes it (`cloth.sleep.disturb()`) |
+//! | a constraint | `core/solver/constraints`: see *A new constraint* in `core/solver/mod.rs` | a setting that switches it, or a number of the material |
 //! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
-//! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf` |
-//! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it |
+//! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf`; a distance that is no more than a bound overrides `overestimate` of [`SignedDistance`](crate::sdf::SignedDistance) |
+//! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it; one that changes what is set up once is in `core/solver/setup.rs` (`new`, `remade`) as well |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
-//! | a component of a cloth | its file in `cloth`, its system in `simulation` (of the air, in `wind`); `register_type` and the system in `build` below, `lib.rs` | `ClothComponent` in `error/mod.rs`, for numbers that are out of range |
+//! | a component of a cloth | its file in `cloth`; its system in `simulation` (of the air, in `wind`), or a term in the query of one that is there; `register_type` and the system in `build` below, `lib.rs` | what it remembers: a field of `simulation/mod.rs` or of a part of it, set up in `simulation/setup.rs`, saved in `simulation/snapshot.rs`; numbers that are out of range: `ClothComponent` in `error/mod.rs` |
 //! | a component of a collider or a wind zone | component and system together, in `collider` or `wind`, like `SdfCollider`, `BakeSdf` and `WindZone`; `register_type` and the system in `build` below, `lib.rs` | an observer of its removal in `build` below, like `forget_zone` |
 //! | an event that a game triggers | its struct in `cloth`, like `PushCloth` in `cloth/forces.rs`; its observer in `simulation`, like `pushing::ask_for_push`; `add_observer` in `build` below, `lib.rs` | a `ClothErrorKind` where it can be refused |
 //! | an event that a cloth triggers | `cloth/events.rs`; triggered in `simulation` or `step`; `lib.rs` | |
@@ -73,7 +74,7 @@ use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_col
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::drawing::draw_cloths;
 use crate::error::ClothFailure;
-use crate::error::failures::{Blame, Failures};
+use crate::error::failures::Failures;
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::rest_cache::RestCache;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
@@ -282,7 +283,5 @@ fn register_fields(app: &mut App) {
 /// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape.
 fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands, mut failures: Failures) {
     commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
-    for blame in Blame::OF_CLOTHS {
-        failures.clear(removed.entity, blame);
-    }
+    failures.clear_those_of_cloths(removed.entity);
 }

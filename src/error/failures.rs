@@ -31,28 +31,34 @@ pub(crate) enum Blame {
 }
 
 impl Blame {
-    /// The blames that a cloth may have.
-    pub const OF_CLOTHS: [Self; 19] = [
-        Self::Component(ClothComponent::ClothMaterial),
-        Self::Component(ClothComponent::ClothSettings),
-        Self::Component(ClothComponent::ClothAir),
-        Self::Component(ClothComponent::ClothTeleport),
-        Self::Component(ClothComponent::ClothInertia),
-        Self::Component(ClothComponent::ClothSleepThreshold),
-        Self::Component(ClothComponent::HangOnStart),
-        Self::Shape,
-        Self::Weights,
-        Self::Pins,
-        Self::Pose,
-        Self::Unseen,
-        Self::Motion,
-        Self::Drawing,
-        Self::Schedule,
-        Self::Push,
-        Self::Forces,
-        Self::Grab,
-        Self::Snapshot,
-    ];
+    /// Whether it is gone with the cloth. Each is named, so that none can be forgotten.
+    fn is_of_cloth(self) -> bool {
+        match self {
+            Self::Component(component) => match component {
+                ClothComponent::ClothMaterial
+                | ClothComponent::ClothSettings
+                | ClothComponent::ClothAir
+                | ClothComponent::ClothTeleport
+                | ClothComponent::ClothInertia
+                | ClothComponent::ClothSleepThreshold
+                | ClothComponent::HangOnStart => true,
+                ClothComponent::SdfCollider | ClothComponent::WindZone => false,
+            },
+            Self::Shape
+            | Self::Weights
+            | Self::Pins
+            | Self::Pose
+            | Self::Unseen
+            | Self::Motion
+            | Self::Drawing
+            | Self::Schedule
+            | Self::Push
+            | Self::Forces
+            | Self::Grab
+            | Self::Snapshot => true,
+            Self::Bake => false,
+        }
+    }
 }
 
 /// Puts errors on entities, and takes them off.
@@ -105,15 +111,26 @@ impl Failures<'_, '_> {
 
     /// Forgets the entity's error if it is this component's.
     pub fn clear(&mut self, entity: Entity, blame: Blame) {
-        if self.blames(entity, blame) {
-            self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
-                let mut left = known_errors(&mut entity);
-                left.retain(|error| error.kind.blame() != blame);
-                if let Some(error) = left.pop() {
-                    entity.insert(ClothFailure { error, others: left });
-                }
-            });
+        self.clear_where(entity, move |known| known == blame);
+    }
+
+    /// Forgets the errors of an entity that is no cloth any more.
+    pub fn clear_those_of_cloths(&mut self, entity: Entity) {
+        self.clear_where(entity, Blame::is_of_cloth);
+    }
+
+    fn clear_where(&mut self, entity: Entity, is_gone: impl Fn(Blame) -> bool + Send + 'static) {
+        let is_known = |known: &ClothFailure| known.errors().any(|e| is_gone(e.kind.blame()));
+        if !self.known.get(entity).is_ok_and(is_known) {
+            return;
         }
+        self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
+            let mut left = known_errors(&mut entity);
+            left.retain(|error| !is_gone(error.kind.blame()));
+            if let Some(error) = left.pop() {
+                entity.insert(ClothFailure { error, others: left });
+            }
+        });
     }
 
     /// Whether the entity's error is this component's.

@@ -39,13 +39,31 @@
 //! # A new force
 //!
 //! It has a file of its own in `forces`, with a `Kernel` that adds to the accelerations. `external` is the shortest to
-//! start from (a vector each particle), `aerodynamics` one with a state, a law and settings. No compiler tells the rest:
+//! start from (a vector each particle), `aerodynamics` one with a state, a law and settings. The compiler asks for what it
+//! remembers (`snapshot`), and does not tell the rest:
 //!
-//! - `accelerate` calls it: in `stages/forces` where it is the same for both models, else in `model/sheet` and `model/mesh`;
+//! - `accelerate` calls it: in `stages/forces` where it is the same for both models, as `add_air` is; else in `model/sheet` and
+//!   `model/mesh`, which find it in `model`'s `Acting`;
 //! - `has_forces` knows of it: where gravity acts alone, the first stage is left out;
 //! - `begin_tick` counts it in the load that tethers are bounded for, if it may be as strong as gravity;
-//! - a force that is stiff or depends on the velocity has its part in `plan`'s bound on the substep;
-//! - what it remembers between ticks is in `snapshot`.
+//! - a force that is stiff has its part in `plan`'s bound on the substep; one that depends on the velocity has it there too, or
+//!   limits its own impulse, as air does in `forces/aerodynamics/law`;
+//! - `setup` hands it on to a solver that is made anew (`remade`), and `hang` leaves it out or not while a cloth is hung.
+//!
+//! # A new constraint
+//!
+//! It has a file of its own in `constraints`. `graph_strain_limit` is the shortest to start from,
+//! `tethers` one that belongs to the pins:
+//!
+//! - `stages/correct` calls it; what comes last there is held best. Where sheets and meshes differ it is a method of `model`'s trait
+//!   `Stages`, and `model/sheet` and `model/mesh` each have it;
+//! - a mesh's constraints work between `begin_corrections` and `end_corrections`, on its places, in batches that share no
+//!   particle (`topology/graph/coloring`);
+//! - it changes displacements by a multiplier times inverse masses: momentum is kept, and position and velocity agree. A particle
+//!   on a collider has the mobility `w (1 - n n^T)`, and what that takes away is its load (`contact/active_set`);
+//! - what it does is carried on as a pull (`integrate/houbolt`), unless it mends, as the strain limit does: then it works between
+//!   `pause_pulls` and `go_on_pulling`;
+//! - what it derives from pins, material or settings is made again in `setup` (`set_pins`, `replan`).
 
 mod constraints;
 mod contact;

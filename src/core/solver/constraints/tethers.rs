@@ -6,7 +6,7 @@
 //!
 //! Pins that are further apart than the cloth between them reaches contradict each other: no place is
 //! near enough to both, and a particle tied to both would be thrown from one to the other. All bounds are
-//! then eased by one factor, that by which the pins are too far apart and a little more. A flat sheet whose pins are at
+//! then eased by one factor, `1 + 1.25 e`, where `e` is the largest relative excess of a distance of pins over its bound. A flat sheet whose pins are at
 //! most so many times further apart than at rest can be where all its particles are at most so many times
 //! further apart (Kirszbraun 1934), so that eased bounds contradict each other nowhere.
 

@@ -8,8 +8,8 @@
 //!
 //! The set is that of the substep before. What corrections pull at its particles along the normal moves nothing, and
 //! is summed up as their load. At the substep's end contact uses it with what contact itself undoes: for friction, and to let
-//! go what is pulled off. A particle that begins or ceases to touch is so corrected once as what it was. That
-//! does no work, as a particle that is held does none.
+//! go what is pulled off. The active set lags by one substep: a particle that has just
+//! made or lost contact is corrected once with its mobility of before. That does no work, as a particle that is held does none.
 //!
 //! Friction is applied after the corrections, too, and undoes what a correction that knows nothing of it does to a particle that
 //! sticks: the springs beside it are left stretched. So along the surface the mobility is `w s`, where the slip `s` is less
