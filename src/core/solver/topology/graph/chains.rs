@@ -112,77 +112,101 @@ impl Rows {
     }
 }
 
-/// Lays all springs end to end: from each that is left, both ways, as far as it goes straight on.
+/// Lays all springs end to end: at each particle they are paired, the straightest pair first, and from each spring it
+/// goes on to its partners. A path that is too long, or comes back to where it was, is cut.
 fn lay(positions: &[DVec3], links: &[Link]) -> Vec<Chain> {
-    let mut layer = Layer::new(positions, links);
+    let partners = pair(positions, links);
+    let mut is_laid = vec![false; links.len()];
     let mut chains = Vec::new();
-    for (link, &Link { ends: [a, b], .. }) in links.iter().enumerate() {
-        if layer.used[link] {
+    for link in 0..links.len() as u32 {
+        if is_laid[link as usize] {
             continue;
         }
-        layer.used[link] = true;
-        let mut chain = Chain { slots: vec![a, b], links: vec![link as u32] };
-        layer.extend(&mut chain);
-        chain.slots.reverse();
-        chain.links.reverse();
-        layer.extend(&mut chain);
-        chains.push(chain);
+        let [first, second] = links[link as usize].ends;
+        is_laid[link as usize] = true;
+        let mut path = Chain { slots: vec![second, first], links: vec![link] };
+        extend(&mut path, links, &partners, &mut is_laid);
+        path.slots.reverse();
+        path.links.reverse();
+        extend(&mut path, links, &partners, &mut is_laid);
+        path.cut(&mut chains);
     }
     chains
 }
 
-struct Layer<'a> {
-    positions: &'a [DVec3],
-    links: &'a [Link],
-    used: Vec<bool>,
-    /// Springs of each particle: from `first[i]` to `first[i + 1]`.
-    first: Vec<u32>,
-    at: Vec<u32>,
+/// Goes on from a path's last particle until there is no spring left.
+fn extend(path: &mut Chain, links: &[Link], partners: &[[u32; 2]], is_laid: &mut [bool]) {
+    while let ([.., last], [.., link]) = (&path.slots[..], &path.links[..]) {
+        let [first, _] = links[*link as usize].ends;
+        let next = partners[*link as usize][usize::from(first != *last)];
+        if next == NONE || is_laid[next as usize] {
+            return;
+        }
+        let [a, b] = links[next as usize].ends;
+        is_laid[next as usize] = true;
+        path.slots.push(if a == *last { b } else { a });
+        path.links.push(next);
+    }
 }
 
-impl<'a> Layer<'a> {
-    fn new(positions: &'a [DVec3], links: &'a [Link]) -> Self {
-        let mut ends: Vec<(u32, u32)> = links
-            .iter()
-            .enumerate()
-            .flat_map(|(link, Link { ends: [a, b], .. })| [(*a, link as u32), (*b, link as u32)])
-            .collect();
-        ends.sort_unstable();
-        let first = (0..=positions.len() as u32)
-            .map(|slot| ends.partition_point(|&(at, _)| at < slot) as u32)
-            .collect();
-        let at = ends.into_iter().map(|(_, link)| link).collect();
-        Self { positions, links, used: vec![false; links.len()], first, at }
-    }
-
-    /// Goes on from a chain's last particle.
-    fn extend(&mut self, chain: &mut Chain) {
-        while chain.links.len() < LONGEST {
-            let [.., before, last] = chain.slots[..] else { return };
-            let Some((link, next)) = self.straightest(before, last, chain) else { return };
-            self.used[link as usize] = true;
-            chain.links.push(link);
-            chain.slots.push(next);
-        }
-    }
-
-    /// The unused spring at `last` that goes on from `before` with the least turn, to a particle that
-    /// the chain does not have.
-    fn straightest(&self, before: u32, last: u32, chain: &Chain) -> Option<(u32, u32)> {
-        let at = |slot: u32| self.positions[slot as usize];
-        let along = (at(last) - at(before)).normalize_or_zero();
-        let mut best = None;
-        let mut least = STRAIGHT;
-        for &link in
-            &self.at[self.first[last as usize] as usize..self.first[last as usize + 1] as usize]
-        {
-            let [a, b] = self.links[link as usize].ends;
-            let next = if a == last { b } else { a };
-            let straight = (at(next) - at(last)).normalize_or_zero().dot(along);
-            if !self.used[link as usize] && straight > least && !chain.slots.contains(&next) {
-                (best, least) = (Some((link, next)), straight);
+/// The spring that each goes on to at its first end, and at its second.
+fn pair(positions: &[DVec3], links: &[Link]) -> Vec<[u32; 2]> {
+    // Springs by particle: which, and which of its ends.
+    let mut ends: Vec<(u32, u32, usize)> = links
+        .iter()
+        .enumerate()
+        .flat_map(|(i, link)| [0, 1].map(|end| (link.ends[end], i as u32, end)))
+        .collect();
+    ends.sort_unstable();
+    let mut partners = vec![[NONE; 2]; links.len()];
+    let mut turns = Vec::new();
+    for at_particle in ends.chunk_by(|a, b| a.0 == b.0) {
+        let away = |&(slot, link, end): &(u32, u32, usize)| {
+            let other = links[link as usize].ends[1 - end];
+            (positions[other as usize] - positions[slot as usize]).normalize_or_zero()
+        };
+        turns.clear();
+        for (i, a) in at_particle.iter().enumerate() {
+            for (j, b) in at_particle.iter().enumerate().skip(i + 1) {
+                let straight = -away(a).dot(away(b));
+                if straight > STRAIGHT {
+                    turns.push((straight, i, j));
+                }
             }
         }
-        best
+        // Equals in the order of the springs.
+        turns.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for &(_, i, j) in &turns {
+            let [(_, a, end_a), (_, b, end_b)] = [at_particle[i], at_particle[j]];
+            if partners[a as usize][end_a] == NONE && partners[b as usize][end_b] == NONE {
+                partners[a as usize][end_a] = b;
+                partners[b as usize][end_b] = a;
+            }
+        }
+    }
+    partners
+}
+
+/// No spring.
+const NONE: u32 = u32::MAX;
+
+impl Chain {
+    /// Cuts a path into chains of about one length, none of which meets itself.
+    fn cut(&self, chains: &mut Vec<Self>) {
+        let pieces = self.links.len().div_ceil(LONGEST);
+        let most = self.links.len().div_ceil(pieces);
+        let mut from = 0;
+        while from < self.links.len() {
+            let mut to = from + 1;
+            while to < self.links.len()
+                && to - from < most
+                && !self.slots[from..=to].contains(&self.slots[to + 1])
+            {
+                to += 1;
+            }
+            let (slots, links) = (self.slots[from..=to].to_vec(), self.links[from..to].to_vec());
+            chains.push(Self { slots, links });
+            from = to;
+        }
     }
 }
