@@ -12,6 +12,7 @@ mod determinism;
 mod fast;
 mod fingerprints;
 mod free_flight;
+mod garments;
 mod graph;
 mod graph_bending;
 mod graph_determinism;

@@ -1,18 +1,18 @@
-//! A large sheet, whose bands of rows the threads of a pool share: the same bits as in one piece, whatever the number
-//! of threads.
+//! A large sheet or mesh, whose bands and domains the threads of a pool share: the same bits as in one piece, whatever the
+//! number of threads.
 
 use bevy::math::{Vec2, Vec3, primitives::Sphere};
 use bevy_drape::solver::{
-    Bending, ClothSolver, Collider, DampingForm, Lattice, MassLumping, Material, PinMotion, Pose,
-    Settings, Stage, StepInput, StretchMethod,
+    Bending, ClothSolver, Collider, DampingForm, Graph, Lattice, MassLumping, Material, PinMotion,
+    Pose, Settings, Stage, StepInput, StretchMethod, Topology,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 
 use crate::support::solver::*;
 
-/// Rows and columns: enough for sheets of threads to be shared, bands that end within a strip, blocks that end within a
-/// row.
+/// Rows and columns: enough for sheets of threads to be shared and for meshes of two domains, bands that end within a strip,
+/// blocks that end within a row.
 const SIZE: [usize; 2] = [293, 141];
 const TICKS: i32 = 10;
 
@@ -20,16 +20,32 @@ fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
-/// A sheet of cells that differ in size, or do not.
-fn lattice(even: bool, lumping: MassLumping) -> Arc<Lattice> {
+#[derive(Clone, Copy, PartialEq)]
+enum Shape {
+    Sheet,
+    /// Its cells differ in size.
+    UnevenSheet,
+    /// Its vertices are jittered, and it has waves at rest.
+    Mesh,
+}
+
+fn topology(shape: Shape, lumping: MassLumping) -> Topology {
     let [rows, columns] = SIZE;
     let even_sheet = sheet(Vec2::new(2.0, 3.0), rows, columns, lumping);
     let bent = |p: &Vec3| Vec3::new(p.x * (1.0 + 0.02 * p.x), p.y, p.z * (1.0 + 0.03 * p.z * p.z));
-    let positions: Vec<_> = even_sheet.rest_positions().iter().map(bent).collect();
-    if even {
-        even_sheet
-    } else {
-        Arc::new(Lattice::new(rows, columns, &positions, lumping).unwrap())
+    match shape {
+        Shape::Sheet => even_sheet.into(),
+        Shape::UnevenSheet => {
+            let positions: Vec<_> = even_sheet.rest_positions().iter().map(bent).collect();
+            Arc::new(Lattice::new(rows, columns, &positions, lumping).unwrap()).into()
+        }
+        Shape::Mesh => {
+            let (mut positions, triangles) = jittered(rows, columns, 0.0125, 0.25, 3);
+            for p in &mut positions {
+                *p = Vec3::new(p.x - 0.9, 0.02 * (9.0 * p.z).sin(), p.z - 1.8);
+            }
+            Arc::new(Graph::new(&positions, &triangles, lumping).unwrap()).into()
+        }
     }
 }
 
@@ -37,12 +53,12 @@ struct Variant {
     what: &'static str,
     settings: Settings,
     material: Material,
-    even: bool,
+    shape: Shape,
     /// Whether single particles are pinned; else a whole edge is.
     points: bool,
 }
 
-fn variants() -> [Variant; 4] {
+fn variants() -> [Variant; 6] {
     let soft =
         Material { thread_stiffness: 300.0, shear_stiffness: 20.0, friction: 0.4, ..plain() };
     let stiff = Material { thread_stiffness: 1e4, shear_stiffness: 1e3, ..soft };
@@ -51,19 +67,56 @@ fn variants() -> [Variant; 4] {
     let damped = Material { flexural_rigidity: 1e-5, damping: 0.002, ..soft };
     let axial = Material { damping_form: DampingForm::Axial, max_strain: 0.02, ..damped };
     let flexion = Settings { lumping: MassLumping::Equal, bending: Bending::Flexion, ..springs };
+    let (sheet, uneven, mesh) = (Shape::Sheet, Shape::UnevenSheet, Shape::Mesh);
     [
-        Variant { what: "threads", settings: threads, material: stiff, even: true, points: true },
-        Variant { what: "limited", settings: threads, material: axial, even: false, points: false },
-        Variant { what: "springs", settings: springs, material: damped, even: true, points: true },
-        Variant { what: "flexion", settings: flexion, material: axial, even: false, points: true },
+        Variant { what: "threads", settings: threads, material: stiff, shape: sheet, points: true },
+        Variant {
+            what: "limited",
+            settings: threads,
+            material: axial,
+            shape: uneven,
+            points: false,
+        },
+        Variant {
+            what: "springs",
+            settings: springs,
+            material: damped,
+            shape: sheet,
+            points: true,
+        },
+        Variant {
+            what: "flexion",
+            settings: flexion,
+            material: axial,
+            shape: uneven,
+            points: true,
+        },
+        Variant {
+            what: "mesh, threads",
+            settings: threads,
+            material: axial,
+            shape: mesh,
+            points: true,
+        },
+        Variant {
+            what: "mesh, springs",
+            settings: springs,
+            material: damped,
+            shape: mesh,
+            points: false,
+        },
     ]
 }
 
-/// A sheet that swings into a ball that comes towards it: the bits after each tick, and what the ball was given.
-fn busy(variant: &Variant, shared: bool, staged: bool) -> Vec<(Vec<[u32; 6]>, [u32; 3])> {
-    let Variant { settings, material, even, points, .. } = *variant;
-    let lattice = lattice(even, settings.lumping);
-    let mut solver = at_rest(&lattice, Vec3::ZERO, material, settings);
+/// A cloth that swings into a ball that comes towards it: the bits after each tick, and what the ball was given.
+fn busy(
+    variant: &Variant,
+    topology: &Topology,
+    shared: bool,
+    staged: bool,
+) -> Vec<(Vec<[u32; 6]>, [u32; 3])> {
+    let Variant { settings, material, points, .. } = *variant;
+    let mut solver = at_rest(topology, Vec3::ZERO, material, settings);
     solver.set_shared(shared);
     let [rows, columns] = SIZE.map(|n| n as u32);
     let corners =
@@ -113,12 +166,13 @@ fn take_tick(solver: &mut ClothSolver, input: &StepInput<'_>, staged: bool) {
 #[test]
 fn any_number_of_threads_gives_the_bits_of_one_piece() {
     for variant in variants() {
-        let whole = busy(&variant, false, false);
+        let topology = topology(variant.shape, variant.settings.lumping);
+        let whole = busy(&variant, &topology, false, false);
         let (first, last) = (&whole[0], &whole[TICKS as usize - 1]);
         assert!(first.0 != last.0, "{}: nothing moved", variant.what);
         assert!(whole.iter().any(|(_, impulse)| *impulse != [0; 3]), "{}: no touch", variant.what);
         for (threads, staged) in [(1, false), (2, false), (4, false), (2, true)] {
-            let shared = pool(threads).install(|| busy(&variant, true, staged));
+            let shared = pool(threads).install(|| busy(&variant, &topology, true, staged));
             for (tick, (a, b)) in whole.iter().zip(&shared).enumerate() {
                 let what = format!("{}, {threads} threads, tick {tick}", variant.what);
                 let columns = SIZE[1];
@@ -135,9 +189,9 @@ fn any_number_of_threads_gives_the_bits_of_one_piece() {
 /// it.
 #[test]
 fn an_observed_tick_is_the_same_tick() {
-    let Variant { settings, material, even, .. } = variants()[0];
-    let lattice = lattice(even, settings.lumping);
-    let mut plain = at_rest(&lattice, Vec3::ZERO, material, settings);
+    let Variant { settings, material, shape, .. } = variants()[0];
+    let topology = topology(shape, settings.lumping);
+    let mut plain = at_rest(&topology, Vec3::ZERO, material, settings);
     plain.set_shared(true);
     let mut observed = plain.clone();
     let input = StepInput { dt: TICK, gravity: GRAVITY, ..StepInput::default() };

@@ -127,7 +127,7 @@ pub struct ClothSolver {
     settings: Settings,
     isa: Isa,
     bands: Bands,
-    /// Whether threads share a large sheet.
+    /// Whether threads share a large cloth.
     shares: bool,
     pins: Pins,
     soft: Vec<constraints::soft_pins::Spring>,

@@ -58,7 +58,7 @@ impl Kernel for Farthest<'_> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let inside = self.layout.columns - column;
+                let inside = self.layout.inside(row, column);
                 let (x, mark) = (Block3::load(self.x, slot), Block3::load(self.mark, slot));
                 for i in 0..LANES {
                     let way = x.at(i) - mark.at(i) + self.shift;

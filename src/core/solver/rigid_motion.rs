@@ -272,7 +272,7 @@ impl Kernel for Place<'_> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let inside = self.layout.columns - column;
+                let inside = self.layout.inside(row, column);
                 let mut v = Block3::load(self.to, slot);
                 for i in 0..LANES {
                     let p = v.at(i);

@@ -187,7 +187,7 @@ impl ClothSolver {
         self.isa = isa;
     }
 
-    /// Says whether all threads of rayon's pool share the work on a large sheet, as they do by default: same
+    /// Says whether all threads of rayon's pool share the work on a large cloth, as they do by default: same
     /// bits, other speed.
     pub fn set_shared(&mut self, shares: bool) {
         self.shares = shares;
@@ -198,11 +198,14 @@ impl ClothSolver {
         self.bands.rows.count()
     }
 
-    /// Whether this is a large sheet that is to be shared.
+    /// Whether this is a large cloth that is to be shared.
     pub(crate) fn is_to_share(&self) -> bool {
         self.shares
-            && self.topology.as_lattice().is_some()
-            && Bands::pays(self.topology.layout(), self.plan.stretching)
+            && Bands::pays(
+                self.topology.layout(),
+                self.plan.stretching,
+                self.topology.as_lattice().is_some(),
+            )
     }
 
     /// Cuts it where there is more than one thread to share it.

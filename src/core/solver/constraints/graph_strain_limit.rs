@@ -5,131 +5,146 @@ use crate::solver::constraints::strain_limit::{
 };
 use crate::solver::contact::divide;
 use crate::solver::simd::block::{Block, Block3, larger};
-use crate::solver::simd::gather::Places;
+use crate::solver::simd::gather::PlacesMut;
 use crate::solver::simd::isa::{Kernel, TransposingKernel};
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::parallel::Largest;
 use crate::solver::simd::soa::Soa;
 use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::coloring::Pairs;
+use crate::solver::topology::graph::domains::{Domain, DomainBand, cut_between_domains};
 
 /// Moves the ends of springs towards their target lengths.
 pub(crate) struct CorrectPairs<'a> {
-    pub pairs: &'a Pairs,
+    pub band: DomainBand,
+    pub domains: &'a [Domain<Pairs>],
     pub rule: Rule,
     /// Whether any particle lies on a collider.
     pub touches: bool,
-    pub places: &'a mut Places,
+    pub places: PlacesMut<'a>,
 }
+
+cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; places);
 
 impl TransposingKernel for CorrectPairs<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self, t: impl Transpose) {
-        match self.rule {
-            Rule::Shear { compliance, limit } => self.correct(t, |spring| {
-                let elastic = (spring.length - spring.rest)
-                    / (spring.inverse_masses + spring.factor * compliance);
-                larger(elastic, spring.pull_to(limit))
-            }),
-            Rule::Limit { limit, .. } => {
-                self.correct(t, |spring| larger(spring.pull_to(limit), 0.0));
+        for Domain { slots, work: pairs } in self.domains {
+            let (touches, places) = (self.touches, self.places.within(slots));
+            match self.rule {
+                Rule::Shear { compliance, limit } => correct(t, pairs, touches, places, |spring| {
+                    let elastic = (spring.length - spring.rest)
+                        / (spring.inverse_masses + spring.factor * compliance);
+                    larger(elastic, spring.pull_to(limit))
+                }),
+                Rule::Limit { limit, .. } => {
+                    correct(t, pairs, touches, places, |spring| larger(spring.pull_to(limit), 0.0))
+                }
             }
         }
     }
 }
 
-impl CorrectPairs<'_> {
-    #[inline(always)]
-    fn correct(&mut self, t: impl Transpose, law: impl Fn(Spring) -> f32 + Copy) {
-        for at in (0..self.pairs.first.len()).step_by(LANES) {
-            let (first, second) = (&self.pairs.first, &self.pairs.second);
-            let rest = Block::load(&self.pairs.rest, at);
-            let factor = Block::load(&self.pairs.compliance, at);
-            let (xp, wp) = self.places.gather_moved(t, first, at);
-            let (xq, wq) = self.places.gather_moved(t, second, at);
-            // Not by closures, which would be calls.
-            let normals = if self.touches {
-                let np = self.places.gather_normals(t, first, at);
-                Some([np, self.places.gather_normals(t, second, at)])
-            } else {
-                None
+#[inline(always)]
+fn correct(
+    t: impl Transpose,
+    pairs: &Pairs,
+    touches: bool,
+    mut places: PlacesMut<'_>,
+    law: impl Fn(Spring) -> f32 + Copy,
+) {
+    for at in (0..pairs.first.len()).step_by(LANES) {
+        let (first, second) = (&pairs.first, &pairs.second);
+        let rest = Block::load(&pairs.rest, at);
+        let factor = Block::load(&pairs.compliance, at);
+        let (xp, wp) = places.gather_moved(t, first, at);
+        let (xq, wq) = places.gather_moved(t, second, at);
+        // Not by closures, which would be calls.
+        let normals = if touches {
+            let np = places.gather_normals(t, first, at);
+            Some([np, places.gather_normals(t, second, at)])
+        } else {
+            None
+        };
+        let mut pulls = Block3::ZERO;
+        let mut strongest = Block::ZERO;
+        for i in 0..LANES {
+            let way = xq.at(i) - xp.at(i);
+            let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
+            let all = wp.0[i] + wq.0[i];
+            let both = match &normals {
+                Some([np, nq]) => {
+                    let across = [np.at(i).dot(way), nq.at(i).dot(way)];
+                    mobility(all, across, length, [wp.0[i], wq.0[i]])
+                }
+                None => all,
             };
-            let mut pulls = Block3::ZERO;
-            let mut strongest = Block::ZERO;
-            for i in 0..LANES {
-                let way = xq.at(i) - xp.at(i);
-                let length = larger(way.dot(way).sqrt(), LEAST_LENGTH);
-                let all = wp.0[i] + wq.0[i];
-                let both = match &normals {
-                    Some([np, nq]) => {
-                        let across = [np.at(i).dot(way), nq.at(i).dot(way)];
-                        mobility(all, across, length, [wp.0[i], wq.0[i]])
-                    }
-                    None => all,
-                };
-                let inverse_masses = larger(both, LEAST_DIVISOR);
-                let spring =
-                    Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
-                let strength = law(spring);
-                strongest.0[i] = strength.abs();
-                pulls.set(i, way * (strength / length));
-            }
-            // Few springs are beyond their limit, and to put back what has not moved is dear.
-            if strongest.largest() == 0.0 {
-                continue;
-            }
-            let (mut pull_p, mut pull_q) = (pulls, pulls);
-            if let Some([np, nq]) = &normals {
-                let ((along_p, load_p), (along_q, load_q)) =
-                    (divide(&pulls, np), divide(&pulls, nq));
-                self.places.load(t, first, at, &load_p);
-                self.places.load(t, second, at, &load_q.negated());
-                (pull_p, pull_q) = (along_p, along_q);
-            }
-            let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
-            for i in 0..LANES {
-                dp.set(i, pull_p.at(i) * wp.0[i]);
-                dq.set(i, pull_q.at(i) * -wq.0[i]);
-            }
-            self.places.scatter(t, first, at, dp);
-            self.places.scatter(t, second, at, dq);
+            let inverse_masses = larger(both, LEAST_DIVISOR);
+            let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
+            let strength = law(spring);
+            strongest.0[i] = strength.abs();
+            pulls.set(i, way * (strength / length));
         }
+        // Few springs are beyond their limit, and to put back what has not moved is dear.
+        if strongest.largest() == 0.0 {
+            continue;
+        }
+        let (mut pull_p, mut pull_q) = (pulls, pulls);
+        if let Some([np, nq]) = &normals {
+            let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, np), divide(&pulls, nq));
+            places.load(t, first, at, &load_p);
+            places.load(t, second, at, &load_q.negated());
+            (pull_p, pull_q) = (along_p, along_q);
+        }
+        let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
+        for i in 0..LANES {
+            dp.set(i, pull_p.at(i) * wp.0[i]);
+            dq.set(i, pull_q.at(i) * -wq.0[i]);
+        }
+        places.scatter(t, first, at, dp);
+        places.scatter(t, second, at, dq);
     }
 }
 
 /// The largest strain of springs.
 pub(crate) struct LargestStrain<'a> {
-    pub pairs: &'a Pairs,
+    pub band: DomainBand,
+    pub domains: &'a [Domain<Pairs>],
     pub x: &'a Soa,
 }
 
+cut_between_domains!(LargestStrain: Kernel, run; domains);
+
 impl Kernel for LargestStrain<'_> {
-    type Output = f32;
+    type Output = Largest;
 
     #[inline(always)]
-    fn run(self) -> f32 {
+    fn run(self) -> Largest {
         let mut largest = Block::splat(-1.0);
-        for at in (0..self.pairs.first.len()).step_by(LANES) {
-            let rest = Block::load(&self.pairs.rest, at);
-            let p = gather(self.x, &self.pairs.first, at);
-            let q = gather(self.x, &self.pairs.second, at);
-            for i in 0..LANES {
-                let way = q.at(i) - p.at(i);
-                let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
-                let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
-                largest.0[i] = larger(strain, largest.0[i]);
+        for Domain { slots, work: pairs } in self.domains {
+            for at in (0..pairs.first.len()).step_by(LANES) {
+                let rest = Block::load(&pairs.rest, at);
+                let p = gather(self.x, slots.start, &pairs.first, at);
+                let q = gather(self.x, slots.start, &pairs.second, at);
+                for i in 0..LANES {
+                    let way = q.at(i) - p.at(i);
+                    let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
+                    let strain = if rest.0[i] > 0.0 { strain } else { -1.0 };
+                    largest.0[i] = larger(strain, largest.0[i]);
+                }
             }
         }
-        largest.largest()
+        Largest(largest.largest())
     }
 }
 
 #[inline(always)]
-fn gather(vectors: &Soa, slots: &[u32], at: usize) -> Block3 {
+fn gather(vectors: &Soa, from: usize, slots: &[u32], at: usize) -> Block3 {
     let mut out = Block3::ZERO;
     for (i, &slot) in slots[at..at + LANES].iter().enumerate() {
-        out.set(i, vectors.get(slot as usize));
+        out.set(i, vectors.get(from + slot as usize));
     }
     out
 }

@@ -135,8 +135,12 @@ impl Kernel for CorrectBatch<'_> {
 impl Cut for CorrectBatch<'_> {
     type Output = ();
 
-    fn band(&self) -> &Band {
-        &self.band
+    fn middle(&self) -> Option<usize> {
+        self.band.middle()
+    }
+
+    fn is_shared(&self) -> bool {
+        self.band.shared
     }
 
     fn cut(self, row: usize) -> (Self, Self) {

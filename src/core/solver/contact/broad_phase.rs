@@ -200,7 +200,7 @@ impl Kernel for BlockGaps<'_> {
         for row in 0..self.layout.rows {
             for column in (0..self.layout.columns).step_by(LANES) {
                 let slot = self.layout.slot(row, column);
-                let inside = self.layout.columns - column;
+                let inside = self.layout.inside(row, column);
                 let x = Block3::load(self.x, slot);
                 let mut gap = Block::ZERO;
                 for i in 0..LANES {

@@ -10,7 +10,7 @@ use crate::solver::contact::swept::Sweep;
 use crate::solver::simd::block::{Block, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{Band, Cut, Merge, cut_between_rows};
+use crate::solver::simd::parallel::{Band, Cut, Largest, Merge, cut_between_rows};
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, Soa};
 
@@ -20,20 +20,11 @@ pub(super) struct FurthestWay<'a> {
     pub d: &'a Soa,
 }
 
-/// The larger of two is what both come to.
-pub(super) struct Most(pub f32);
-
-impl Merge for Most {
-    fn merge(self, below: Self) -> Self {
-        Self(larger(self.0, below.0))
-    }
-}
-
 impl Kernel for FurthestWay<'_> {
-    type Output = Most;
+    type Output = Largest;
 
     #[inline(always)]
-    fn run(self) -> Most {
+    fn run(self) -> Largest {
         let Band { layout, rows, .. } = self.band;
         let mut most = Block::ZERO;
         let blocks = layout.blocks_across();
@@ -46,7 +37,7 @@ impl Kernel for FurthestWay<'_> {
                 }
             }
         }
-        Most(most.largest())
+        Largest(most.largest())
     }
 }
 
@@ -194,8 +185,12 @@ impl Kernel for MeetCollider<'_> {
 impl Cut for MeetCollider<'_> {
     type Output = Met;
 
-    fn band(&self) -> &Band {
-        &self.band
+    fn middle(&self) -> Option<usize> {
+        self.band.middle()
+    }
+
+    fn is_shared(&self) -> bool {
+        self.band.shared
     }
 
     fn cut(self, row: usize) -> (Self, Self) {

@@ -4,6 +4,8 @@ use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::gather::{Places, gather, store};
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::parallel::{Band, cut_between_rows};
+use crate::solver::simd::slots::SlotsOf;
 use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::couplings::Couplings;
@@ -14,21 +16,25 @@ const LEAST_TURN: f32 = 1e-12;
 
 /// Works out the moments `K (D - D0)` of all hinges.
 pub(crate) struct Turn<'a> {
+    /// Of pages of hinges.
+    pub band: Band,
     pub hinges: &'a Curved,
     /// K of each hinge \[N/m\].
     pub constants: &'a [f32],
     pub places: &'a Places,
-    pub moments: &'a mut [Four],
+    pub moments: SlotsOf<'a, Four>,
 }
+
+cut_between_rows!(transposing Turn, moments);
 
 impl TransposingKernel for Turn<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self, t: impl Transpose) {
+    fn run(mut self, t: impl Transpose) {
         let hinges = self.hinges;
         let x = &self.places.x;
-        for at in (0..hinges.room()).step_by(LANES) {
+        for at in self.band.slots().step_by(LANES) {
             let from = gather(t, x, &hinges.slots[0], at);
             let mut turn = Block3::ZERO;
             for corner in 0..3 {
@@ -45,7 +51,7 @@ impl TransposingKernel for Turn<'_> {
                 let length = larger(d.dot(d).sqrt(), LEAST_TURN);
                 turn.set(i, d * (constant.0[i] * (1.0 - rest.0[i] / length)));
             }
-            store(t, self.moments, at, turn, Block::ZERO);
+            store(t, self.moments.from(at), 0, turn, Block::ZERO);
         }
     }
 }

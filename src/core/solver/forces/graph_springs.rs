@@ -10,7 +10,9 @@ use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::gather::{Places, gather, load, store};
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::simd::parallel::{Band, cut_between_rows};
+use crate::solver::simd::slots::{CutAt, SlotsOf};
+use crate::solver::simd::soa::{Array, PartMut, Soa};
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::graph::adjacency::Table;
 
@@ -27,22 +29,25 @@ pub(crate) struct Pulls<'a> {
 
 /// Sets every acceleration to gravity plus what springs and hinges pull.
 pub(crate) struct GatherForces<'a> {
+    pub band: Band,
     /// Structural and shear springs, and flexion springs, where they have any constant.
     pub springs: [Option<Pulls<'a>>; 2],
     /// Hinges that are flat at rest, and those that are curved, where they have any rigidity.
     pub bent: Option<(Coupled<'a>, Turned<'a>)>,
     pub gravity: Vec3,
     pub places: &'a Places,
-    pub a: &'a mut Soa,
+    pub a: PartMut<'a>,
 }
+
+cut_between_rows!(transposing GatherForces, a);
 
 impl TransposingKernel for GatherForces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self, t: impl Transpose) {
+    fn run(mut self, t: impl Transpose) {
         let all = &self.places.x;
-        for slot in (0..all.len()).step_by(LANES) {
+        for slot in self.band.slots().step_by(LANES) {
             let block = slot / LANES;
             let (here, w) = load(t, all, slot);
             let mut force = Block3::ZERO;
@@ -59,7 +64,7 @@ impl TransposingKernel for GatherForces<'_> {
                 let g = if w > 0.0 { self.gravity } else { Vec3::ZERO };
                 a.set(i, force.at(i) * w + g);
             }
-            a.store(self.a, slot);
+            a.store(&mut self.a, slot);
         }
     }
 }
@@ -88,6 +93,7 @@ impl Pulls<'_> {
 
 /// Works out the damping force `D` of displacements, as `AddDamping` does on a lattice.
 pub(crate) struct GatherDamping<'a> {
+    pub band: Band,
     pub springs: Damped<'a>,
     pub places: &'a Places,
     pub target: Target<'a>,
@@ -114,21 +120,40 @@ pub(crate) enum Target<'a> {
         gain: f32,
         /// Accelerations without damping.
         a: &'a Soa,
-        predicted: &'a mut [Four],
+        predicted: SlotsOf<'a, Four>,
     },
     /// Accelerations: `a + D w`, of predicted displacements.
-    Accelerations { predicted: &'a [Four], a: &'a mut Soa },
+    Accelerations { predicted: &'a [Four], a: PartMut<'a> },
 }
+
+impl CutAt for Target<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        match self {
+            Self::Predict { keep, gain, a, predicted } => {
+                let (predicted, below) = predicted.cut(slot);
+                let below = Self::Predict { keep, gain, a, predicted: below };
+                (Self::Predict { keep, gain, a, predicted }, below)
+            }
+            Self::Accelerations { predicted, a } => {
+                let (a, below) = a.cut(slot);
+                let below = Self::Accelerations { predicted, a: below };
+                (Self::Accelerations { predicted, a }, below)
+            }
+        }
+    }
+}
+
+cut_between_rows!(transposing GatherDamping, target);
 
 impl TransposingKernel for GatherDamping<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self, t: impl Transpose) {
-        let Self { springs, places, target } = self;
+        let Self { band, springs, places, target } = self;
         match target {
-            Target::Predict { keep, gain, a, predicted } => {
-                for slot in (0..predicted.len()).step_by(LANES) {
+            Target::Predict { keep, gain, a, mut predicted } => {
+                for slot in band.slots().step_by(LANES) {
                     let (force, d, w) = springs.force(t, slot, places, &places.d);
                     let a = Block3::load(a, slot);
                     let mut out = Block3::ZERO;
@@ -136,17 +161,17 @@ impl TransposingKernel for GatherDamping<'_> {
                         let damped = a.at(i) + force.at(i) * w.0[i];
                         out.set(i, d.at(i) * keep + damped * gain);
                     }
-                    store(t, predicted, slot, out, Block::ZERO);
+                    store(t, predicted.from(slot), 0, out, Block::ZERO);
                 }
             }
-            Target::Accelerations { predicted, a } => {
-                for slot in (0..predicted.len()).step_by(LANES) {
+            Target::Accelerations { predicted, mut a } => {
+                for slot in band.slots().step_by(LANES) {
                     let (force, _, w) = springs.force(t, slot, places, predicted);
-                    let mut out = Block3::load(a, slot);
+                    let mut out = Block3::load(&a, slot);
                     for i in 0..LANES {
                         out.set(i, out.at(i) + force.at(i) * w.0[i]);
                     }
-                    out.store(a, slot);
+                    out.store(&mut a, slot);
                 }
             }
         }

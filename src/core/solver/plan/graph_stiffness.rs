@@ -5,7 +5,7 @@
 use crate::solver::forces::families::Constants;
 use crate::solver::plan::stability::{Bound, Shares};
 use crate::solver::settings::Bending;
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Graph;
 use crate::solver::topology::graph::adjacency::Table;
@@ -61,7 +61,7 @@ impl GraphStiffness {
             springs: graph.springs.room(),
             damping: graph.springs.room(),
             flexion: None,
-            hinges: Array::zeros(graph.hinges.all.len().next_multiple_of(LANES)),
+            hinges: Array::zeros(Layout::paged(graph.hinges.all.len()).len()),
             couplings: graph.hinges.flat.room(),
             clamp: graph.hinges.all.iter().map(clamp).collect(),
             shares: vec![Shares::WHOLE; graph.layout.len()],

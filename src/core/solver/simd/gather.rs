@@ -1,8 +1,11 @@
 //! Particles one after the other instead of coordinate by coordinate: what is gathered by index comes
 //! in one piece.
 
+use core::ops::Range;
+
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::slots::{CutAt, SlotsOf};
 use crate::solver::simd::transpose::{Four, Transpose};
 
 /// Particles one after the other, to be gathered by index.
@@ -22,12 +25,45 @@ impl Places {
         Self { x: none.clone(), d: none.clone(), normals: none }
     }
 
+    /// All of them, to be cut into parts.
+    pub fn part_mut(&mut self) -> PlacesMut<'_> {
+        let Self { x, d, normals } = self;
+        let [x, d, normals] = [x, d, normals].map(|fours| SlotsOf::all(fours));
+        PlacesMut { x, d, normals }
+    }
+}
+
+/// The places of some neighbouring slots, written while others write those of the rest. What is gathered is counted from
+/// the first of them.
+#[derive(Debug)]
+pub(crate) struct PlacesMut<'a> {
+    pub x: SlotsOf<'a, Four>,
+    pub d: SlotsOf<'a, Four>,
+    pub normals: SlotsOf<'a, Four>,
+}
+
+impl CutAt for PlacesMut<'_> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let [(x, x_below), (d, d_below), (normals, normals_below)] =
+            [self.x, self.d, self.normals].map(|fours| fours.cut(slot));
+        (Self { x, d, normals }, Self { x: x_below, d: d_below, normals: normals_below })
+    }
+}
+
+impl PlacesMut<'_> {
+    /// The places of some slots.
+    #[inline(always)]
+    pub fn within(&mut self, slots: &Range<usize>) -> PlacesMut<'_> {
+        let Self { x, d, normals } = self;
+        PlacesMut { x: x.within(slots), d: d.within(slots), normals: normals.within(slots) }
+    }
+
     /// Where particles are, and their inverse masses.
     #[inline(always)]
     pub fn gather_moved(&self, t: impl Transpose, slots: &[u32], at: usize) -> (Block3, Block) {
         let slots = row(slots, at);
         // Of one length, so that one check of a slot does for both.
-        let (all_x, all_d) = (&self.x[..], &self.d[..self.x.len()]);
+        let (all_x, all_d) = (&*self.x.values, &self.d.values[..self.x.values.len()]);
         let [x, y, z, w] = t.apart(|i| {
             let slot = slots[i] as usize;
             sum(all_x[slot], all_d[slot])
@@ -38,7 +74,7 @@ impl Places {
     /// Normals of what particles lie on.
     #[inline(always)]
     pub fn gather_normals(&self, t: impl Transpose, slots: &[u32], at: usize) -> Block3 {
-        gather(t, &self.normals, slots, at)
+        gather(t, self.normals.values, slots, at)
     }
 
     /// Adds what the particles lie on bears.
@@ -46,17 +82,17 @@ impl Places {
     pub fn load(&mut self, t: impl Transpose, slots: &[u32], at: usize, load: &Block) {
         let fours = t.together(&[Block::ZERO, Block::ZERO, Block::ZERO, *load]);
         for (load, slot) in fours.into_iter().zip(row(slots, at)) {
-            let to = &mut self.normals[slot as usize];
+            let to = &mut self.normals.values[slot as usize];
             *to = sum(*to, load);
         }
     }
 
-    /// Displaces particles, which are all different but for the one beside the cloth.
+    /// Displaces particles, which are all different but for those that are displaced by nothing.
     #[inline(always)]
     pub fn scatter(&mut self, t: impl Transpose, slots: &[u32], at: usize, by: Block3) {
         let fours = t.together(&[by.x, by.y, by.z, Block::ZERO]);
         for (by, slot) in fours.into_iter().zip(row(slots, at)) {
-            let d = &mut self.d[slot as usize];
+            let d = &mut self.d.values[slot as usize];
             *d = sum(*d, by);
         }
     }

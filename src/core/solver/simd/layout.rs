@@ -6,14 +6,19 @@ use crate::solver::simd::lanes::LANES;
 /// rows away are always in memory.
 const PAD_ROWS: usize = 2;
 
-/// How particles are laid out in memory: rows of `columns` particles, padded so that rows are whole
-/// blocks and every neighbour of a particle is in memory.
+/// Particles in a page of a mesh. Sixteen of them are the least that a thread takes on.
+const PAGE: usize = 256;
+
+/// How particles are laid out in memory. Those of a lattice are in its rows, padded so that rows are whole blocks and
+/// every neighbour of a particle is in memory; those of a mesh are one after the other, in rows that are pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub rows: usize,
     pub columns: usize,
     /// Distance between rows in memory.
     pub stride: usize,
+    /// Particles in all: the last page of a mesh need not be full.
+    particles: usize,
     /// The slot of the first particle.
     first: usize,
     /// Slots of memory, padding included.
@@ -26,14 +31,28 @@ impl Layout {
         let stride = columns.next_multiple_of(LANES) + LANES;
         let first = PAD_ROWS * stride;
         let len = (rows.next_multiple_of(LANES) + 2 * PAD_ROWS) * stride + LANES;
-        Self { rows, columns, stride, first, len }
+        Self { rows, columns, stride, particles: rows * columns, first, len }
     }
 
-    /// Particles in one row, without neighbours in memory; at least one slot after the last of them
+    /// Particles one after the other, in pages, without neighbours in memory; at least one slot after the last of them
     /// is padding.
-    pub fn one_row(particles: usize) -> Self {
-        let len = (particles + 1).next_multiple_of(LANES);
-        Self { rows: 1, columns: particles, stride: len, first: 0, len }
+    pub fn paged(particles: usize) -> Self {
+        let whole = if particles < PAGE { LANES } else { PAGE };
+        let len = (particles + 1).next_multiple_of(whole);
+        let stride = if particles < PAGE { len } else { PAGE };
+        Self { rows: len / stride, columns: particles.min(PAGE), stride, particles, first: 0, len }
+    }
+
+    /// Particles in all.
+    pub fn particles(&self) -> usize {
+        self.particles
+    }
+
+    /// Particles from one of a row on to the row's end; the rest of the row is padding.
+    #[inline(always)]
+    pub fn inside(&self, row: usize, column: usize) -> usize {
+        let before = row * self.columns + column;
+        self.particles.saturating_sub(before).min(self.columns - column)
     }
 
     /// Slots of memory, padding included.
@@ -55,7 +74,8 @@ impl Layout {
     /// The slots of all particles, row by row.
     pub fn slots(&self) -> impl Iterator<Item = usize> + use<> {
         let layout = *self;
-        (0..self.rows).flat_map(move |r| (0..layout.columns).map(move |c| layout.slot(r, c)))
+        let all = (0..self.rows).flat_map(move |r| (0..layout.columns).map(move |c| (r, c)));
+        all.take(self.particles).map(move |(r, c)| layout.slot(r, c))
     }
 
     /// Blocks of a row.

@@ -1,6 +1,6 @@
-//! Bands of rows: a large sheet is cut, so that the cores share the work.
+//! Bands of rows: a large cloth is cut, so that the cores share the work.
 //!
-//! A stage is a kernel over rows. Of a large sheet it is cut in two between rows, with what each half writes, and
+//! A stage is a kernel over rows. Of a large cloth it is cut in two between rows, with what each half writes, and
 //! so are the halves, down to bands; those run side by side in rayon's pool, which the application may
 //! set up. Where the cuts are depends on the sheet alone, and what bands find out is put together in their order:
 //! bits are the same on any number of cores. A kernel that looks at rows next to its own looks at what no other writes
@@ -10,12 +10,13 @@ use core::ops::Range;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use crate::solver::settings::Stretching;
+use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Part, Soa};
 
-/// Particles of a sheet at least that is cut: fewer are done sooner than handed over.
+/// Particles of a cloth at least that is cut: fewer are done sooner than handed over.
 const LEAST_CUT: usize = 12_000;
 /// Particles at least of a sheet of whole threads that is cut. Warp is solved by columns, all else by rows, so that half of its particles
 /// change cores twice in a substep.
@@ -33,14 +34,14 @@ pub(crate) struct Band {
     /// Rows from cut to cut: whole strips.
     each: usize,
     /// Whether bands are shared out; else one follows the other.
-    shared: bool,
+    pub shared: bool,
 }
 
 impl Band {
     /// All rows, to be cut into bands where they are many.
     pub fn all(layout: Layout) -> Self {
         let Layout { rows, columns, .. } = layout;
-        if rows * columns < LEAST_CUT {
+        if layout.particles() < LEAST_CUT {
             return Self::uncut(layout);
         }
         let enough = LEAST_BAND.div_ceil(columns);
@@ -65,6 +66,12 @@ impl Band {
         (count > 1).then(|| self.rows.start + count / 2 * self.each)
     }
 
+    /// The slots of its pages: all of a mesh, padding included.
+    pub fn slots(&self) -> Range<usize> {
+        let Self { layout, rows, .. } = self;
+        layout.slot(rows.start, 0)..layout.slot(rows.end, 0)
+    }
+
     /// The rows before one, and from it on.
     pub fn cut(self, row: usize) -> (Self, Self) {
         let (above, below) = (self.rows.start..row, row..self.rows.end);
@@ -77,7 +84,7 @@ impl Band {
     }
 }
 
-/// How a sheet is cut.
+/// How a cloth is cut.
 #[derive(Clone, Debug)]
 pub(crate) struct Bands {
     /// Between its rows.
@@ -89,13 +96,15 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    /// Whether cores can share a sheet to any profit.
-    pub fn pays(layout: Layout, form: Stretching) -> bool {
-        let least = match form {
-            Stretching::ImplicitThreads => LEAST_WOVEN,
-            Stretching::ExplicitSprings => LEAST_CUT,
-        };
-        layout.rows * layout.columns >= least
+    /// Whether cores can share a sheet, or else a mesh, to any profit.
+    pub fn pays(layout: Layout, form: Stretching, is_sheet: bool) -> bool {
+        let is_woven = is_sheet && form == Stretching::ImplicitThreads;
+        layout.particles() >= if is_woven { LEAST_WOVEN } else { LEAST_CUT }
+    }
+
+    /// Whether bands are shared out; else one follows the other.
+    pub fn are_shared(&self) -> bool {
+        self.sums.shared
     }
 
     /// For all cores, or for one. What lies in one row is never cut.
@@ -195,26 +204,40 @@ impl<T: Clone> Clone for Workspaces<T> {
     }
 }
 
-/// A kernel that can be cut in two between rows.
+/// A kernel that can be cut in two: between rows, or between the domains of a mesh.
 pub(crate) trait Cut: Sized + Send {
     /// The result for a band.
     type Output: Merge;
-    /// The rows that it works on.
-    fn band(&self) -> &Band;
-    /// The same for the rows before one, and from it on.
-    fn cut(self, row: usize) -> (Self, Self);
-    /// Works on its rows.
+    /// The row or the domain where it is cut next, if it is.
+    fn middle(&self) -> Option<usize>;
+    /// Whether its parts are shared out; else one follows the other.
+    fn is_shared(&self) -> bool;
+    /// The same for what comes before the middle, and from it on.
+    fn cut(self, middle: usize) -> (Self, Self);
+    /// Works on all of it.
     fn run(self, isa: Isa) -> Self::Output;
 }
 
 /// Makes a kernel with a `band` one that can be cut, with these of its fields. What else it has, both halves share.
 macro_rules! cut_between_rows {
     ($kernel:ident $(, $part:ident)*) => {
+        $crate::solver::simd::parallel::cut_between_rows!(@ $kernel, Kernel, run $(, $part)*);
+    };
+    (transposing $kernel:ident $(, $part:ident)*) => {
+        $crate::solver::simd::parallel::cut_between_rows!(
+            @ $kernel, TransposingKernel, run_transposing $(, $part)*
+        );
+    };
+    (@ $kernel:ident, $trait:ident, $run:ident $(, $part:ident)*) => {
         impl $crate::solver::simd::parallel::Cut for $kernel<'_> {
-            type Output = <Self as $crate::solver::simd::isa::Kernel>::Output;
+            type Output = <Self as $crate::solver::simd::isa::$trait>::Output;
 
-            fn band(&self) -> &$crate::solver::simd::parallel::Band {
-                &self.band
+            fn middle(&self) -> Option<usize> {
+                self.band.middle()
+            }
+
+            fn is_shared(&self) -> bool {
+                self.band.shared
             }
 
             fn cut(self, row: usize) -> (Self, Self) {
@@ -227,7 +250,7 @@ macro_rules! cut_between_rows {
             }
 
             fn run(self, isa: $crate::solver::simd::isa::Isa) -> Self::Output {
-                isa.run(self)
+                isa.$run(self)
             }
         }
     };
@@ -251,6 +274,15 @@ impl Merge for bool {
     }
 }
 
+/// A number of which the larger of two is what both come to.
+pub(crate) struct Largest(pub f32);
+
+impl Merge for Largest {
+    fn merge(self, below: Self) -> Self {
+        Self(larger(self.0, below.0))
+    }
+}
+
 /// Calls `act` where [`run`] shares out its bands, as each of its runs would else be handed over there.
 pub(crate) fn inside<R: Send>(act: impl FnOnce() -> R + Send) -> R {
     rayon::join(act, || ()).0
@@ -258,8 +290,8 @@ pub(crate) fn inside<R: Send>(act: impl FnOnce() -> R + Send) -> R {
 
 /// Runs a kernel on all of its rows.
 pub(crate) fn run<K: Cut>(isa: Isa, kernel: K) -> K::Output {
-    let Some(middle) = kernel.band().middle() else { return kernel.run(isa) };
-    let shared = kernel.band().shared;
+    let Some(middle) = kernel.middle() else { return kernel.run(isa) };
+    let shared = kernel.is_shared();
     let (above, below) = kernel.cut(middle);
     let (above, below) = if shared {
         rayon::join(|| run(isa, above), || run(isa, below))

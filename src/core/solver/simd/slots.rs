@@ -1,5 +1,7 @@
 //! Vectors by slot, whoever holds them, and what can be cut between slots.
 
+use core::ops::Range;
+
 use bevy_math::Vec3;
 
 use crate::solver::simd::lanes::LANES;
@@ -43,6 +45,40 @@ pub(crate) trait CutAt: Sized {
 impl<T: CutAt> CutAt for Option<T> {
     fn cut(self, slot: usize) -> (Self, Self) {
         self.map(|part| part.cut(slot)).unzip()
+    }
+}
+
+/// Values of neighbouring slots, written while others write those of the rest.
+#[derive(Debug)]
+pub(crate) struct SlotsOf<'a, T> {
+    first: usize,
+    pub values: &'a mut [T],
+}
+
+impl<'a, T> SlotsOf<'a, T> {
+    /// The values of all slots.
+    pub fn all(values: &'a mut [T]) -> Self {
+        Self { first: 0, values }
+    }
+
+    /// The values of some slots.
+    #[inline(always)]
+    pub fn within(&mut self, slots: &Range<usize>) -> SlotsOf<'_, T> {
+        let values = &mut self.values[slots.start - self.first..slots.end - self.first];
+        SlotsOf { first: slots.start, values }
+    }
+
+    /// The values from a slot on.
+    #[inline(always)]
+    pub fn from(&mut self, slot: usize) -> &mut [T] {
+        &mut self.values[slot - self.first..]
+    }
+}
+
+impl<T> CutAt for SlotsOf<'_, T> {
+    fn cut(self, slot: usize) -> (Self, Self) {
+        let (values, below) = self.values.split_at_mut(slot - self.first);
+        (Self { first: self.first, values }, Self { first: slot, values: below })
     }
 }
 

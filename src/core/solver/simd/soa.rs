@@ -193,6 +193,12 @@ impl<'a> ValuesMut<'a> {
         BlocksMut::new(self.values, slot - self.first, count)
     }
 
+    /// Sets the block of a slot.
+    #[inline(always)]
+    pub fn set(&mut self, slot: usize, values: &Block) {
+        values.store(self.values, slot - self.first);
+    }
+
     /// Adds to the block of a slot.
     #[inline(always)]
     pub fn add(&mut self, slot: usize, more: &Block) {

@@ -103,7 +103,7 @@ impl Kernel for TakeSurvey<'_> {
             };
             for block in 0..blocks {
                 let here = x.at(block);
-                let inside = layout.columns - block * LANES;
+                let inside = layout.inside(row, block * LANES);
                 totals.look_at_particles(&here, &d.at(block), &start.at(block), inside);
                 for (there, rest) in springs.iter().flatten() {
                     totals.look_at_springs(&here, &there.at(block), &rest.at(block));

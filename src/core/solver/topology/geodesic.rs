@@ -36,11 +36,11 @@ impl<'a> Ways<'a> {
                     })
                     .collect();
                 pairs.sort_by_key(|&(from, (to, ..))| (from, to));
-                let mut first = vec![0; graph.layout.columns + 1];
+                let mut first = vec![0; graph.particle_count() + 1];
                 for &(from, _) in &pairs {
                     first[from as usize + 1] += 1;
                 }
-                for slot in 0..graph.layout.columns {
+                for slot in 0..graph.particle_count() {
                     first[slot + 1] += first[slot];
                 }
                 let all = pairs.into_iter().map(|(_, way)| way).collect();

@@ -6,59 +6,83 @@ use crate::solver::constraints::threads::tridiagonal::{
     Between, Ends, Pivot, Pivots, Reach, Tension,
 };
 use crate::solver::simd::block::{Block, Block3};
-use crate::solver::simd::gather::Places;
+use crate::solver::simd::gather::PlacesMut;
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::parallel::Workspaces;
 use crate::solver::simd::soa::Array;
 use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::chains::{Bundle, Chains};
+use crate::solver::topology::graph::domains::{Domain, DomainBand, Rounds, cut_between_domains};
 
-/// Solves all chains. Tells whether any spring was longer than its limit before it was corrected.
+/// What chains are solved in.
+#[derive(Clone, Debug)]
+pub(crate) struct ChainWorkspace {
+    /// Unknowns of a bundle.
+    line: Line,
+    /// Inverse masses along the chains of a bundle.
+    inverse_mass: Array,
+}
+
+impl ChainWorkspace {
+    /// Room for any bundle of some chains.
+    pub fn new(chains: &Rounds<Chains>) -> Self {
+        let longest = chains.iter().map(|domain| domain.work.longest()).max().unwrap_or(0) * LANES;
+        Self { line: Line::new(longest), inverse_mass: Array::zeros(longest) }
+    }
+}
+
+/// Solves all chains of a round. Tells whether any spring was longer than its limit before it was corrected.
 pub(crate) struct SolveChains<'a> {
-    pub chains: &'a Chains,
+    pub band: DomainBand,
+    pub domains: &'a [Domain<Chains>],
     pub reach: Reach,
     /// Whether any particle lies on a collider.
     pub touches: bool,
-    pub places: &'a mut Places,
-    pub line: &'a mut Line,
-    /// Inverse masses along the chains of a bundle.
-    pub inverse_mass: &'a mut Array,
+    pub places: PlacesMut<'a>,
+    pub workspaces: &'a Workspaces<ChainWorkspace>,
 }
+
+cut_between_domains!(SolveChains: TransposingKernel, run_transposing; domains; places);
 
 impl TransposingKernel for SolveChains<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn run(self, t: impl Transpose) -> bool {
-        let mut excess = Block::ZERO;
-        let Self { chains, reach, touches, places, line, inverse_mass } = self;
-        for bundle in &chains.bundles {
-            if touches {
-                let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, places };
-                solve(&reach, laid, line, &mut excess);
-            } else {
-                let laid = Laid::<_, false> { t, chains, bundle, inverse_mass, places };
-                solve(&reach, laid, line, &mut excess);
+        let Self { domains, reach, touches, mut places, workspaces, .. } = self;
+        let ChainWorkspace { line, inverse_mass } = &mut *workspaces.take();
+        let mut exceeds = false;
+        for Domain { slots, work: chains } in domains {
+            for bundle in &chains.bundles {
+                let places = places.within(slots);
+                exceeds |= if touches {
+                    let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, places };
+                    solve(&reach, laid, line)
+                } else {
+                    let laid = Laid::<_, false> { t, chains, bundle, inverse_mass, places };
+                    solve(&reach, laid, line)
+                };
             }
         }
-        excess.largest() > 0.0
+        exceeds
     }
 }
 
-/// Solves and corrects the chains of a bundle.
+/// Solves and corrects the chains of a bundle. Tells whether any spring was longer than its limit before.
 #[inline(always)]
 fn solve<T: Transpose, const TOUCH: bool>(
     reach: &Reach,
     mut laid: Laid<'_, T, TOUCH>,
     line: &mut Line,
-    excess: &mut Block,
-) {
+) -> bool {
     let mut pivots = Pivots::new(line, laid.bundle.rows - 1);
-    laid.eliminate(reach, &mut pivots, excess);
+    let exceeds = laid.eliminate(reach, &mut pivots);
     // Keeps taut chains from trembling.
     if laid.substitute(&pivots) > reach.steady {
         ease(line, &mut laid);
     }
+    exceeds
 }
 
 /// The chains of a bundle.
@@ -67,7 +91,7 @@ struct Laid<'a, T, const TOUCH: bool> {
     chains: &'a Chains,
     bundle: &'a Bundle,
     inverse_mass: &'a mut Array,
-    places: &'a mut Places,
+    places: PlacesMut<'a>,
 }
 
 impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
@@ -78,7 +102,8 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
     }
 
     #[inline(always)]
-    fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>, excess: &mut Block) {
+    fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>) -> bool {
+        let mut excess = Block::ZERO;
         let slots = &self.chains.slots;
         let (mut x0, mut w0) = self.places.gather_moved(self.t, slots, self.entry(0));
         let mut n0 = Ends::normals(self, 0);
@@ -86,16 +111,21 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
         let mut last = Pivot::default();
         for place in 1..self.bundle.rows {
             let at = self.entry(place);
-            let (x1, w1) = self.places.gather_moved(self.t, slots, at);
+            let (x1, mut w1) = self.places.gather_moved(self.t, slots, at);
             let n1 = Ends::normals(self, place);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
+            for i in 0..LANES {
+                // Where there is no spring, nothing is to move.
+                w1.0[i] = if rest.0[i] > 0.0 { w1.0[i] } else { 0.0 };
+            }
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
-            let next = last.next::<Self>(reach, &between, &rest, &factor, excess);
+            let next = last.next::<Self>(reach, &between, &rest, &factor, &mut excess);
             pivots.set::<Self>(place - 1, &next);
             w1.store(self.inverse_mass, place * LANES);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
+        excess.largest() > 0.0
     }
 
     /// Corrects the particles, and tells what a spring moved one by at most \[m\].

@@ -165,8 +165,12 @@ impl Kernel for SolveWarpApart<'_> {
 impl<'a> Cut for SolveWarpApart<'a> {
     type Output = bool;
 
-    fn band(&self) -> &Band {
-        &self.band
+    fn middle(&self) -> Option<usize> {
+        self.band.middle()
+    }
+
+    fn is_shared(&self) -> bool {
+        self.band.shared
     }
 
     fn cut(self, column: usize) -> (Self, Self) {
@@ -252,8 +256,12 @@ impl Kernel for PutBack<'_> {
 impl<'a> Cut for PutBack<'a> {
     type Output = ();
 
-    fn band(&self) -> &Band {
-        &self.band
+    fn middle(&self) -> Option<usize> {
+        self.band.middle()
+    }
+
+    fn is_shared(&self) -> bool {
+        self.band.shared
     }
 
     fn cut(self, row: usize) -> (Self, Self) {

@@ -70,8 +70,12 @@ impl TransposingKernel for SolveWeft<'_> {
 impl Cut for SolveWeft<'_> {
     type Output = bool;
 
-    fn band(&self) -> &Band {
-        &self.band
+    fn middle(&self) -> Option<usize> {
+        self.band.middle()
+    }
+
+    fn is_shared(&self) -> bool {
+        self.band.shared
     }
 
     fn cut(self, row: usize) -> (Self, Self) {

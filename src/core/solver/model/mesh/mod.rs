@@ -17,12 +17,15 @@ use crate::solver::plan::Plan;
 use crate::solver::plan::graph_stiffness::GraphStiffness;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::Bending;
+use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::{self, Bands};
+use crate::solver::simd::slots::SlotsOf;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::State;
 use crate::solver::state::measure::{Survey, TakeSurvey};
 use crate::solver::topology::graph::Graph;
+use crate::solver::topology::graph::domains::DomainBand;
 
 /// A mesh's rest shape, the constants of its springs and hinges, and what its stages work in.
 #[derive(Clone, Debug)]
@@ -47,7 +50,7 @@ impl Mesh {
     }
 
     /// Springs, hinges and gravity, from places as they are.
-    fn accumulate_forces(&mut self, isa: Isa, acting: &Acting<'_>, a: &mut Soa) {
+    fn accumulate_forces(&mut self, on: &Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
         let Self { graph, stiffness, workspace, .. } = self;
         let Acting { plan, gravity, .. } = *acting;
         let MeshWorkspace { places, moments, .. } = workspace;
@@ -56,7 +59,9 @@ impl Mesh {
         let bends = plan.explicit.bend > 0.0;
         if bends {
             let (hinges, constants) = (&hinges.curved, &stiffness.hinges);
-            isa.run_transposing(Turn { hinges, constants, places, moments });
+            let moments = SlotsOf::all(moments);
+            let band = hinges.band(on.bands.are_shared());
+            parallel::run(on.isa, Turn { band, hinges, constants, places, moments });
         }
         let flat = Coupled { couplings: &hinges.flat, constants: &stiffness.couplings };
         let curved = Turned { hinges: &hinges.curved, moments };
@@ -70,13 +75,15 @@ impl Mesh {
                 constant: &flexion.constants,
             });
         let pulls = explicit.thread > 0.0 || explicit.shear > 0.0;
-        isa.run_transposing(GatherForces {
+        let forces = GatherForces {
+            band: on.bands.rows.clone(),
             springs: [pulls.then_some(springs), flexion],
             bent: bends.then_some((flat, curved)),
             gravity,
             places,
-            a,
-        });
+            a: a.part_mut(),
+        };
+        parallel::run(on.isa, forces);
     }
 
     /// Damping, in the two steps that it takes on a sheet.
@@ -89,10 +96,16 @@ impl Mesh {
             form: acting.damping_form,
         };
         let MeshWorkspace { places, predicted, .. } = &mut self.workspace;
-        let target = Target::Predict { keep: half.decay, gain: half.gain * unit, a, predicted };
-        on.isa.run_transposing(GatherDamping { springs, places, target });
-        let target = Target::Accelerations { predicted, a };
-        on.isa.run_transposing(GatherDamping { springs, places, target });
+        let target = Target::Predict {
+            keep: half.decay,
+            gain: half.gain * unit,
+            a,
+            predicted: SlotsOf::all(predicted),
+        };
+        let band = || on.bands.rows.clone();
+        parallel::run(on.isa, GatherDamping { band: band(), springs, places, target });
+        let target = Target::Accelerations { predicted, a: a.part_mut() };
+        parallel::run(on.isa, GatherDamping { band: band(), springs, places, target });
     }
 }
 
@@ -132,8 +145,8 @@ impl Stages for Mesh {
     }
 
     fn accelerate(&mut self, on: Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
-        self.workspace.fill(on.isa, &on.pins.inverse_mass, on.state, false);
-        self.accumulate_forces(on.isa, acting, a);
+        self.workspace.fill(&on, false);
+        self.accumulate_forces(&on, acting, a);
         if let Some(pushes) = acting.pushes {
             pushes.add(on.isa, self.graph.layout, &on.pins.inverse_mass, a);
         }
@@ -143,7 +156,7 @@ impl Stages for Mesh {
     }
 
     fn begin_corrections(&mut self, on: Particles<'_>) {
-        self.workspace.fill(on.isa, &on.pins.inverse_mass, on.state, true);
+        self.workspace.fill(&on, true);
     }
 
     fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
@@ -151,15 +164,16 @@ impl Stages for Mesh {
     }
 
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool {
-        let MeshWorkspace { places, line, inverse_mass, .. } = &mut self.workspace;
-        on.isa.run_transposing(SolveChains {
-            touches: on.state.contacts.now.any,
-            chains: &self.graph.chains,
-            reach,
-            places,
-            line,
-            inverse_mass,
-        })
+        let MeshWorkspace { places, chains: workspaces, .. } = &mut self.workspace;
+        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
+        let mut exceeds = false;
+        for domains in &self.graph.chains.0 {
+            let band = DomainBand::all(domains, shared);
+            let places = places.part_mut();
+            let solve = SolveChains { band, domains, reach, touches, places, workspaces };
+            exceeds |= parallel::run(on.isa, solve);
+        }
+        exceeds
     }
 
     /// The pass looks for itself, as it goes.
@@ -169,26 +183,32 @@ impl Stages for Mesh {
 
     /// One batch of springs after the other.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) {
-        let touches = on.state.contacts.now.any;
+        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
         let (structural, shear) = match rule {
             Rule::Shear { .. } => (false, true),
             Rule::Limit { shear, .. } => (true, shear),
         };
-        let families =
-            [(structural, &self.graph.structural_pairs), (shear, &self.graph.shear_pairs)];
-        let places = &mut self.workspace.places;
-        for (_, pairs) in families.into_iter().filter(|&(wanted, _)| wanted) {
-            on.isa.run_transposing(CorrectPairs { pairs, rule, touches, places });
+        let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
+        let families = [(structural, structural_pairs), (shear, shear_pairs)];
+        let wanted = families.into_iter().filter(|&(wanted, _)| wanted);
+        for domains in wanted.flat_map(|(_, pairs)| &pairs.0) {
+            let band = DomainBand::all(domains, shared);
+            let places = self.workspace.places.part_mut();
+            parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places });
         }
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {
-        self.workspace.empty(on.isa, on.state);
+        self.workspace.empty(on);
     }
 
     fn survey(&self, isa: Isa, bands: &Bands, state: &State) -> Survey {
         let survey = parallel::run(isa, TakeSurvey::new(bands.rows.clone(), None, state));
-        let pairs = &self.graph.structural_pairs;
-        Survey { max_strain: isa.run(LargestStrain { pairs, x: &state.x }), ..survey }
+        let largest = |domains: &Vec<_>| {
+            let band = DomainBand::all(domains, bands.are_shared());
+            parallel::run(isa, LargestStrain { band, domains, x: &state.x }).0
+        };
+        let strains = self.graph.structural_pairs.0.iter().map(largest);
+        Survey { max_strain: strains.fold(survey.max_strain, larger), ..survey }
     }
 }

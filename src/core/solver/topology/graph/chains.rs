@@ -28,8 +28,8 @@ pub(crate) struct Bundle {
     pub rows: usize,
 }
 
-/// All chains, in rows of [`LANES`]: a row holds a particle of each chain of a bundle and the spring
-/// to it from the one before. Unused lanes have the particle beside the cloth.
+/// The chains of some springs, in rows of [`LANES`]: a row holds a particle of each chain of a bundle and the spring
+/// to it from the one before. Unused lanes hold the first particle of all, and no spring.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chains {
     pub bundles: Vec<Bundle>,
@@ -63,7 +63,7 @@ impl Chains {
         let mut out = Rows::default();
         for batch in coloured.chunk_by(|a, b| a.0 == b.0) {
             for bundle in batch.chunks(LANES) {
-                out.add(bundle, links, positions.len() as u32);
+                out.add(bundle, links);
             }
         }
         let array = |values: &[f32]| {
@@ -94,9 +94,9 @@ struct Rows {
 }
 
 impl Rows {
-    fn add(&mut self, chains: &[(u32, Chain)], links: &[Link], beside: u32) {
+    fn add(&mut self, chains: &[(u32, Chain)], links: &[Link]) {
+        let first = self.slots.len();
         let rows = chains.iter().map(|(_, chain)| chain.slots.len()).max().unwrap_or(0);
-        self.bundles.push(Bundle { first: self.slots.len(), rows });
         for row in 0..rows {
             for lane in 0..LANES {
                 let chain = chains.get(lane).map(|(_, chain)| chain);
@@ -104,11 +104,12 @@ impl Rows {
                 let before = row.checked_sub(1);
                 let link = chain.zip(before).and_then(|(chain, at)| chain.links.get(at));
                 let link = link.map(|&link| links[link as usize]);
-                self.slots.push(slot.copied().unwrap_or(beside));
+                self.slots.push(slot.copied().unwrap_or(0));
                 self.rest.push(link.map_or(0.0, |link| link.rest));
                 self.compliance.push(link.map_or(f32::INFINITY, |link| 1.0 / link.shape));
             }
         }
+        self.bundles.push(Bundle { first, rows });
     }
 }
 

@@ -32,8 +32,8 @@ impl Palette {
     }
 }
 
-/// Springs in rows of [`LANES`] that share no particle, but for the one beside the cloth that fills
-/// unused lanes.
+/// Springs in rows of [`LANES`] that share no particle. Unused lanes hold the first particle of all, at both ends of a
+/// spring without rest length.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pairs {
     /// Slots of first and second ends.
@@ -59,8 +59,7 @@ impl Pairs {
             order.extend(batch.iter().map(|&(_, link)| Some(links[link])));
             order.resize(order.len().next_multiple_of(LANES), None);
         }
-        let beside = particles as u32;
-        let end = |i: usize| move |link: &Option<Link>| link.map_or(beside, |link| link.ends[i]);
+        let end = |i: usize| move |link: &Option<Link>| link.map_or(0, |link| link.ends[i]);
         let mut rest = Array::zeros(order.len());
         let mut compliance = Array::zeros(order.len());
         for (i, link) in order.iter().enumerate() {

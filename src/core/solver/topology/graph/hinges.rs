@@ -16,7 +16,8 @@
 use bevy_math::DVec3;
 
 use crate::solver::settings::MassLumping;
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::parallel::Band;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::couplings::Couplings;
@@ -43,6 +44,8 @@ pub(crate) struct Hinges {
 /// Hinges that are curved at rest, in rows of [`LANES`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curved {
+    /// Of the hinges, as if they were particles.
+    layout: Layout,
     pub slots: [Vec<u32>; 4],
     pub weights: [Array; 3],
     pub turn: Array,
@@ -70,7 +73,7 @@ impl Hinges {
             .map(|edge| across_edge(mesh, edge, stiffness(edge.ends)));
         let (curved, flat): (Vec<Hinge>, Vec<Hinge>) =
             along.chain(across).partition(|hinge| hinge.turn != 0.0);
-        let slots = (mesh.positions.len() + 1).next_multiple_of(LANES);
+        let slots = Layout::paged(mesh.positions.len()).len();
         Self {
             curved: Curved::new(slots, mesh.positions.len() as u32, &curved),
             flat: Couplings::new(slots, &flat),
@@ -93,7 +96,8 @@ impl Hinges {
 impl Curved {
     /// The curved hinges of the particles of `slots` slots, of which `beside` is nobody's.
     fn new(slots: usize, beside: u32, all: &[Hinge]) -> Self {
-        let len = all.len().next_multiple_of(LANES);
+        let layout = Layout::paged(all.len());
+        let len = layout.len();
         let corner = |i: usize| {
             let mut slots: Vec<u32> = all.iter().map(|hinge| hinge.slots[i]).collect();
             slots.resize(len, beside);
@@ -119,6 +123,7 @@ impl Curved {
         let mut own_weight = table.room();
         table.fill(&mut own_weight, |source| all[source / 4].weights[source % 4]);
         Self {
+            layout,
             slots: [corner(0), corner(1), corner(2), corner(3)],
             weights: [
                 column(&|hinge| hinge.weights[1]),
@@ -131,9 +136,14 @@ impl Curved {
         }
     }
 
-    /// Hinges and what fills up their rows.
+    /// Hinges and what fills up their pages.
     pub fn room(&self) -> usize {
-        self.slots[0].len()
+        self.layout.len()
+    }
+
+    /// All hinges, to be cut into bands where threads are to share them.
+    pub fn band(&self, shared: bool) -> Band {
+        if shared { Band::all(self.layout) } else { Band::uncut(self.layout) }
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) mod adjacency;
 pub(crate) mod chains;
 pub(crate) mod coloring;
 pub(crate) mod couplings;
+pub(crate) mod domains;
 pub(crate) mod edges;
 mod error;
 pub(crate) mod grid_hinges;
@@ -31,6 +32,8 @@ mod reorder;
 mod springs;
 mod validate;
 pub(crate) mod wide_hinges;
+
+use core::ops::Range;
 
 use bevy_math::Vec3;
 
@@ -44,6 +47,7 @@ use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::adjacency::Table;
 use crate::solver::topology::graph::chains::Chains;
 use crate::solver::topology::graph::coloring::Pairs;
+use crate::solver::topology::graph::domains::Rounds;
 use crate::solver::topology::graph::edges::Mesh;
 use crate::solver::topology::graph::hinges::Hinges;
 use crate::solver::topology::graph::junctions::Junction;
@@ -81,11 +85,11 @@ pub struct Graph {
     pub(crate) structural: Vec<Link>,
     /// Shear springs.
     pub(crate) shear: Vec<Link>,
-    /// Structural springs in batches.
-    pub(crate) structural_pairs: Pairs,
-    pub(crate) shear_pairs: Pairs,
     /// Structural springs laid end to end.
-    pub(crate) chains: Chains,
+    pub(crate) chains: Rounds<Chains>,
+    /// Structural springs, and shear springs, in batches.
+    pub(crate) structural_pairs: Rounds<Pairs>,
+    pub(crate) shear_pairs: Rounds<Pairs>,
     /// Structural, then shear springs by particle, and their rest lengths \[m\].
     pub(crate) springs: Table,
     pub(crate) spring_rest: Array,
@@ -159,12 +163,16 @@ impl Graph {
         let link = |i: usize| structural.get(i).unwrap_or_else(|| &shear[i - structural.len()]);
         springs.fill(&mut spring_rest, |i| link(i).rest);
         let exact: Vec<_> = by_slot.iter().map(|p| p.as_dvec3()).collect();
+        let layout = Layout::paged(count);
+        let batches = |slots: &Range<usize>, links: &[Link]| Pairs::new(slots.len(), links);
         Ok(Self {
-            layout: Layout::one_row(count),
+            layout,
             lumping,
-            structural_pairs: Pairs::new(count, &structural),
-            shear_pairs: Pairs::new(count, &shear),
-            chains: Chains::new(&exact, &structural),
+            chains: Rounds::new(layout, &structural, |slots, links| {
+                Chains::new(&exact[slots.start..slots.end.min(count)], links)
+            }),
+            structural_pairs: Rounds::new(layout, &structural, batches),
+            shear_pairs: Rounds::new(layout, &shear, batches),
             flexion: springs::flexion(&mesh, &edges, weights.stiffness),
             hinges: Hinges::new(&mesh, &edges, lumping, |ends| springs::between(&stiffness, ends)),
             springs,
@@ -252,5 +260,5 @@ fn springs_table<'a>(particles: usize, links: impl Iterator<Item = &'a Link>) ->
         .enumerate()
         .flat_map(|(i, &Link { ends: [a, b], .. })| [(a, b, i as u32), (b, a, i as u32)])
         .collect();
-    Table::new(Layout::one_row(particles).len(), entries, |slot| slot)
+    Table::new(Layout::paged(particles).len(), entries, |slot| slot)
 }

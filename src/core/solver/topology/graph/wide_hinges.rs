@@ -4,6 +4,7 @@
 use std::sync::OnceLock;
 
 use bevy_math::Vec3;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::solver::topology::graph::Graph;
 use crate::solver::topology::wide_hinges::widths;
@@ -49,11 +50,14 @@ impl WideHinges {
     fn new(graph: &Graph) -> Self {
         let neighbours = Neighbours::new(graph);
         let count = graph.particle_count();
-        let mut wide_hinges = Vec::new();
-        for width in widths(count.isqrt()) {
-            wide_hinges.extend((0..count as u32).filter_map(|slot| neighbours.span(slot, width)));
-        }
-        Self(wide_hinges)
+        let widths: Vec<_> = widths(count.isqrt()).collect();
+        let mut all: Vec<_> = (0..count as u32)
+            .into_par_iter()
+            .flat_map_iter(|slot| neighbours.spans(slot, &widths))
+            .collect();
+        // Stable: those of a width in the order of their slots.
+        all.sort_by_key(|&(width, _)| width);
+        Self(all.into_iter().map(|(_, hinge)| hinge).collect())
     }
 }
 
@@ -88,9 +92,32 @@ impl Neighbours {
         self.positions[slot as usize]
     }
 
-    /// The hinge around a particle whose others are so many edges away; `None` where the mesh does not go as far in
-    /// three directions.
-    fn span(&self, slot: u32, width: usize) -> Option<WideHinge> {
+    /// The hinges around a particle whose others are so many edges away, and how many; none where the mesh does not go
+    /// as far in three directions. The widths ascend.
+    fn spans(
+        &self,
+        slot: u32,
+        widths: &[usize],
+    ) -> impl Iterator<Item = (usize, WideHinge)> + use<'_> {
+        let middle = self.at(slot);
+        let mut walkers = self.directions(slot).map(|ways| ways.map(|way| self.walker(slot, way)));
+        let ends = widths.to_vec().into_iter().map_while(move |width| {
+            let [a, b, c] = walkers.as_mut()?;
+            // Where one of them is at an end, the others need not go on.
+            let ends = [a.go_to(width)?, b.go_to(width)?, c.go_to(width)?];
+            Some((width, ends))
+        });
+        ends.filter_map(move |(width, ends)| {
+            weights(ends.map(|slot| self.at(slot) - middle))?;
+            let [end_a, end_b, end_c] = ends;
+            // In a cloth that bends about one axis, what the friction of its hinges does in all.
+            let most = 4.0 / (width * width) as f32;
+            Some((width, WideHinge { slots: [slot, end_a, end_b, end_c], most }))
+        })
+    }
+
+    /// Three directions along the mesh, a third of a turn apart; `None` for a particle without neighbours.
+    fn directions(&self, slot: u32) -> Option<[Vec3; 3]> {
         let middle = self.at(slot);
         let ahead = self.of(slot).iter().map(|&to| self.at(to) - middle);
         let along = ahead.clone().next()?.normalize_or_zero();
@@ -98,39 +125,57 @@ impl Neighbours {
         let beside = beside.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
         let beside = beside.normalize_or_zero();
         let third = |side: f32| along * -0.5 + beside * (side * 0.75_f32.sqrt());
-        let mut around = [slot; 3];
-        for (end, way) in around.iter_mut().zip([along, third(1.0), third(-1.0)]) {
-            *end = self.walk(slot, way, width)?;
-        }
-        weights(around.map(|slot| self.at(slot) - middle))?;
-        let [end_a, end_b, end_c] = around;
-        Some(WideHinge {
-            slots: [slot, end_a, end_b, end_c],
-            // In a cloth that bends about one axis, what the friction of its hinges does in all.
-            most: 4.0 / (width * width) as f32,
-        })
+        Some([along, third(1.0), third(-1.0)])
     }
 
-    /// Where a way leads that begins at a particle and goes along so many edges, as straight as there are any.
-    fn walk(&self, from: u32, way: Vec3, edges: usize) -> Option<u32> {
+    /// Goes from a particle in a direction.
+    fn walker(&self, from: u32, way: Vec3) -> Walker<'_> {
         let start = self.at(from);
-        let mut here = from;
-        for _ in 0..edges {
-            let gone = self.at(here) - start;
-            // Back to the straight line.
-            let beside = gone - way * way.dot(gone);
-            let toward = |to: u32| {
-                let edge = self.at(to) - self.at(here);
-                (edge + beside * 0.5).normalize_or_zero().dot(way)
-            };
-            let next = self.of(here).iter().copied();
-            here = next.max_by(|&a, &b| toward(a).total_cmp(&toward(b)))?;
-            let edge = self.at(here) - start - gone;
-            if edge.normalize_or_zero().dot(way) < AHEAD {
-                return None;
+        Walker { neighbours: self, way, start, here: from, at: start, gone: 0 }
+    }
+}
+
+/// Goes along edges, as straight as there are any.
+struct Walker<'a> {
+    neighbours: &'a Neighbours,
+    way: Vec3,
+    start: Vec3,
+    here: u32,
+    at: Vec3,
+    /// Edges up to here.
+    gone: usize,
+}
+
+impl Walker<'_> {
+    /// The particle that is so many edges from the start; `None` where the mesh does not go as far.
+    fn go_to(&mut self, edges: usize) -> Option<u32> {
+        while self.gone < edges {
+            self.step()?;
+        }
+        Some(self.here)
+    }
+
+    fn step(&mut self) -> Option<()> {
+        let gone = self.at - self.start;
+        // Back to the straight line.
+        let back = (gone - self.way * self.way.dot(gone)) * 0.5;
+        let (mut best, mut most) = (None, f32::NEG_INFINITY);
+        for &to in self.neighbours.of(self.here) {
+            let toward = self.neighbours.at(to) - self.at + back;
+            let along = toward.dot(self.way);
+            // The square of the cosine, with its sign.
+            let straight = along * along.abs() / toward.length_squared().max(f32::MIN_POSITIVE);
+            if straight > most {
+                (best, most) = (Some(to), straight);
             }
         }
-        Some(here)
+        let next = best?;
+        let edge = self.neighbours.at(next) - self.at;
+        if edge.normalize_or_zero().dot(self.way) < AHEAD {
+            return None;
+        }
+        (self.here, self.at, self.gone) = (next, self.neighbours.at(next), self.gone + 1);
+        Some(())
     }
 }
 
