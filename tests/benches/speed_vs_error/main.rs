@@ -162,7 +162,7 @@ fn draw(
     let mut files = Vec::new();
     for plot in &results.scene.plots {
         let metric = results.scene.errors[plot.metric].name.to_lowercase().replace([' ', '/'], "_");
-        let file = format!("{}_{metric}.svg", results.scene.name);
+        let file = format!("{}_{metric}{}.svg", results.scene.name, plot.against.names().0);
         plot::draw(&folder.join(&file), results, plot, levels, factor)?;
         files.push(file);
     }

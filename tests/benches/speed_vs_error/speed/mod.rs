@@ -102,11 +102,44 @@ pub struct Plot {
     pub chaos: Option<f64>,
     /// Which error of the peers is the same, if they ran this scene.
     pub peers: Option<peers::Error>,
+    pub against: Against,
+}
+
+/// What an error is drawn against.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Against {
+    /// Milliseconds a frame.
+    Time,
+    /// Substeps a frame.
+    Substeps,
+    /// Particles a side.
+    Resolution,
+}
+
+impl Against {
+    /// As files are called and axes are headed.
+    pub fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Time => ("", "milliseconds a frame of 1/60 s, one core"),
+            Self::Substeps => ("_by_substeps", "substeps a frame of 1/60 s"),
+            Self::Resolution => ("_by_resolution", "particles a side"),
+        }
+    }
+
+    /// The place of a point; NaN where it has none.
+    pub fn place(self, point: &Point) -> f64 {
+        let substeps = || point.knob.strip_suffix(" substeps")?.parse().ok();
+        match self {
+            Self::Time => point.time.median,
+            Self::Substeps => substeps().unwrap_or(f64::NAN),
+            Self::Resolution => point.n as f64,
+        }
+    }
 }
 
 impl Plot {
     pub fn of(metric: usize) -> Self {
-        Self { metric, n: None, floor: None, chaos: None, peers: None }
+        Self { metric, n: None, floor: None, chaos: None, peers: None, against: Against::Time }
     }
 }
 

@@ -1,10 +1,10 @@
-//! Work-precision plots: error against milliseconds a frame, both in powers of ten, a curve a method.
+//! Plots of error against milliseconds a frame, substeps or resolution, both in powers of ten, a curve a method.
 
 use std::{error::Error, path::Path};
 
 use plotters::{coord::Shift, prelude::*};
 
-use super::{Outcome, Plot, Point, Results, peers::DRAWN, peers::Level};
+use super::{Against, Outcome, Plot, Point, Results, peers::DRAWN, peers::Level};
 
 const WIDTH: u32 = 1080;
 const HEIGHT: u32 = 620;
@@ -54,8 +54,14 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
     let drawn = |point: &&Point| plot.n.is_none_or(|n| n == point.n);
     let mut curves: Vec<Curve> = Vec::new();
     for point in results.points.iter().filter(drawn) {
+        let place = plot.against.place(point);
+        if place.is_nan() {
+            continue;
+        }
         let by_size = is_by_size(results, point);
-        let name = if plot.n.is_some() || by_size {
+        let name = if plot.against == Against::Resolution {
+            format!("{}, {}", point.method, point.knob)
+        } else if plot.n.is_some() || by_size {
             point.method.clone()
         } else {
             format!("{}, n = {}", point.method, point.n)
@@ -74,11 +80,14 @@ fn own_curves(results: &Results<'_>, plot: &Plot) -> Vec<Curve> {
         });
         let error = point.errors.get(plot.metric).copied().unwrap_or(f64::NAN);
         if point.failed.is_some() || error.is_nan() {
-            curves[at].failed.push(point.time.median);
+            curves[at].failed.push(place);
         } else {
-            curves[at].points.push((point.time.median, error));
+            curves[at].points.push((place, error));
             let label = point.knob.strip_suffix(" substeps").unwrap_or_default();
-            curves[at].labels.push(if by_size { point.n.to_string() } else { label.to_owned() });
+            let label = if by_size { point.n.to_string() } else { label.to_owned() };
+            // Else the axis says it.
+            let is_said = plot.against != Against::Time;
+            curves[at].labels.push(if is_said { String::new() } else { label });
         }
     }
     curves
@@ -191,7 +200,7 @@ fn draw_chart(
         .build_cartesian_2d((left..right).log_scale(), (bottom..top).log_scale())?;
     chart
         .configure_mesh()
-        .x_desc("milliseconds a frame of 1/60 s, one core")
+        .x_desc(plot.against.names().1)
         .y_desc(metric.label())
         .axis_desc_style(("sans-serif", 16))
         .label_style(("sans-serif", 14))
@@ -210,7 +219,8 @@ fn draw_chart(
             DashedLineSeries::new([(left, floor), (right, floor)], 6, 4, BLACK.stroke_width(1));
         chart.draw_series(dashes)?;
     }
-    for guide in GUIDES.into_iter().filter(|guide| (left..right).contains(guide)) {
+    let guides = if plot.against == Against::Time { &GUIDES[..] } else { &[] };
+    for &guide in guides.iter().filter(|guide| (left..right).contains(*guide)) {
         let line = RGBColor(120, 120, 120).stroke_width(1);
         chart.draw_series(DashedLineSeries::new([(guide, bottom), (guide, top)], 2, 3, line))?;
         let style = ("sans-serif", 13).into_font().color(&RGBColor(90, 90, 90));
@@ -294,7 +304,9 @@ fn draw_legend(area: &Area<'_>, results: &Results<'_>, plot: &Plot, curves: &[Cu
         }
         write("", &nothing)?;
     }
-    if curves.iter().any(|curve| curve.own && !curve.labels.is_empty()) {
+    if plot.against == Against::Time
+        && curves.iter().any(|curve| curve.own && !curve.labels.is_empty())
+    {
         let by_size = results.points.iter().all(|point| is_by_size(results, point));
         let numbers = if by_size { "numbers: n" } else { "numbers: substeps a frame" };
         write(numbers, &nothing)?;

@@ -1,10 +1,11 @@
-//! The scenes, P1 to P12, HANG and DRAPE, and what they are made of.
+//! The scenes, P1 to P13, HANG and DRAPE, and what they are made of.
 
 mod ball;
 mod cantilever;
 mod contact;
 mod falls;
 mod incline;
+mod irregular;
 mod parts;
 pub mod scaling;
 mod statics;
@@ -19,7 +20,7 @@ use bevy_drape::solver::{Graph, Lattice, MassLumping, Topology};
 use super::{Extent, Outcome, Scene};
 
 /// A scene by the name that it is asked for with.
-pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 16] = [
+pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 18] = [
     ("hang", falls::hang),
     ("drape", falls::drape),
     ("p1", statics::strip),
@@ -34,6 +35,8 @@ pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 16] = [
     ("p10", contact::fast::scene),
     ("p11", contact::poke::scene),
     ("p12", contact::capstan::scene),
+    ("p13", irregular::hang),
+    ("p13_swing", irregular::swing),
     ("parts", parts::scene),
     ("scaling", scaling::scene),
 ];
@@ -82,6 +85,7 @@ impl Sheet {
         (0..self.rows * self.columns).map(place).collect()
     }
 
+    /// Where its particles start \[m\].
     pub fn start(&self) -> Vec<Vec3> {
         self.rest().iter().map(|&p| p + self.corner).collect()
     }

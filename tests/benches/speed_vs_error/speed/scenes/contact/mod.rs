@@ -12,13 +12,12 @@ use bevy::math::{Vec2, Vec3, primitives::InfinitePlane3d};
 use bevy_drape::{
     sdf::SignedDistance,
     solver::{
-        ClothSolver, Collider, Graph, Lattice, MassLumping, Material, Pose, Settings, Substeps,
-        Topology,
+        ClothSolver, Collider, Lattice, MassLumping, Material, Pose, Settings, Substeps, Topology,
     },
 };
 
-use super::super::run::dice;
 use super::super::{Extent, Outcome};
+use super::irregular;
 
 /// A cloth as a user gets it, but for its budget of substeps.
 #[derive(Clone, Copy)]
@@ -55,28 +54,7 @@ impl Cloth {
             let lattice = Lattice::sheet(Vec2::splat(side), n, n, MassLumping::Lumped)?;
             return Ok(Arc::new(lattice).into());
         }
-        const JITTER: f32 = 0.3;
-        let cell = side / (n - 1) as f32;
-        let mut roll = dice(7);
-        let mut positions = Vec::new();
-        for row in 0..n {
-            for column in 0..n {
-                let is_inner = row > 0 && row + 1 < n && column > 0 && column + 1 < n;
-                let off = Vec3::new(roll(), 0.0, roll()) * JITTER;
-                let off = if is_inner { off } else { Vec3::ZERO };
-                let place = Vec3::new(column as f32, 0.0, row as f32) + off;
-                positions.push(place * cell - Vec3::new(0.5, 0.0, 0.5) * side);
-            }
-        }
-        let mut triangles = Vec::new();
-        for [a, b, c, d] in self.cells() {
-            triangles.extend(if roll() > 0.0 {
-                [[a, c, d], [a, d, b]]
-            } else {
-                [[a, c, b], [b, c, d]]
-            });
-        }
-        Ok(Arc::new(Graph::new(&positions, &triangles, MassLumping::Lumped)?).into())
+        irregular::square(side, n, MassLumping::Lumped)
     }
 
     /// The corners of its cells: two of a row, and two of the next.
