@@ -8,8 +8,9 @@
 //! | `grid`, `intake` | the surface becomes rows and columns, or stays triangles |
 //! | `rest_shape`, `factors` | the shape at rest; factors of mass and stiffness |
 //! | `drawn` | the mesh that a cloth draws into, and what was last drawn |
-//! | `rest_cache` | equal rest shapes are shared |
+//! | `rest_cache`, `background` | equal rest shapes are shared; those of large meshes are made in the background |
 
+pub(crate) mod background;
 pub(crate) mod drawn;
 pub(crate) mod factors;
 pub(crate) mod grid;

@@ -1,4 +1,5 @@
-//! Rest shapes in use: equal cloths share one, and the last cloth takes it with it.
+//! Rest shapes in use: equal cloths share one, and the last cloth takes it with it. Those of large meshes are made in the
+//! background.
 
 use std::sync::{Arc, Weak};
 
@@ -6,8 +7,10 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
+use crate::mesh::background::{Background, LARGE};
 use crate::mesh::factors::Factors;
 use crate::mesh::intake::{Connection, MeshShape};
+use crate::mesh::raw::RawMesh;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights};
 
@@ -55,27 +58,46 @@ impl WeakTopology {
     }
 }
 
-/// The rest shapes in use.
+/// The rest shapes in use, and those that are being made.
 #[derive(Resource, Default)]
 pub(crate) struct RestCache {
     meshes: HashMap<u64, Weak<MeshShape>>,
     topologies: HashMap<TopologyKey, WeakTopology>,
+    meshes_to_be: Background<u64, Result<MeshShape, MeshProblem>>,
+    /// With the shape that each is made of, which nobody else may have yet.
+    topologies_to_be: Background<TopologyKey, (RestShape, Result<Topology, SolverError>)>,
 }
 
 impl RestCache {
-    /// The rest shape of a mesh, made only if no cloth has it.
+    /// The rest shape of a mesh, made only if no cloth has it; `None` while it is made in the background.
     pub fn mesh(
         &mut self,
         fingerprint: u64,
-        make: impl FnOnce() -> Result<MeshShape, MeshProblem>,
-    ) -> Result<Arc<MeshShape>, MeshProblem> {
+        mesh: &Mesh,
+    ) -> Result<Option<Arc<MeshShape>>, MeshProblem> {
         if let Some(shape) = self.meshes.get(&fingerprint).and_then(Weak::upgrade) {
-            return Ok(shape);
+            return Ok(Some(shape));
         }
-        let shape = Arc::new(make()?);
+        let made = if mesh.count_vertices() < LARGE {
+            MeshShape::new(RawMesh::read(mesh)?, fingerprint)
+        } else {
+            let begin = || {
+                let raw = RawMesh::read(mesh);
+                move || MeshShape::new(raw?, fingerprint)
+            };
+            let Some(made) = self.meshes_to_be.ask(fingerprint, begin) else { return Ok(None) };
+            made
+        };
+        let shape = Arc::new(made?);
         self.meshes.retain(|_, other| other.strong_count() > 0);
         self.meshes.insert(fingerprint, Arc::downgrade(&shape));
-        Ok(shape)
+        Ok(Some(shape))
+    }
+
+    /// Stops making what no cloth has asked for since the last call.
+    pub fn stop_forgotten(&mut self) {
+        self.meshes_to_be.stop_forgotten();
+        self.topologies_to_be.stop_forgotten();
     }
 
     /// A rest shape as the solver has it, made larger by `scale`.
@@ -86,6 +108,54 @@ impl RestCache {
         lumping: MassLumping,
         factors: Option<&Factors>,
     ) -> Result<Topology, SolverError> {
+        let key = TopologyKey::new(rest, scale, lumping, factors);
+        if let Some(topology) = self.topologies.get(&key).and_then(WeakTopology::upgrade) {
+            return Ok(topology);
+        }
+        let topology = topology(rest, scale, lumping, factors)?;
+        self.keep(key, &topology);
+        Ok(topology)
+    }
+
+    /// The same; `None` while it is made in the background, as that of a large mesh is. `rubs` tells whether the cloth has
+    /// friction of bending.
+    pub fn topology_to_be(
+        &mut self,
+        rest: &RestShape,
+        scale: f32,
+        lumping: MassLumping,
+        factors: Option<&Factors>,
+        rubs: bool,
+    ) -> Result<Option<Topology>, SolverError> {
+        let key = TopologyKey::new(rest, scale, lumping, factors);
+        let known = self.topologies.get(&key).and_then(WeakTopology::upgrade);
+        if known.is_some() || !rest.is_large_mesh() {
+            return self.topology(rest, scale, lumping, factors).map(Some);
+        }
+        let begin = || {
+            let (rest, factors) = (rest.clone(), factors.cloned());
+            move || {
+                let made = topology(&rest, scale, lumping, factors.as_ref());
+                if let (true, Ok(Topology::Graph(graph))) = (rubs, &made) {
+                    graph.prepare_bending_friction();
+                }
+                (rest, made)
+            }
+        };
+        let Some((_, made)) = self.topologies_to_be.ask(key, begin) else { return Ok(None) };
+        let topology = made?;
+        self.keep(key, &topology);
+        Ok(Some(topology))
+    }
+
+    fn keep(&mut self, key: TopologyKey, topology: &Topology) {
+        self.topologies.retain(|_, other| other.is_in_use());
+        self.topologies.insert(key, WeakTopology::of(topology));
+    }
+}
+
+impl TopologyKey {
+    fn new(rest: &RestShape, scale: f32, lumping: MassLumping, factors: Option<&Factors>) -> Self {
         let shape = match rest {
             RestShape::Sheet { size, particles } => ShapeKey::Sheet {
                 size: (*size * scale).to_array().map(f32::to_bits),
@@ -95,14 +165,7 @@ impl RestCache {
                 ShapeKey::Mesh { fingerprint: shape.fingerprint, scale: scale.to_bits() }
             }
         };
-        let key = TopologyKey { shape, lumping, factors: factors.map(Factors::fingerprint) };
-        if let Some(topology) = self.topologies.get(&key).and_then(WeakTopology::upgrade) {
-            return Ok(topology);
-        }
-        let topology = topology(rest, scale, lumping, factors)?;
-        self.topologies.retain(|_, other| other.is_in_use());
-        self.topologies.insert(key, WeakTopology::of(&topology));
-        Ok(topology)
+        Self { shape, lumping, factors: factors.map(Factors::fingerprint) }
     }
 }
 

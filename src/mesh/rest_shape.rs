@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use crate::mesh::background::LARGE;
 use crate::mesh::intake::{ClothIntake, MeshShape};
 
 /// The shape of a cloth at rest, in its entity's frame.
@@ -19,6 +20,11 @@ impl RestShape {
             Self::Sheet { particles, .. } => particles.x as usize * particles.y as usize,
             Self::Mesh(shape) => shape.positions.len(),
         }
+    }
+
+    /// Whether it is a mesh that is worked on in the background.
+    pub fn is_large_mesh(&self) -> bool {
+        matches!(self, Self::Mesh(_)) && self.vertex_count() >= LARGE
     }
 
     pub fn vertex_count(&self) -> usize {

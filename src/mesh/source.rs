@@ -10,7 +10,6 @@ use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
 use crate::mesh::drawn::ClothMesh;
-use crate::mesh::intake::MeshShape;
 use crate::mesh::raw::{RawMesh, fingerprint};
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
@@ -84,7 +83,7 @@ impl MeshSource<'_, '_> {
         Ok(Some((raw.positions, raw.triangles.into_flattened())))
     }
 
-    /// The rest shape of a mesh; `None` while it is loading.
+    /// The rest shape of a mesh; `None` while it is loading, or made in the background.
     pub fn read(
         &self,
         handle: Option<&Handle<Mesh>>,
@@ -93,9 +92,8 @@ impl MeshSource<'_, '_> {
         let Some(mesh) = self.get(handle)? else {
             return Ok(None);
         };
-        let fingerprint = fingerprint(mesh)?;
-        let make = || MeshShape::new(RawMesh::read(mesh)?, fingerprint);
-        cache.mesh(fingerprint, make).map(|shape| Some(RestShape::Mesh(shape)))
+        let shape = cache.mesh(fingerprint(mesh)?, mesh)?;
+        Ok(shape.map(RestShape::Mesh))
     }
 
     /// A mesh of its own for a cloth; nothing where the app has no meshes.

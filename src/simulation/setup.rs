@@ -13,6 +13,7 @@ use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
 use crate::error::{ClothComponent, ClothErrorKind, ClothFailure};
 use crate::mesh::drawn::ClothMesh;
+use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::{MeshSource, source_of};
@@ -86,7 +87,7 @@ pub(crate) fn set_up_cloths(
             &mut cache,
         );
         match made {
-            // Still loading.
+            // Still loading, or being made.
             Ok(None) => {}
             Ok(Some(mut made)) => {
                 // Only elsewhere.
@@ -113,6 +114,7 @@ pub(crate) fn set_up_cloths(
             Err(error) => failures.report(entity, error),
         }
     }
+    cache.stop_forgotten();
 }
 
 fn is_changed<T: Component>(component: &Option<Ref<T>>) -> bool {
@@ -139,7 +141,7 @@ fn tell_skipped(entity: Entity, cloth: &ClothSimulation) {
     }
 }
 
-/// The running cloth; `None` while its mesh is still loading.
+/// The running cloth; `None` while its mesh is still loading, or what a large one needs is made in the background.
 fn set_up(
     entity: Entity,
     (cloth, material, settings, weights): (
@@ -160,8 +162,11 @@ fn set_up(
     let Some(rest) = rest_shape(cloth, source, meshes, cache)? else {
         return Ok(None);
     };
-    let topology = topology(&rest, pose.scale, settings.masses, weights, cache)
-        .map_err(|error| scale_at_fault(error, pose.scale))?;
+    let factors = factors(&rest, weights)?;
+    let rubs = material.bending_friction > 0.0;
+    let made = cache.topology_to_be(&rest, pose.scale, settings.masses, factors.as_ref(), rubs);
+    let made = made.map_err(|error| scale_at_fault(solver_error(error), pose.scale))?;
+    let Some(topology) = made else { return Ok(None) };
     let simulation =
         build(cloth, material, settings, weights, pose, rest, topology).map_err(solver_error)?;
     Ok(Some(simulation))
@@ -185,11 +190,18 @@ pub(crate) fn topology(
     weights: Option<&ClothWeights>,
     cache: &mut RestCache,
 ) -> Result<Topology, ClothErrorKind> {
-    let factors = match weights {
-        Some(weights) => weights.factors(rest).map_err(ClothErrorKind::Weights)?,
-        None => None,
-    };
+    let factors = factors(rest, weights)?;
     cache.topology(rest, scale, masses, factors.as_ref()).map_err(solver_error)
+}
+
+fn factors(
+    rest: &RestShape,
+    weights: Option<&ClothWeights>,
+) -> Result<Option<Factors>, ClothErrorKind> {
+    match weights {
+        Some(weights) => weights.factors(rest).map_err(ClothErrorKind::Weights),
+        None => Ok(None),
+    }
 }
 
 /// Whether a running cloth no longer is what its components say.
@@ -218,7 +230,7 @@ fn moved_before_its_first_tick(
         && pose_now(transforms, entity).is_ok_and(|pose| pose != running.in_force.placed)
 }
 
-/// The rest shape in the entity's frame; `None` while the mesh is still loading.
+/// The rest shape in the entity's frame; `None` while the mesh is still loading, or made in the background.
 fn rest_shape(
     cloth: &Cloth,
     source: Option<&Handle<Mesh>>,

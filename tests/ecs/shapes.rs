@@ -6,8 +6,11 @@
 use crate::support::app::*;
 use bevy::{math::ops, mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::{
-    ClothIntake, ClothInterpolation, ClothSleepThreshold, prelude::*, solver::Substeps,
+    ClothErrorKind, ClothIntake, ClothInterpolation, ClothSleepThreshold, MeshProblem,
+    prelude::*,
+    solver::{Substeps, Topology},
 };
+use std::sync::Arc;
 
 fn intake(app: &App, entity: Entity) -> ClothIntake {
     assert_eq!(failure(app, entity), None);
@@ -104,7 +107,9 @@ fn hang(what: &str, mesh: &Mesh, pins: ClothPins, ticks: usize, budget: u32) {
     let settings = ClothSettings { substeps: Substeps::Automatic { budget }, ..default() };
     // Nor asleep: it is looked at after so many ticks.
     let entity = spawn_mesh(&mut app, mesh, (pins, material, settings, ClothSleepThreshold::NEVER));
-    updates(&mut app, ticks);
+    wait(&mut app, |app| app.world().get::<ClothSimulation>(entity).is_some());
+    let gone = simulation(&app, entity).tick_count() as usize;
+    updates(&mut app, ticks - gone);
     assert_eq!(failure(&app, entity), None, "{what}");
     let running = simulation(&app, entity);
     assert_eq!(running.tick_count(), ticks as u64);
@@ -195,13 +200,47 @@ fn an_irregular_mesh_of_20_000_triangles_hangs() {
     let mesh = irregular_disc(58);
     let mut app = app();
     let entity = spawn_mesh(&mut app, &mesh, ());
-    app.update();
+    wait(&mut app, |app| app.world().get::<ClothSimulation>(entity).is_some());
     let intake = intake(&app, entity);
     assert_eq!((intake.triangles, intake.skipped.total()), (6 * 58 * 58, 0));
     assert_eq!(intake.vertices, intake.particles);
     assert!(intake.grid.is_err());
     // Where the rim leaves the pins, single edges carry so much that the usual 20 do not hold them.
     hang("irregular disc", &mesh, top(&mesh, 0.2), 64, 60);
+}
+
+#[test]
+fn a_large_mesh_is_set_up_in_the_background() {
+    let mesh = irregular_disc(58);
+    let mut app = app();
+    let [one, other, gone] = [(); 3].map(|()| spawn_mesh(&mut app, &mesh, ()));
+    let is_there = |app: &App, entity| app.world().get::<ClothSimulation>(entity).is_some();
+    app.update();
+    assert!(![one, other, gone].into_iter().any(|entity| is_there(&app, entity)));
+    app.world_mut().despawn(gone);
+    wait(&mut app, |app| is_there(app, one));
+    // Equal meshes share what was made, and so are there together.
+    let [one, other] = [one, other].map(|entity| simulation(&app, entity).topology());
+    let (Topology::Graph(one), Topology::Graph(other)) = (one, other) else {
+        panic!("a disc is no grid");
+    };
+    assert!(Arc::ptr_eq(one, other));
+}
+
+#[test]
+fn a_large_mesh_that_is_no_cloth_is_refused_all_the_same() {
+    let mut mesh = irregular_disc(58);
+    let mut positions = attribute(&mesh, Mesh::ATTRIBUTE_POSITION);
+    positions[3].x = f32::NAN;
+    let positions: Vec<_> = positions.iter().map(Vec3::to_array).collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    let mut app = app();
+    let entity = spawn_mesh(&mut app, &mesh, ());
+    wait(&mut app, |app| failure(app, entity).is_some());
+    let ClothErrorKind::Mesh(problem) = failure(&app, entity).unwrap().kind else {
+        panic!("of the mesh")
+    };
+    assert!(matches!(problem, MeshProblem::NonFinite(3)), "{problem}");
 }
 
 /// A tube with two sleeves: wherever a hole is cut into it, the hole's border is carried outwards.

@@ -107,7 +107,7 @@ impl Bands {
         self.sums.shared
     }
 
-    /// For all cores, or for one. What lies in one row is never cut.
+    /// For all cores, or for one.
     pub fn new(layout: Layout, shared: bool) -> Self {
         let cut = if shared { Band::all } else { Band::uncut };
         let (rows, columns) = (cut(layout), cut(layout.transposed()));

@@ -96,7 +96,7 @@ impl Topology {
         }
     }
 
-    /// How the particles lie in memory: a graph's in one row, in an order of their own.
+    /// How the particles lie in memory: a graph's in pages, in an order of their own.
     pub(crate) fn layout(&self) -> Layout {
         match self {
             Self::Lattice(lattice) => lattice.layout,
