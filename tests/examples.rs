@@ -65,6 +65,20 @@ fn drape() {
 }
 
 #[test]
+fn shirt() {
+    let (mut app, report) = run("shirt", 4.0);
+    let shirt = cloths(&mut app).remove(0);
+    // It hangs on the dummy's arms, neither slipped off nor blown off its neck, and is as wide and as long as it was.
+    let extent = |axis: usize| {
+        shirt.iter().fold((f32::MAX, f32::MIN), |(l, h), at| (l.min(at[axis]), h.max(at[axis])))
+    };
+    let [(left, right), (low, high)] = [extent(0), extent(1)];
+    assert!(right - left > 0.95 && right - left < 1.2, "{left} {right}");
+    assert!(low > 0.55 && high > 1.3 && high < 1.5, "{low} {high}");
+    hold_within(&report, 0.08);
+}
+
+#[test]
 fn curtain() {
     let (mut app, report) = run("curtain", 6.0);
     let cloth = cloths(&mut app).remove(0);

@@ -31,6 +31,7 @@ mod probe;
 pub mod report;
 mod repository;
 mod series;
+mod shirt;
 mod wait;
 #[cfg(feature = "demo")]
 mod window;
@@ -41,3 +42,4 @@ pub use look::{BRASS, CORAL, INDIGO, IVORY, Look, SAND, TEAL, clay, ground, line
 pub use options::{Options, seconds};
 pub use repository::repository;
 pub use series::run_in_series;
+pub use shirt::shirt;

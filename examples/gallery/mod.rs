@@ -21,6 +21,8 @@ mod hung;
 mod panel;
 #[path = "../sail.rs"]
 mod sail;
+#[path = "../shirt.rs"]
+mod shirt;
 #[path = "../stress.rs"]
 mod stress;
 #[path = "../tablecloth.rs"]
@@ -30,7 +32,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use examples_common::Example;
 
 /// All scenes.
-pub const SCENES: [Example; 12] = [
+pub const SCENES: [Example; 13] = [
     drape::DRAPE,
     drape::SPHERES,
     bunny::BUNNY,
@@ -39,6 +41,7 @@ pub const SCENES: [Example; 12] = [
     flag::FLAG,
     sail::SAIL,
     cape::CAPE,
+    shirt::SHIRT,
     tablecloth::TABLECLOTH,
     fabrics::FABRICS,
     stress::STRESS,
