@@ -40,7 +40,7 @@ impl TransposingKernel for CorrectPairs<'_> {
                     larger(elastic, spring.pull_to(limit))
                 }),
                 Rule::Limit { limit, .. } => {
-                    correct(t, pairs, touches, places, |spring| larger(spring.pull_to(limit), 0.0))
+                    correct(t, pairs, touches, places, |spring| larger(spring.pull_to(limit), 0.0));
                 }
             }
         }

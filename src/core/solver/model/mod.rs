@@ -30,6 +30,7 @@ use crate::solver::topology::Topology;
 
 /// The model of a cloth: which of the two it is, with its constants and its workspace.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a cloth has one, and it is not moved")]
 pub(crate) enum Model {
     Sheet(Sheet),
     Mesh(Mesh),

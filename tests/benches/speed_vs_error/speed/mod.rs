@@ -126,14 +126,15 @@ impl Against {
         }
     }
 
-    /// The place of a point; NaN where it has none.
+    /// The place of a point; NaN where it has none, as what others took has no substeps.
     pub fn place(self, point: &Point) -> f64 {
         let substeps = || point.knob.strip_suffix(" substeps")?.parse().ok();
-        match self {
-            Self::Time => point.time.median,
-            Self::Substeps => substeps().unwrap_or(f64::NAN),
-            Self::Resolution => point.n as f64,
-        }
+        let place = match self {
+            Self::Time => Some(point.time.median),
+            Self::Substeps => substeps(),
+            Self::Resolution => substeps().map(|_| point.n as f64),
+        };
+        place.unwrap_or(f64::NAN)
     }
 }
 

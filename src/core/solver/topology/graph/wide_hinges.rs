@@ -100,14 +100,14 @@ impl Neighbours {
 
     /// The hinges around a particle whose others are so many edges away, and how many; none where the mesh does not go
     /// as far in three directions. The widths ascend.
-    fn spans(
-        &self,
+    fn spans<'a>(
+        &'a self,
         slot: u32,
-        widths: &[usize],
-    ) -> impl Iterator<Item = (usize, WideHinge)> + use<'_> {
+        widths: &'a [usize],
+    ) -> impl Iterator<Item = (usize, WideHinge)> + use<'a> {
         let middle = self.at(slot);
         let mut walkers = self.directions(slot).map(|ways| ways.map(|way| self.walker(slot, way)));
-        let ends = widths.to_vec().into_iter().map_while(move |width| {
+        let ends = widths.iter().copied().map_while(move |width| {
             let [a, b, c] = walkers.as_mut()?;
             // Where one of them is at an end, the others need not go on.
             let ends = [a.go_to(width)?, b.go_to(width)?, c.go_to(width)?];

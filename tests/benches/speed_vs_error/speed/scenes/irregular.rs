@@ -98,7 +98,7 @@ pub fn hang(extent: Extent) -> Outcome<Scene<'static>> {
     let (sizes, all): (&[usize], &[u32]) = if extent.quick {
         (&[48], &[8, 20])
     } else {
-        (&[32, 48, 64, 96, 128], &[4, 8, 12, 20, 40, 80])
+        (&[32, 48, 64, 96, 128], &[4, 8, 20, 40, 80])
     };
     let mut jobs = Vec::new();
     for &n in sizes {
