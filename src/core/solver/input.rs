@@ -33,8 +33,10 @@ pub struct TickReport {
     pub substeps: u32,
     /// Largest strain of a structural spring at the end.
     pub max_strain: f32,
-    /// Contacts in the last substep.
+    /// Contacts with colliders in the last substep.
     pub contact_count: u32,
+    /// Pairs of the cloth's particles that touched each other in the last substep.
+    pub self_contact_count: u32,
 }
 
 impl StepInput<'_> {

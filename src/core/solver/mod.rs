@@ -27,6 +27,7 @@
 //! | `topology` | the rest shape, immutable and shared by equal cloths: lattice or graph, geodesic distances, wide hinges |
 //! | `error` | why a solver refuses |
 //! | `contact` | colliders; broad phase, response of particles, swept contact, friction, active set; edges and faces |
+//! | `self_contact` | balls of particles, pairs that may touch, what moves them apart; crossings |
 //! | `forces` | springs, bending, friction of bending, damping, external loads, aerodynamics, wind |
 //! | `plan` | stability bounds; substeps, springs or threads, clamped constants |
 //! | `integrate` | Verlet, Houbolt's filter of corrections; explicit integrators to compare with |
@@ -76,6 +77,7 @@ mod particles;
 mod plan;
 mod rest_detection;
 mod rigid_motion;
+mod self_contact;
 mod settings;
 mod setup;
 mod simd;
@@ -96,6 +98,7 @@ pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
 pub use crate::solver::input::{StepInput, TickReport};
 pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
+pub use crate::solver::self_contact::SelfCollision;
 pub use crate::solver::settings::{
     Bending, DampingForm, Integrator, MassLumping, Material, ParameterError, Settings,
     StretchMethod, Stretching, Substeps,
@@ -113,6 +116,7 @@ use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
 use crate::solver::model::Model;
 use crate::solver::plan::stability::Bound;
+use crate::solver::self_contact::SelfContact;
 use crate::solver::settings::is_near;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::state::measure::Survey;
@@ -145,11 +149,15 @@ pub struct ClothSolver {
     tether_ease: f32,
     /// Edges that are held out of colliders.
     edges: contact::Edges,
+    /// Contact with itself, where it collides with itself.
+    self_contact: Option<Box<SelfContact>>,
     state: State,
     workspace: Workspace,
     /// Substeps of this tick that are done.
     done: u32,
     contact_count: u32,
+    /// Pairs of particles that touched in this substep.
+    touching_itself: u32,
     survey: Survey,
     /// Particles were put elsewhere since the survey was taken.
     surveyed_before: bool,
@@ -250,6 +258,9 @@ impl ClothSolver {
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         self.state.contacts.begin_tick(input.colliders);
+        if let Some(own) = &mut self.self_contact {
+            own.begin_tick();
+        }
         self.done = 0;
         Ok(self.plan.substeps)
     }
@@ -281,6 +292,7 @@ impl ClothSolver {
             substeps: self.plan.substeps,
             max_strain: survey.max_strain,
             contact_count: self.contact_count,
+            self_contact_count: self.touching_itself,
         })
     }
 

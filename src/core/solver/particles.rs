@@ -7,6 +7,7 @@ use bevy_math::Vec3;
 use crate::solver::ClothSolver;
 use crate::solver::error::SolverError;
 use crate::solver::plan::Plan;
+use crate::solver::self_contact::crossings;
 use crate::solver::settings::{Material, Settings, is_near};
 use crate::solver::state::measure::{StrainReport, strains};
 use crate::solver::topology::Topology;
@@ -158,6 +159,11 @@ impl ClothSolver {
     /// Strains of the structural springs. Sorts them: for reports, not for every frame.
     pub fn strain(&self) -> StrainReport {
         StrainReport::new(&self.topology, &self.state.x)
+    }
+
+    /// Edges that pierce faces of the cloth, each with each. Looks at all of them: for reports, not for every frame.
+    pub fn crossings(&self) -> u32 {
+        crossings(&self.topology, &self.state.x)
     }
 
     /// Sum of their strains, and how many there are, without sorting anything.

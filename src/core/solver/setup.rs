@@ -9,8 +9,9 @@ use crate::solver::contact::Edges;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::{Air, Surface};
 use crate::solver::model::Model;
-use crate::solver::plan::Plan;
+use crate::solver::plan::{Plan, PlannedCloth};
 use crate::solver::rest_detection::Mark;
+use crate::solver::self_contact::{SelfCollision, SelfContact};
 use crate::solver::settings::{Material, ParameterError, Settings, is_near};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;
@@ -51,7 +52,10 @@ impl ClothSolver {
         let state = State::new(&topology, positions);
         let edges = Edges::new(&topology);
         let mut solver = Self {
-            plan: Plan::new(&bound, &material, &settings, pins.hung, USUAL_TICK),
+            plan: {
+                let cloth = PlannedCloth { hung: pins.hung, meets_itself: false };
+                Plan::new(&bound, &material, &settings, cloth, USUAL_TICK)
+            },
             workspace: Workspace::new(topology.layout(), settings.edges.then_some(edges.count())),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
@@ -59,6 +63,8 @@ impl ClothSolver {
             tethered_under: None,
             tether_ease: 1.0,
             edges,
+            self_contact: None,
+            touching_itself: 0,
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,
@@ -105,6 +111,7 @@ impl ClothSolver {
         solver.set_soft_pins(&soft)?;
         solver.limit_soft_pins_as(self);
         solver.set_air(self.air().copied())?;
+        solver.set_self_collision(self.self_collision())?;
         solver.plan_ticks(self.plan.tick);
         solver.survey_anew();
         Ok(solver)
@@ -141,6 +148,28 @@ impl ClothSolver {
     /// The air around the cloth, `None` where it feels none.
     pub fn air(&self) -> Option<&Air> {
         self.air.as_ref().map(|surface| &surface.air)
+    }
+
+    /// Lets the cloth collide with itself, or not. The plan then has the substeps that layers need, where it is automatic.
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`]; what was in force then stays.
+    pub fn set_self_collision(&mut self, asked: Option<SelfCollision>) -> Result<(), SolverError> {
+        if asked == self.self_collision() {
+            return Ok(());
+        }
+        if let Some(asked) = &asked {
+            asked.validate(&self.topology)?;
+        }
+        self.self_contact = asked.map(|asked| Box::new(SelfContact::new(&self.topology, asked)));
+        self.touching_itself = 0;
+        self.plan_ticks(self.plan.tick);
+        Ok(())
+    }
+
+    /// How the cloth collides with itself, `None` where it does not.
+    pub fn self_collision(&self) -> Option<SelfCollision> {
+        self.self_contact.as_ref().map(|own| own.settings)
     }
 
     /// Changes the settings.
@@ -237,8 +266,8 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
-        let hung = self.pins.hung;
-        self.plan = Plan::new(&self.bound, &self.material, &self.settings, hung, tick);
+        let cloth = PlannedCloth { hung: self.pins.hung, meets_itself: self.self_contact.is_some() };
+        self.plan = Plan::new(&self.bound, &self.material, &self.settings, cloth, tick);
         self.model.stages_mut().follow(&self.plan, &self.bound);
     }
 }

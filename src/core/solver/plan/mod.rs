@@ -12,10 +12,11 @@ use core::fmt;
 use crate::solver::forces::families::Constants;
 use crate::solver::plan::graph_stiffness::Demand;
 use crate::solver::plan::stability::{Bound, SAFETY};
+use crate::solver::self_contact::FEWEST_SUBSTEPS;
 use crate::solver::settings::{Bending, Material, Settings, StretchMethod, Stretching, Substeps};
 
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
-const FEWEST: f32 = 4.0;
+const FEWEST: u32 = 4;
 /// Gravity that a cloth is expected to hang under, before any is given \[m/s2\].
 const USUAL_GRAVITY: f32 = 9.81;
 /// Curvature at which flexion springs resist as much as the flexural rigidity says \[1/m\].
@@ -81,6 +82,15 @@ pub struct Plan {
     pub(crate) demand: Demand,
 }
 
+/// Facts of a cloth that a plan depends on, besides its material.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlannedCloth {
+    /// Mass for each metre of its width \[kg/m\].
+    pub hung: f32,
+    /// Whether it collides with itself.
+    pub meets_itself: bool,
+}
+
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let form = match self.stretching {
@@ -110,13 +120,12 @@ impl fmt::Display for Plan {
 }
 
 impl Plan {
-    /// Plans ticks of `tick` seconds, for a cloth that weighs as much as `hung` kilograms for each metre
-    /// of its width.
+    /// Plans ticks of `tick` seconds.
     pub(crate) fn new(
         bound: &Bound,
         material: &Material,
         settings: &Settings,
-        hung: f32,
+        cloth: PlannedCloth,
         tick: f32,
     ) -> Self {
         let (bend, flexion) = match settings.bending {
@@ -129,12 +138,13 @@ impl Plan {
             bend,
             flexion,
         };
+        let least = if cloth.meets_itself { FEWEST_SUBSTEPS } else { 0 };
         let budget = match settings.substeps {
-            Substeps::Automatic { budget } => in_proportion(budget as f32, tick),
+            Substeps::Automatic { budget } => in_proportion(budget.max(least) as f32, tick),
             Substeps::Fixed(count) => count,
         };
         let needed = substeps_for(bound.rate(&asked), tick);
-        let gives = material.thread_stiffness * material.max_strain < hung * USUAL_GRAVITY;
+        let gives = material.thread_stiffness * material.max_strain < cloth.hung * USUAL_GRAVITY;
         let (stretching, reason) = match settings.stretch_method {
             StretchMethod::ExplicitSprings => (Stretching::ExplicitSprings, PlanReason::Asked),
             StretchMethod::ImplicitThreads => (Stretching::ImplicitThreads, PlanReason::Asked),
@@ -151,7 +161,7 @@ impl Plan {
         let substeps = match (settings.substeps, stretching) {
             // What Provot's correction leaves of the excess goes by the square of the substep.
             (Substeps::Automatic { .. }, Stretching::ExplicitSprings) if !gives => {
-                needed.max(in_proportion(FEWEST, tick)).min(budget)
+                needed.max(in_proportion(FEWEST.max(least) as f32, tick)).min(budget)
             }
             _ => budget,
         };

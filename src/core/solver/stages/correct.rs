@@ -21,12 +21,17 @@ impl ClothSolver {
         match self.plan.stretching {
             Stretching::ImplicitThreads => {
                 self.correct_shear();
-                if self.solve_threads() {
+                let exceeds = self.solve_threads();
+                // What the cloth's layers push apart may be beyond the limit as well.
+                if self.meet_itself() || exceeds {
                     self.limit_strain();
                 }
                 tethered = true;
             }
-            Stretching::ExplicitSprings => self.limit_strain(),
+            Stretching::ExplicitSprings => {
+                self.meet_itself();
+                self.limit_strain();
+            }
         }
         self.end_corrections();
         if tethered {
@@ -98,12 +103,12 @@ impl ClothSolver {
         }
     }
 
-    fn begin_corrections(&mut self) {
+    pub(crate) fn begin_corrections(&mut self) {
         let (model, on) = self.model_and_particles();
         model.begin_corrections(on);
     }
 
-    fn end_corrections(&mut self) {
+    pub(crate) fn end_corrections(&mut self) {
         let (model, on) = self.model_and_particles();
         model.end_corrections(on);
     }

@@ -1,0 +1,162 @@
+//! Particles sorted by the cells of a grid that they are in.
+
+use bevy_math::Vec3;
+
+use crate::solver::self_contact::balls::Balls;
+use crate::solver::simd::isa::{Isa, Kernel};
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::topology::Topology;
+
+/// Bits of a cell's coordinate along an axis. Coordinates are from 1 to 1022, so that each cell has neighbours.
+const BITS: u32 = 10;
+const MOST_CELLS: f32 = 1022.0;
+/// The key after all cells.
+const END: u32 = u32::MAX;
+/// Coordinates of the padding, from which everything is far \[m\].
+const NOWHERE: f32 = 1e18;
+
+/// Particles in the order of their cells, row by row along x.
+#[derive(Clone, Debug)]
+pub(super) struct Grid {
+    /// Rest positions by slot \[m\].
+    rest_of: Soa,
+    /// Keys of cells, and below them slots.
+    keys: Vec<u64>,
+    spare: Vec<u64>,
+    /// The cells that hold any, ascending, then two ends.
+    pub cells: Vec<Cell>,
+    /// Slots, positions, rest positions and radii, in order.
+    pub slots: Vec<u32>,
+    pub x: Soa,
+    pub rest: Soa,
+    pub radius: Array,
+}
+
+/// A cell that holds particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Cell {
+    pub key: u32,
+    /// Place of the first of them.
+    pub first: u32,
+}
+
+/// Steps from a cell's key to those of the middles of the rows around it that come after it.
+pub(super) const ROWS: [u32; 4] = {
+    let (row, layer) = (1 << BITS, 1 << (2 * BITS));
+    [row, layer - row, layer, layer + row]
+};
+
+impl Grid {
+    pub fn new(topology: &Topology) -> Self {
+        let count = topology.particle_count();
+        let mut rest_of = Soa::zeros(topology.layout().len());
+        for (particle, &rest) in topology.rest_positions().iter().enumerate() {
+            rest_of.set(topology.slot(particle), rest);
+        }
+        let room = count.next_multiple_of(LANES) + LANES;
+        Self {
+            rest_of,
+            keys: Vec::with_capacity(count),
+            spare: vec![0; count],
+            cells: Vec::with_capacity(count + 2),
+            slots: Vec::with_capacity(count),
+            x: Soa::zeros(room),
+            rest: Soa::zeros(room),
+            radius: Array::zeros(room),
+        }
+    }
+
+    /// Sorts all particles, at `x + d`, into cells that are as wide as two particles are apart, at most, that are a pair. Writes
+    /// positions to `at`.
+    pub fn sort(
+        &mut self,
+        isa: Isa,
+        layout: &Layout,
+        balls: &Balls,
+        margin: f32,
+        x: &Soa,
+        d: &Soa,
+        at: &mut Soa,
+    ) {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for slot in layout.slots() {
+            let p = x.get(slot) + d.get(slot);
+            at.set(slot, p);
+            (low, high) = (low.min(p), high.max(p));
+        }
+        let reach = 2.0 * balls.largest() + margin;
+        let wide = reach.max((high - low).max_element() / (MOST_CELLS - 1.0));
+        self.keys.clear();
+        for slot in layout.slots() {
+            let cell = (at.get(slot) - low) / wide + 1.0;
+            let [x, y, z] = cell.to_array().map(|along| along.min(MOST_CELLS) as u64);
+            let key = (z << (2 * BITS)) | (y << BITS) | x;
+            self.keys.push((key << 32) | slot as u64);
+        }
+        self.order_keys();
+        isa.run(Place { grid: self, at, radius: &balls.radius });
+    }
+
+    /// Sorts keys by the digits of cells; slots are ascending already.
+    fn order_keys(&mut self) {
+        const DIGITS: usize = 1 << BITS;
+        for digit in 0..3 {
+            let shift = 32 + digit * BITS;
+            let value = |key: u64| (key >> shift) as usize & (DIGITS - 1);
+            let mut places = [0_u32; DIGITS];
+            for &key in &self.keys {
+                places[value(key)] += 1;
+            }
+            let mut before = 0;
+            for place in &mut places {
+                (*place, before) = (before, before + *place);
+            }
+            for &key in &self.keys {
+                let place = &mut places[value(key)];
+                self.spare[*place as usize] = key;
+                *place += 1;
+            }
+            let count = self.keys.len();
+            self.keys.copy_from_slice(&self.spare[..count]);
+        }
+    }
+}
+
+/// Lists cells, and writes what pairs are found by, in the order of the keys.
+struct Place<'a> {
+    grid: &'a mut Grid,
+    at: &'a Soa,
+    radius: &'a [f32],
+}
+
+impl Kernel for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Grid { rest_of, keys, cells, slots, x, rest, radius, .. } = self.grid;
+        cells.clear();
+        slots.clear();
+        let mut last = END;
+        for (place, &entry) in keys.iter().enumerate() {
+            let (key, slot) = ((entry >> 32) as u32, entry as u32);
+            if key != last {
+                cells.push(Cell { key, first: place as u32 });
+                last = key;
+            }
+            slots.push(slot);
+            let slot = slot as usize;
+            x.set(place, self.at.get(slot));
+            rest.set(place, rest_of.get(slot));
+            radius[place] = self.radius[slot];
+        }
+        let count = keys.len();
+        for place in count..(count + LANES).min(radius.len()) {
+            x.set(place, Vec3::splat(NOWHERE));
+        }
+        let end = Cell { key: END, first: count as u32 };
+        cells.extend([end, end]);
+    }
+}

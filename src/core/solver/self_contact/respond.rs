@@ -1,0 +1,81 @@
+//! Pairs of particles that touch are moved apart, with friction.
+
+use bevy_math::Vec3;
+
+use crate::solver::self_contact::find::Pair;
+use crate::solver::simd::soa::Soa;
+
+/// Least distance between two particles that has a direction, in distances at which they touch.
+const LEAST_DISTANCE: f32 = 1e-6;
+
+/// Moves apart what touches, one pair after the other.
+///
+/// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
+/// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
+pub(super) struct Respond<'a> {
+    pub pairs: &'a [Pair],
+    /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
+    pub travelled: f32,
+    pub friction: f32,
+    /// How far a pair is moved apart without speed, at most \[m\].
+    pub most_push: f32,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    pub pull: Option<&'a mut Soa>,
+    pub unpulled: Option<&'a mut Soa>,
+}
+
+impl Respond<'_> {
+    /// Returns how many pairs touched.
+    pub fn run(mut self) -> u32 {
+        let mut touching = 0;
+        for pair in self.pairs {
+            if pair.gap < self.travelled.max(f32::MIN_POSITIVE) {
+                touching += u32::from(self.meet(pair));
+            }
+        }
+        touching
+    }
+
+    fn meet(&mut self, pair: &Pair) -> bool {
+        let [a, b] = pair.slots.map(|slot| slot as usize);
+        let relative = self.d.get(a) - self.d.get(b);
+        let apart = self.x.get(a) - self.x.get(b) + relative;
+        let square = apart.length_squared();
+        if square >= pair.reach * pair.reach {
+            return false;
+        }
+        let (w_a, w_b) = (self.inverse_mass[a], self.inverse_mass[b]);
+        if w_a + w_b == 0.0 {
+            return false;
+        }
+        let distance = square.sqrt();
+        let is_somewhere = distance > LEAST_DISTANCE * pair.reach;
+        let normal = if is_somewhere { apart / distance } else { Vec3::Y };
+        let depth = pair.reach - distance;
+        let along = relative.dot(normal);
+        let undone = (-along).clamp(0.0, depth);
+        let sliding = relative - normal * along;
+        let way = sliding.length();
+        let held = self.friction * undone;
+        let braked = if way > held { held / way } else { 1.0 };
+        let change = normal * undone - sliding * braked;
+        let pushed = normal * (depth - undone).min(self.most_push);
+        let share = 1.0 / (w_a + w_b);
+        self.move_by(a, change * (w_a * share), pushed * (w_a * share));
+        self.move_by(b, change * (-w_b * share), pushed * (-w_b * share));
+        true
+    }
+
+    fn move_by(&mut self, slot: usize, change: Vec3, pushed: Vec3) {
+        self.d.set(slot, self.d.get(slot) + change);
+        self.x.set(slot, self.x.get(slot) + pushed);
+        if let Some(pull) = &mut self.pull {
+            pull.set(slot, pull.get(slot) - change);
+        }
+        if let Some(unpulled) = &mut self.unpulled {
+            unpulled.set(slot, unpulled.get(slot) + change);
+        }
+    }
+}
