@@ -235,7 +235,8 @@ impl ClothSolver {
         if self.air.is_some() {
             input.wind.validate()?;
         }
-        if input.dt != self.plan.tick {
+        let asks_for_others = self.self_contact.as_mut().is_some_and(|own| own.begin_tick());
+        if asks_for_others || input.dt != self.plan.tick {
             self.plan_ticks(input.dt);
         }
         self.share_out();
@@ -244,7 +245,9 @@ impl ClothSolver {
         }
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
-        self.state.follow(self.topology.layout(), centre);
+        if self.state.follow(self.topology.layout(), centre) {
+            self.forget_pairs();
+        }
         let wind = self.take_wind(input, (low, high));
         let load = input.gravity + wind + self.load_of_pushes(input.gravity);
         if !self.tethered_under.is_some_and(|known| is_as_strong(known, load)) {
@@ -258,9 +261,6 @@ impl ClothSolver {
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         self.state.contacts.begin_tick(input.colliders);
-        if let Some(own) = &mut self.self_contact {
-            own.begin_tick();
-        }
         self.done = 0;
         Ok(self.plan.substeps)
     }

@@ -123,6 +123,7 @@ impl ClothSolver {
         self.state.x.set(slot, position - self.state.origin);
         self.state.contacts.forget(slot);
         self.state.contacts.edges.forget(slot);
+        self.forget_pairs();
         self.surveyed_before = true;
         self.stop_filtering();
         Ok(())

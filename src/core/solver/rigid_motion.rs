@@ -157,6 +157,7 @@ impl ClothSolver {
 
     /// Forgets all velocities, and what led to them.
     pub(crate) fn come_to_rest(&mut self) {
+        self.forget_pairs();
         self.state.d.clear();
         self.state.last_step = 0.0;
         self.stop_filtering();
@@ -207,6 +208,7 @@ impl ClothSolver {
 
     /// Puts positions and velocities where they are carried to.
     fn settle_at(&mut self, place: Placement) {
+        self.forget_pairs();
         let layout = self.topology.layout();
         self.isa.run(place.of(layout, &mut self.state.x, false));
         self.isa.run(place.of(layout, &mut self.state.d, true));

@@ -53,7 +53,7 @@ impl ClothSolver {
         let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: {
-                let cloth = PlannedCloth { hung: pins.hung, meets_itself: false };
+                let cloth = PlannedCloth { hung: pins.hung, layers: 0 };
                 Plan::new(&bound, &material, &settings, cloth, USUAL_TICK)
             },
             workspace: Workspace::new(topology.layout(), settings.edges.then_some(edges.count())),
@@ -266,7 +266,8 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
-        let cloth = PlannedCloth { hung: self.pins.hung, meets_itself: self.self_contact.is_some() };
+        let layers = self.self_contact.as_ref().map_or(0, |own| own.substeps());
+        let cloth = PlannedCloth { hung: self.pins.hung, layers };
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, cloth, tick);
         self.model.stages_mut().follow(&self.plan, &self.bound);
     }

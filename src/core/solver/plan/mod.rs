@@ -12,7 +12,6 @@ use core::fmt;
 use crate::solver::forces::families::Constants;
 use crate::solver::plan::graph_stiffness::Demand;
 use crate::solver::plan::stability::{Bound, SAFETY};
-use crate::solver::self_contact::FEWEST_SUBSTEPS;
 use crate::solver::settings::{Bending, Material, Settings, StretchMethod, Stretching, Substeps};
 
 /// Fewest substeps in 1/60 s that the automatic choice takes: contact and pins want some.
@@ -64,6 +63,9 @@ pub struct Plan {
     pub margin: f32,
     /// Which constants are lower than asked for.
     pub clamped: Clamped,
+    /// Substeps that the layers of a cloth need which collides with itself; more where they touch. An automatic number of substeps
+    /// is not below it.
+    pub layers: u32,
     /// Constant of the threads in use \[N/m\].
     pub thread_stiffness: f32,
     /// Constant of the shear springs in use \[N/m\].
@@ -87,8 +89,8 @@ pub struct Plan {
 pub(crate) struct PlannedCloth {
     /// Mass for each metre of its width \[kg/m\].
     pub hung: f32,
-    /// Whether it collides with itself.
-    pub meets_itself: bool,
+    /// Substeps in 1/60 s that its layers need, where it collides with itself.
+    pub layers: u32,
 }
 
 impl fmt::Display for Plan {
@@ -107,6 +109,9 @@ impl fmt::Display for Plan {
             }
         }
         write!(f, ", stability {:.2} of 1", self.margin)?;
+        if self.layers > 0 {
+            write!(f, ", layers need {}", self.layers)?;
+        }
         let Clamped { thread, shear, bending, damping } = self.clamped;
         for (clamped, name) in
             [(thread, "threads"), (shear, "shear"), (bending, "bending"), (damping, "damping")]
@@ -138,9 +143,8 @@ impl Plan {
             bend,
             flexion,
         };
-        let least = if cloth.meets_itself { FEWEST_SUBSTEPS } else { 0 };
         let budget = match settings.substeps {
-            Substeps::Automatic { budget } => in_proportion(budget.max(least) as f32, tick),
+            Substeps::Automatic { budget } => in_proportion(budget.max(cloth.layers) as f32, tick),
             Substeps::Fixed(count) => count,
         };
         let needed = substeps_for(bound.rate(&asked), tick);
@@ -161,11 +165,17 @@ impl Plan {
         let substeps = match (settings.substeps, stretching) {
             // What Provot's correction leaves of the excess goes by the square of the substep.
             (Substeps::Automatic { .. }, Stretching::ExplicitSprings) if !gives => {
-                needed.max(in_proportion(FEWEST.max(least) as f32, tick)).min(budget)
+                needed.max(in_proportion(FEWEST.max(cloth.layers) as f32, tick)).min(budget)
             }
             _ => budget,
         };
-        Self { gives, ..Self::with(bound, material, asked, stretching, reason, substeps, tick) }
+        let layers = in_proportion(cloth.layers as f32, tick);
+        let layers = if cloth.layers > 0 { layers } else { 0 };
+        Self {
+            gives,
+            layers,
+            ..Self::with(bound, material, asked, stretching, reason, substeps, tick)
+        }
     }
 
     fn with(
@@ -225,6 +235,7 @@ impl Plan {
             },
             damping,
             gives: false,
+            layers: 0,
             tick,
             explicit: used,
             demand: Demand {

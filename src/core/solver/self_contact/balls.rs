@@ -8,7 +8,7 @@ use crate::solver::topology::Topology;
 
 /// Radius of a ball over the largest distance that a point of the triangles around it has from their nearest corner. A half would
 /// be the floor for two layers that lie flat on each other; sheared cells and what moves in a substep need more.
-const RESERVE: f32 = 0.6;
+const RESERVE: f32 = 0.65;
 
 /// Radii of the particles' balls.
 #[derive(Clone, Debug)]
@@ -41,8 +41,13 @@ impl Balls {
         Self { radius }
     }
 
+    /// Largest distance at which two particles touch \[m\].
+    pub fn widest(&self) -> f32 {
+        2.0 * self.largest()
+    }
+
     /// The largest radius \[m\].
-    pub fn largest(&self) -> f32 {
+    fn largest(&self) -> f32 {
         self.radius.iter().copied().fold(0.0, f32::max)
     }
 }

@@ -1,12 +1,15 @@
 //! Pairs of particles that may touch before the cloth has moved by the margin.
 
+use bevy_math::Vec3;
+
 use crate::solver::self_contact::grid::{Grid, ROWS};
-use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::Kernel;
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::soa::Soa;
 
 /// Distance at rest, in distances at which two particles touch, up to which they are neighbours that are left alone.
-const NEIGHBOURS: f32 = 2.0;
+const NEIGHBOURS: f32 = 1.2;
+/// Particles that are looked at together. Runs are short, so that wider blocks would be half empty.
+const WIDE: usize = 8;
 
 /// Two particles that may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +38,9 @@ impl Kernel for FindPairs<'_> {
         let (mut lows, mut highs) = ([0; ROWS.len()], [0; ROWS.len()]);
         for here in 0..cells.len() - 2 {
             let [cell, next, second] = [cells[here], cells[here + 1], cells[here + 2]];
+            let places = [cell.first as usize, next.first as usize];
             let own = if next.key == cell.key + 1 { second.first } else { next.first };
-            let mut runs = [[0; 2]; ROWS.len()];
+            self.look(places, places[0], own as usize, true);
             for (row, step) in ROWS.into_iter().enumerate() {
                 let middle = cell.key + step;
                 while cells[lows[row]].key < middle - 1 {
@@ -46,44 +50,74 @@ impl Kernel for FindPairs<'_> {
                 while cells[highs[row]].key <= middle + 1 {
                     highs[row] += 1;
                 }
-                runs[row] = [cells[lows[row]].first, cells[highs[row]].first];
-            }
-            for place in cell.first as usize..next.first as usize {
-                self.look(place, place + 1, own as usize);
-                for [first, end] in runs {
-                    self.look(place, first as usize, end as usize);
-                }
+                let [first, end] = [lows[row], highs[row]].map(|at| cells[at].first as usize);
+                self.look(places, first, end, false);
             }
         }
     }
 }
 
-impl FindPairs<'_> {
-    /// Looks at a particle and some others, by their places.
+/// Some particles, from a place on.
+struct Some8 {
+    x: [[f32; WIDE]; 3],
+    radius: [f32; WIDE],
+}
+
+impl Some8 {
     #[inline(always)]
-    fn look(&mut self, place: usize, first: usize, end: usize) {
+    fn load(x: &Soa, radius: &[f32], at: usize) -> Self {
+        Self { x: [take(&x.x, at), take(&x.y, at), take(&x.z, at)], radius: take(radius, at) }
+    }
+
+    /// Which of them are nearer to a point than `factor` times the sum of both radii, and something more: a bit each.
+    #[inline(always)]
+    fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
+        let [x, y, z] = &self.x;
+        let mut bits = [0_u32; WIDE];
+        for i in 0..WIDE {
+            let apart = Vec3::new(x[i], y[i], z[i]) - point;
+            let most = (self.radius[i] + radius) * factor + more;
+            bits[i] = if apart.dot(apart) < most * most { 1 << i } else { 0 };
+        }
+        bits.into_iter().fold(0, |all, bit| all | bit)
+    }
+}
+
+#[inline(always)]
+fn take(values: &[f32], at: usize) -> [f32; WIDE] {
+    let mut out = [0.0; WIDE];
+    out.copy_from_slice(&values[at..at + WIDE]);
+    out
+}
+
+impl FindPairs<'_> {
+    /// Looks at the particles of a cell and some others, by their places: at all of them, or at those that come after.
+    #[inline(always)]
+    fn look(&mut self, cell: [usize; 2], first: usize, end: usize, after: bool) {
         let grid = self.grid;
-        let (p, q, r) = (grid.x.get(place), grid.rest.get(place), grid.radius[place]);
-        for at in (first..end).step_by(LANES) {
-            let (x, rest) = (Block3::load(&grid.x, at), Block3::load(&grid.rest, at));
-            let radius = Block::load(&grid.radius, at);
-            let left = (end - at) as f32;
-            let mut near = Block::ZERO;
-            for i in 0..LANES {
-                let (apart, at_rest) = (x.at(i) - p, rest.at(i) - q);
-                let reach = radius.0[i] + r;
-                let (most, least) = (reach + self.margin, reach * NEIGHBOURS);
-                let is_near = apart.dot(apart) < most * most && at_rest.dot(at_rest) > least * least;
-                near.0[i] = if is_near && (i as f32) < left { 1.0 } else { 0.0 };
-            }
-            if !near.is_any() {
-                continue;
-            }
-            for i in 0..LANES {
-                if near.0[i] != 0.0 {
-                    let reach = radius.0[i] + r;
-                    let gap = (x.at(i) - p).length() - reach;
-                    let slots = [grid.slots[place], grid.slots[at + i]];
+        for at in (first..end).step_by(WIDE) {
+            let others = Some8::load(&grid.x, &grid.radius, at);
+            let at_rest = Some8::load(&grid.rest, &grid.radius, at);
+            // Lanes before the end.
+            let inside = if end - at < WIDE { (1 << (end - at)) - 1 } else { (1 << WIDE) - 1 };
+            for place in cell[0]..cell[1] {
+                let (p, r) = (grid.x.get(place), grid.radius[place]);
+                let mut lanes = others.near(p, r, 1.0, self.margin) & inside;
+                if after {
+                    let passed = (place + 1).saturating_sub(at).min(WIDE);
+                    lanes &= !((1 << passed) - 1);
+                }
+                if lanes == 0 {
+                    continue;
+                }
+                lanes &= !at_rest.near(grid.rest.get(place), r, NEIGHBOURS, 0.0);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let apart = grid.x.get(at + lane) - p;
+                    let reach = others.radius[lane] + r;
+                    let gap = apart.dot(apart).sqrt() - reach;
+                    let slots = [grid.slots[place], grid.slots[at + lane]];
                     self.pairs.push(Pair { slots, reach, gap });
                 }
             }

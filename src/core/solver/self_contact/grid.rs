@@ -20,8 +20,11 @@ const NOWHERE: f32 = 1e18;
 /// Particles in the order of their cells, row by row along x.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
+    pub layout: Layout,
     /// Rest positions by slot \[m\].
     rest_of: Soa,
+    /// Least width of a cell \[m\].
+    wide: f32,
     /// Keys of cells, and below them slots.
     keys: Vec<u64>,
     spare: Vec<u64>,
@@ -57,7 +60,9 @@ impl Grid {
         }
         let room = count.next_multiple_of(LANES) + LANES;
         Self {
+            layout: topology.layout(),
             rest_of,
+            wide: 0.0,
             keys: Vec::with_capacity(count),
             spare: vec![0; count],
             cells: Vec::with_capacity(count + 2),
@@ -68,38 +73,35 @@ impl Grid {
         }
     }
 
-    /// Sorts all particles, at `x + d`, into cells that are as wide as two particles are apart, at most, that are a pair. Writes
-    /// positions to `at`.
-    pub fn sort(
-        &mut self,
-        isa: Isa,
-        layout: &Layout,
-        balls: &Balls,
-        margin: f32,
-        x: &Soa,
-        d: &Soa,
-        at: &mut Soa,
-    ) {
+    /// Begins anew, with cells that are `reach` wide, or more where there would be too many of them.
+    pub fn begin(&mut self, reach: f32) {
+        self.wide = reach;
+        self.keys.clear();
+    }
+
+    /// Takes in particles, by their slots and positions.
+    pub fn take(&mut self, at: &Soa, slots: impl Iterator<Item = usize>) {
+        self.keys.extend(slots.map(|slot| slot as u64));
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for slot in layout.slots() {
-            let p = x.get(slot) + d.get(slot);
-            at.set(slot, p);
+        for &slot in &self.keys {
+            let p = at.get(slot as usize);
             (low, high) = (low.min(p), high.max(p));
         }
-        let reach = 2.0 * balls.largest() + margin;
-        let wide = reach.max((high - low).max_element() / (MOST_CELLS - 1.0));
-        self.keys.clear();
-        for slot in layout.slots() {
-            let cell = (at.get(slot) - low) / wide + 1.0;
+        let wide = self.wide.max((high - low).max_element() / (MOST_CELLS - 1.0));
+        for key in &mut self.keys {
+            let cell = (at.get(*key as usize) - low) / wide + 1.0;
             let [x, y, z] = cell.to_array().map(|along| along.min(MOST_CELLS) as u64);
-            let key = (z << (2 * BITS)) | (y << BITS) | x;
-            self.keys.push((key << 32) | slot as u64);
+            *key |= ((z << (2 * BITS)) | (y << BITS) | x) << 32;
         }
+    }
+
+    /// Sorts the particles that were taken in.
+    pub fn sort(&mut self, isa: Isa, balls: &Balls, at: &Soa) {
         self.order_keys();
         isa.run(Place { grid: self, at, radius: &balls.radius });
     }
 
-    /// Sorts keys by the digits of cells; slots are ascending already.
+    /// Sorts keys by the digits of their cells; what is in one cell keeps its order.
     fn order_keys(&mut self) {
         const DIGITS: usize = 1 << BITS;
         for digit in 0..3 {

@@ -23,6 +23,7 @@ mod crossings;
 mod faces;
 mod find;
 mod grid;
+mod patches;
 mod respond;
 mod travel;
 
@@ -31,16 +32,23 @@ pub(super) use crate::solver::self_contact::crossings::crossings;
 use crate::solver::self_contact::balls::Balls;
 use crate::solver::self_contact::find::{FindPairs, Pair};
 use crate::solver::self_contact::grid::Grid;
+use crate::solver::self_contact::patches::{LookAtPatches, Patches};
 use crate::solver::self_contact::respond::Respond;
-use crate::solver::self_contact::travel::Travel;
-use crate::solver::settings::{ParameterError, check};
+use crate::solver::self_contact::travel::{AddUp, Regions, Travelled};
+use crate::solver::settings::{ParameterError, Settings, check};
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::parallel::{self, Band};
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 
-/// Fewest substeps in 1/60 s in which layers do not pass through each other.
-pub(super) const FEWEST_SUBSTEPS: u32 = 12;
+/// Substeps in 1/60 s at least of a cloth that may come to touch itself.
+const FEWEST_SUBSTEPS: u32 = 12;
+/// Speed at which a ball goes as far as it is wide in a substep, of a cloth that touches itself \[m/s\]: with fewer substeps threads
+/// and layers that press on each other come to no agreement, and layers pass through each other.
+const SPEED: f32 = 22.0;
+/// Ticks for which it has these substeps after its layers touched.
+const CALM: u32 = 30;
+/// Automatic distance on a square sheet, in particle spacings.
+const AUTOMATIC: f32 = 0.92;
 /// Gap up to which pairs are kept, in diameters of the largest ball. More makes fewer searches, and more pairs.
 const MARGIN: f32 = 0.7;
 /// Pairs that there is room for from the start, for each particle.
@@ -51,7 +59,7 @@ const ROOM: usize = 4;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfCollision {
     /// Distance at which particles are kept from each other \[m\]; `None` is the least at which no layer passes through another,
-    /// 0.85 of the particle spacing on a square sheet. Smaller is thinner and lets layers pass.
+    /// 0.92 of the particle spacing on a square sheet. Smaller is thinner and lets layers pass.
     pub distance: Option<f32>,
     /// Coulomb's coefficient between layers \[1\]. Higher slides less.
     pub friction: f32,
@@ -68,26 +76,32 @@ impl SelfCollision {
     ///
     /// # Errors
     /// [`ParameterError`] for the first number that is not finite or out of its range. A distance may be at most the automatic one
-    /// over 0.85, which is the particle spacing of a square sheet.
+    /// over 0.92, which is the particle spacing of a square sheet.
     pub fn validate(&self, topology: &Topology) -> Result<(), ParameterError> {
         check("friction", self.friction, 0.0, 1e3, "from 0 to 1000")?;
         let Some(distance) = self.distance else { return Ok(()) };
-        let most = Balls::automatic(topology).largest() * (2.0 / 0.85);
+        let most = Balls::automatic(topology).widest() / AUTOMATIC;
         let range = "positive and at most the distance between neighbouring particles: ask for less, or make the cloth coarser";
         check("distance", distance, most * 1e-3, most, range)
     }
 }
 
-/// A cloth's contact with itself: its balls, and the pairs of them that may touch. Nothing but the balls outlives a tick.
+/// A cloth's contact with itself: its balls, and the pairs of them that may touch. All but the balls follows from where the particles
+/// were when pairs were found last.
 #[derive(Clone, Debug)]
 pub(super) struct SelfContact {
     pub settings: SelfCollision,
     balls: Balls,
+    /// Patches of a sheet, by which smooth parts are passed over.
+    patches: Option<Patches>,
     grid: Grid,
+    regions: Regions,
     /// Positions when pairs were found last \[m\].
     found_at: Soa,
-    /// Whether they were found in this tick.
+    /// Whether they were found, and no particle has been put elsewhere since.
     is_found: bool,
+    /// Ticks since pairs touched, up to [`CALM`].
+    since_touch: u32,
     pairs: Vec<Pair>,
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
@@ -96,12 +110,9 @@ pub(super) struct SelfContact {
 /// A substep of a cloth, as its contact with itself takes it.
 pub(super) struct Substep<'a> {
     pub isa: Isa,
-    pub band: Band,
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Pulls that are noted (`integrate::houbolt`): contact is none.
-    pub pull: Option<&'a mut Soa>,
     /// Displacements of particles that lie on colliders, before corrections pulled at them.
     pub unpulled: Option<&'a mut Soa>,
     /// How far a pair is moved apart in the substep at most, without speed \[m\].
@@ -115,37 +126,96 @@ impl SelfContact {
             Some(distance) => Balls::uniform(topology, distance),
             None => Balls::automatic(topology),
         };
-        let particles = topology.particle_count();
+        let layout = topology.layout();
         Self {
             settings,
+            patches: topology.as_lattice().map(|lattice| Patches::new(lattice.layout)),
             grid: Grid::new(topology),
-            found_at: Soa::zeros(topology.layout().len()),
+            regions: Regions::new(layout),
+            found_at: Soa::zeros(layout.len()),
             is_found: false,
-            pairs: Vec::with_capacity(ROOM * particles),
-            margin: 2.0 * balls.largest() * MARGIN,
+            since_touch: CALM,
+            pairs: Vec::with_capacity(ROOM * topology.particle_count()),
+            margin: balls.widest() * MARGIN,
             balls,
         }
     }
 
-    /// Begins a tick: pairs are found anew.
-    pub fn begin_tick(&mut self) {
+    /// Begins a tick. Tells whether it asks for other substeps than before.
+    pub fn begin_tick(&mut self) -> bool {
+        let before = self.substeps();
+        self.since_touch = (self.since_touch + 1).min(CALM);
+        self.substeps() != before
+    }
+
+    /// Substeps in 1/60 s that it asks for.
+    pub fn substeps(&self) -> u32 {
+        if self.since_touch == CALM {
+            return FEWEST_SUBSTEPS;
+        }
+        let needed = (SPEED / (60.0 * self.balls.widest())).ceil();
+        (needed as u32).clamp(FEWEST_SUBSTEPS, Settings::MAX_SUBSTEPS)
+    }
+
+    /// All that its later bits depend on: where particles were when pairs were found, if they are still known, and the ticks since
+    /// pairs touched.
+    pub fn memory(&self) -> (Option<&Soa>, u32) {
+        (self.is_found.then_some(&self.found_at), self.since_touch)
+    }
+
+    /// Takes over another's memory.
+    pub fn remember(&mut self, isa: Isa, found_at: Option<Soa>, since_touch: u32) {
+        self.since_touch = since_touch.min(CALM);
+        self.is_found = false;
+        if let Some(found_at) = found_at {
+            self.found_at = found_at;
+            self.find(isa);
+        }
+    }
+
+    /// Forgets which pairs there are: particles have been put elsewhere.
+    pub fn forget(&mut self) {
         self.is_found = false;
     }
 
     /// Moves apart what touches. Tells how many pairs do.
     pub fn meet(&mut self, on: Substep<'_>) -> u32 {
-        let Substep { isa, band, inverse_mass, x, d, pull, unpulled, most_push } = on;
-        let travel = Travel { band: band.clone(), x, d, from: &self.found_at };
-        let mut travelled = if self.is_found { parallel::run(isa, travel).length() } else { 0.0 };
-        if !self.is_found || travelled >= self.margin {
-            self.grid.sort(isa, &band.layout, &self.balls, self.margin, x, d, &mut self.found_at);
-            self.pairs.clear();
-            isa.run(FindPairs { grid: &self.grid, margin: self.margin, pairs: &mut self.pairs });
-            self.is_found = true;
-            travelled = 0.0;
+        let Substep { isa, inverse_mass, x, d, unpulled, most_push } = on;
+        let mut travelled = Travelled { most: 0.0, is_too_far: !self.is_found };
+        if self.is_found {
+            travelled = self.regions.measure(isa, x, d, &self.found_at, self.margin);
         }
-        let friction = self.settings.friction;
-        let pairs = &self.pairs;
-        Respond { pairs, travelled, friction, most_push, inverse_mass, x, d, pull, unpulled }.run()
+        if travelled.is_too_far {
+            isa.run(AddUp { x, d, to: &mut self.found_at });
+            self.find(isa);
+            travelled.most = 0.0;
+        }
+        let (pairs, friction) = (&self.pairs, self.settings.friction);
+        let travelled = travelled.most;
+        let respond =
+            Respond { pairs, travelled, friction, most_push, inverse_mass, x, d, unpulled };
+        let touching = respond.run();
+        self.since_touch = if touching > 0 { 0 } else { self.since_touch };
+        touching
+    }
+
+    /// Finds the pairs of particles that are at `found_at`.
+    fn find(&mut self, isa: Isa) {
+        let Self { patches, grid, regions, found_at: at, pairs, margin, balls, .. } = self;
+        let reach = balls.widest() + *margin;
+        regions.begin(isa, at, *margin, reach);
+        grid.begin(reach);
+        match patches {
+            Some(patches) => {
+                isa.run(LookAtPatches { patches, at });
+                patches.find_busy(reach);
+                grid.take(at, patches.busy_slots());
+            }
+            None => grid.take(at, grid.layout.slots()),
+        }
+        grid.sort(isa, balls, at);
+        pairs.clear();
+        isa.run(FindPairs { grid, margin: *margin, pairs });
+        self.is_found = true;
     }
 }

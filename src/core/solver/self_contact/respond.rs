@@ -3,6 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::self_contact::find::Pair;
+use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 
 /// Least distance between two particles that has a direction, in distances at which they touch.
@@ -12,6 +13,9 @@ const LEAST_DISTANCE: f32 = 1e-6;
 ///
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
+///
+/// What it takes from the displacements is a correction like those of the threads, and half of it is expected again in the next
+/// substep (`integrate::houbolt`). The threads then find layers apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a> {
     pub pairs: &'a [Pair],
     /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
@@ -22,7 +26,6 @@ pub(super) struct Respond<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    pub pull: Option<&'a mut Soa>,
     pub unpulled: Option<&'a mut Soa>,
 }
 
@@ -30,19 +33,21 @@ impl Respond<'_> {
     /// Returns how many pairs touched.
     pub fn run(mut self) -> u32 {
         let mut touching = 0;
+        let travelled = larger(self.travelled, f32::MIN_POSITIVE);
         for pair in self.pairs {
-            if pair.gap < self.travelled.max(f32::MIN_POSITIVE) {
+            if pair.gap < travelled {
                 touching += u32::from(self.meet(pair));
             }
         }
         touching
     }
 
+    #[inline(always)]
     fn meet(&mut self, pair: &Pair) -> bool {
         let [a, b] = pair.slots.map(|slot| slot as usize);
         let relative = self.d.get(a) - self.d.get(b);
         let apart = self.x.get(a) - self.x.get(b) + relative;
-        let square = apart.length_squared();
+        let square = apart.dot(apart);
         if square >= pair.reach * pair.reach {
             return false;
         }
@@ -52,28 +57,27 @@ impl Respond<'_> {
         }
         let distance = square.sqrt();
         let is_somewhere = distance > LEAST_DISTANCE * pair.reach;
-        let normal = if is_somewhere { apart / distance } else { Vec3::Y };
+        let normal = if is_somewhere { apart * (1.0 / distance) } else { Vec3::Y };
         let depth = pair.reach - distance;
         let along = relative.dot(normal);
-        let undone = (-along).clamp(0.0, depth);
+        let undone = smaller(larger(-along, 0.0), depth);
         let sliding = relative - normal * along;
-        let way = sliding.length();
+        let way = sliding.dot(sliding).sqrt();
         let held = self.friction * undone;
         let braked = if way > held { held / way } else { 1.0 };
         let change = normal * undone - sliding * braked;
-        let pushed = normal * (depth - undone).min(self.most_push);
+        let pushed = normal * smaller(depth - undone, self.most_push);
         let share = 1.0 / (w_a + w_b);
         self.move_by(a, change * (w_a * share), pushed * (w_a * share));
         self.move_by(b, change * (-w_b * share), pushed * (-w_b * share));
         true
     }
 
+    #[inline(always)]
     fn move_by(&mut self, slot: usize, change: Vec3, pushed: Vec3) {
         self.d.set(slot, self.d.get(slot) + change);
         self.x.set(slot, self.x.get(slot) + pushed);
-        if let Some(pull) = &mut self.pull {
-            pull.set(slot, pull.get(slot) - change);
-        }
+        // What lies on a collider is not pulled by it.
         if let Some(unpulled) = &mut self.unpulled {
             unpulled.set(slot, unpulled.get(slot) + change);
         }

@@ -70,10 +70,10 @@ impl State {
         }
     }
 
-    /// Moves the origin to a cloth that has left it. The shift is exact in f32.
-    pub fn follow(&mut self, layout: Layout, centre: Vec3) {
+    /// Moves the origin to a cloth that has left it, and tells whether it did. The shift is exact in f32.
+    pub fn follow(&mut self, layout: Layout, centre: Vec3) -> bool {
         if centre.abs().max_element() <= Self::REACH {
-            return;
+            return false;
         }
         let shift = on_grid(centre);
         self.origin += shift;
@@ -81,6 +81,7 @@ impl State {
             self.x.set(slot, self.x.get(slot) - shift);
             self.start.set(slot, self.start.get(slot) - shift);
         }
+        true
     }
 }
 

@@ -3,17 +3,20 @@
 //! Each structure is taken apart here field by field, so that one that is added cannot be forgotten: it does
 //! not compile.
 
+mod contacts;
+
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::SoftPin;
-use crate::solver::contact::{ActiveSet, EdgeMemory, Freed, WarmStart};
+use crate::solver::contact::ActiveSet;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
 use crate::solver::forces::external::Pushes;
 use crate::solver::rest_detection::Mark;
 use crate::solver::settings::is_near;
 use crate::solver::simd::soa::Soa;
+use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 
@@ -45,72 +48,10 @@ pub struct SolverState {
     tethered_under: Option<Vec3>,
     mark_origin: Vec3,
     mark: Vec<Vec3>,
+    /// Contact with itself: positions when pairs were found, where they are known, and ticks since pairs touched.
+    layers: Option<(Option<Vec<Vec3>>, u32)>,
     /// Forces that wait for the next tick, and their strength \[N\].
     pushes: Option<(Vec<Vec3>, f32)>,
-}
-
-/// The normals of the surfaces that particles lay on in the last substep and in the one before, and the velocities of those
-/// \[m/s\]; see `contact`.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-struct SavedContacts {
-    normals: Vec<Vec3>,
-    before: Vec<Vec3>,
-    slips: Vec<[f32; 2]>,
-    velocities: Vec<Vec3>,
-    holders: Vec<u32>,
-    /// Impulses that are expected to press on edges.
-    warm: Vec<SavedWarmStart>,
-    /// Particles that pass through a collider, which one, and how long yet \[s\].
-    freed: Vec<([u32; 2], f32)>,
-    /// Momentum that measured colliders are owed, of pulls that are carried on \[kg m/s\].
-    owed: Vec<Option<Vec3>>,
-}
-
-/// The impulse that a collider is expected to press on an edge with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-struct SavedWarmStart {
-    collider: u32,
-    /// The particles that it acts on, and their parts.
-    corners: [u32; 3],
-    parts: [f32; 3],
-    impulse: Vec3,
-}
-
-impl SavedWarmStart {
-    fn of(warm: &WarmStart, particle: impl Fn(u32) -> u32) -> Self {
-        let WarmStart { collider, corners, parts, impulse } = *warm;
-        Self { collider, corners: corners.map(particle), parts, impulse }
-    }
-
-    fn with_slots(&self, slot: impl Fn(u32) -> u32) -> WarmStart {
-        let Self { collider, corners, parts, impulse } = *self;
-        WarmStart { collider, corners: corners.map(slot), parts, impulse }
-    }
-}
-
-impl SavedContacts {
-    /// Whether a cloth of so many particles may have been in such contact.
-    fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders, warm, freed, owed } = self;
-        let is_normal = |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
-        [normals, before]
-            .iter()
-            .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
-            && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
-            && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
-            && velocities.iter().all(|velocity| is_near(*velocity))
-            && warm.iter().all(|warm| {
-                warm.corners.iter().all(|&corner| (corner as usize) < particles)
-                    && warm.parts.iter().all(|part| (0.0..=1.0).contains(part))
-                    && is_near(warm.impulse)
-            })
-            && freed
-                .iter()
-                .all(|&([particle, _], left)| (particle as usize) < particles && left.is_finite())
-            && owed.iter().flatten().all(|owed| is_near(*owed))
-    }
 }
 
 /// Why a state cannot be put back. Nothing has changed then.
@@ -167,6 +108,8 @@ impl SolverState {
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
+        let found = self.layers.as_ref().and_then(|(found, _)| found.as_deref());
+        good(found.is_none_or(is_good), "layers")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
@@ -194,7 +137,7 @@ impl ClothSolver {
             topology,
             bands: _,
             edges: _,
-            self_contact: _,
+            self_contact,
             shares: _,
             material: _,
             settings: _,
@@ -222,28 +165,6 @@ impl ClothSolver {
         } = self;
         let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
             state;
-        // What else it has is of one substep.
-        let ActiveSet {
-            now,
-            before,
-            next: _,
-            // Another world has other colliders; they are told by their places.
-            keys: _,
-            edges,
-            velocity,
-            holder,
-            unpulled: _,
-            dropped: _,
-            impulses,
-            lost: _,
-            load: _,
-        } = contacts;
-        let EdgeMemory { warm, next_warm: _, freed, next_freed: _ } = edges;
-        let touches = now.any || impulses.are_measured() || !warm.is_empty() || !freed.is_empty();
-        let particle = |slot: u32| topology.particle(slot as usize) as u32;
-        let values = |values: &[f32]| -> Vec<f32> {
-            (0..topology.particle_count()).map(|p| values[topology.slot(p)]).collect()
-        };
         let Mark { origin: mark_origin, x: mark } = mark;
         let by_particle = |soa: &Soa| by_particle(topology, soa);
         SolverState {
@@ -256,20 +177,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
-            contacts: touches.then(|| SavedContacts {
-                normals: by_particle(&now.normal),
-                before: by_particle(&before.normal),
-                slips: values(&now.slip)
-                    .into_iter()
-                    .zip(values(&before.slip))
-                    .map(Into::into)
-                    .collect(),
-                velocities: by_particle(velocity),
-                holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
-                warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
-                freed: freed.iter().map(|it| ([particle(it.slot), it.collider], it.left)).collect(),
-                owed: impulses.owed(),
-            }),
+            contacts: SavedContacts::of(topology, contacts),
             tick: plan.tick,
             pins: held.particles.clone(),
             soft: soft.iter().map(|spring| (spring.pin, spring.most_force)).collect(),
@@ -277,6 +185,10 @@ impl ClothSolver {
             tethered_under: *tethered_under,
             mark_origin: *mark_origin,
             mark: by_particle(mark),
+            layers: self_contact.as_ref().map(|own| {
+                let (found_at, since_touch) = own.memory();
+                (found_at.map(by_particle), since_touch)
+            }),
             pushes: pushes.as_ref().filter(|pushes| pushes.strength > 0.0).map(|pushes| {
                 let Pushes { forces, strength } = &**pushes;
                 (by_particle(forces), *strength)
@@ -315,6 +227,7 @@ impl ClothSolver {
             tethered_under,
             mark_origin,
             mark,
+            layers,
             pushes,
         } = saved;
         self.set_pins(pins)?;
@@ -324,6 +237,12 @@ impl ClothSolver {
             self.limit_soft_pin(particle, most_force);
         }
         self.set_air(*air)?;
+        if let (Some(own), Some((found_at, since_touch))) = (&mut self.self_contact, layers) {
+            let found_at = found_at.as_deref().map(|found_at| by_slot(&self.topology, found_at));
+            own.remember(self.isa, found_at, *since_touch);
+        } else {
+            self.forget_pairs();
+        }
         self.plan_ticks(*tick);
         // After all that makes the tethers forget it.
         self.tether_under(*tethered_under);
@@ -341,38 +260,8 @@ impl ClothSolver {
             response: *response,
             contacts: ActiveSet::new(topology.layout().len()),
         };
-        if let Some(SavedContacts {
-            normals,
-            before,
-            slips,
-            velocities,
-            holders,
-            warm,
-            freed,
-            owed,
-        }) = contacts
-        {
-            let set = &mut self.state.contacts;
-            set.impulses.set_owed(owed);
-            (set.now.normal, set.before.normal) = (by_slot(normals), by_slot(before));
-            set.velocity = by_slot(velocities);
-            for particle in 0..topology.particle_count() {
-                let slot = topology.slot(particle);
-                set.holder[slot] = holders[particle] as f32;
-                [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
-            }
-            let slot = |particle: u32| topology.slot(particle as usize) as u32;
-            let edges = &mut set.edges;
-            edges.warm = warm.iter().map(|warm| warm.with_slots(slot)).collect();
-            edges.warm.sort_unstable_by_key(WarmStart::key);
-            let freed_at = |&([particle, collider], left): &([u32; 2], f32)| {
-                let slot = slot(particle);
-                Freed { slot, collider, left }
-            };
-            edges.freed = freed.iter().map(freed_at).collect();
-            edges.freed.sort_unstable_by_key(Freed::key);
-            set.now.find();
-            set.before.find();
+        if let Some(contacts) = contacts {
+            contacts.put_back(topology, &mut self.state.contacts);
         }
         self.mark = Mark { origin: *mark_origin, x: by_slot(mark) };
         self.pushes = pushes.as_ref().map(|(forces, strength)| {
