@@ -266,7 +266,7 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
-        let layers = self.self_contact.as_ref().map_or(0, |own| own.substeps());
+        let layers = self.self_contact.as_mut().map_or(0, |own| own.plan());
         let cloth = PlannedCloth { hung: self.pins.hung, layers };
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, cloth, tick);
         self.model.stages_mut().follow(&self.plan, &self.bound);

@@ -102,6 +102,8 @@ pub(super) struct SelfContact {
     is_found: bool,
     /// Ticks since pairs touched, up to [`CALM`].
     since_touch: u32,
+    /// Substeps in 1/60 s that were planned.
+    planned: u32,
     pairs: Vec<Pair>,
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
@@ -135,21 +137,27 @@ impl SelfContact {
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
+            planned: 0,
             pairs: Vec::with_capacity(ROOM * topology.particle_count()),
             margin: balls.widest() * MARGIN,
             balls,
         }
     }
 
-    /// Begins a tick. Tells whether it asks for other substeps than before.
+    /// Begins a tick. Tells whether it asks for other substeps than were planned.
     pub fn begin_tick(&mut self) -> bool {
-        let before = self.substeps();
         self.since_touch = (self.since_touch + 1).min(CALM);
-        self.substeps() != before
+        self.substeps() != self.planned
+    }
+
+    /// Substeps in 1/60 s that it asks for, which are planned now.
+    pub fn plan(&mut self) -> u32 {
+        self.planned = self.substeps();
+        self.planned
     }
 
     /// Substeps in 1/60 s that it asks for.
-    pub fn substeps(&self) -> u32 {
+    fn substeps(&self) -> u32 {
         if self.since_touch == CALM {
             return FEWEST_SUBSTEPS;
         }
