@@ -64,7 +64,7 @@ fn spans<const N: usize>(places: &[DVec3], all: &[[usize; N]]) -> Vec<Span> {
 }
 
 /// Whether a segment pierces a triangle; one that only touches it does not.
-fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
+pub(super) fn pierces([p, q]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
     let (low, high) = (p.min(q), p.max(q));
     if a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any() {
         return false;

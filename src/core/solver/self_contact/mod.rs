@@ -16,6 +16,7 @@
 //! | `find` | pairs of particles that may touch before the cloth has moved by the margin |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `respond` | pairs that touch are moved apart, with friction |
+//! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces, counted |
 
 mod balls;
@@ -25,6 +26,7 @@ mod find;
 mod grid;
 mod patches;
 mod respond;
+mod tangles;
 mod travel;
 
 pub(super) use crate::solver::self_contact::crossings::crossings;
@@ -34,6 +36,7 @@ use crate::solver::self_contact::find::{FindPairs, Pair};
 use crate::solver::self_contact::grid::Grid;
 use crate::solver::self_contact::patches::{LookAtPatches, Patches};
 use crate::solver::self_contact::respond::Respond;
+use crate::solver::self_contact::tangles::{DEEP, Tangles};
 use crate::solver::self_contact::travel::{AddUp, Regions, Travelled};
 use crate::solver::settings::{ParameterError, Settings, check};
 use crate::solver::simd::isa::Isa;
@@ -96,6 +99,7 @@ pub(super) struct SelfContact {
     patches: Option<Patches>,
     grid: Grid,
     regions: Regions,
+    tangles: Tangles,
     /// Positions when pairs were found last \[m\].
     found_at: Soa,
     /// Whether they were found, and no particle has been put elsewhere since.
@@ -134,6 +138,7 @@ impl SelfContact {
             patches: topology.as_lattice().map(|lattice| Patches::new(lattice.layout)),
             grid: Grid::new(topology),
             regions: Regions::new(layout),
+            tangles: Tangles::new(topology),
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
@@ -147,6 +152,7 @@ impl SelfContact {
     /// Begins a tick. Tells whether it asks for other substeps than were planned.
     pub fn begin_tick(&mut self) -> bool {
         self.since_touch = (self.since_touch + 1).min(CALM);
+        self.tangles.begin_tick();
         self.substeps() != self.planned
     }
 
@@ -184,6 +190,8 @@ impl SelfContact {
     /// Forgets which pairs there are: particles have been put elsewhere.
     pub fn forget(&mut self) {
         self.is_found = false;
+        self.tangles.is_suspected = true;
+        self.tangles.wait = 0;
     }
 
     /// Moves apart what touches. Tells how many pairs do.
@@ -198,13 +206,24 @@ impl SelfContact {
             self.find(isa);
             travelled.most = 0.0;
         }
-        let (pairs, friction) = (&self.pairs, self.settings.friction);
-        let travelled = travelled.most;
-        let respond =
-            Respond { pairs, travelled, friction, most_push, inverse_mass, x, d, unpulled };
-        let touching = respond.run();
-        self.since_touch = if touching > 0 { 0 } else { self.since_touch };
-        touching
+        if self.tangles.is_due() {
+            self.tangles.search(&self.pairs, x, d);
+        }
+        let respond = Respond {
+            pairs: &self.pairs,
+            travelled: travelled.most,
+            friction: self.settings.friction,
+            most_push,
+            inverse_mass,
+            x,
+            d,
+            unpulled,
+            is_down: self.tangles.any.then_some(&self.tangles.is_down),
+        };
+        let touched = respond.run();
+        self.since_touch = if touched.count > 0 { 0 } else { self.since_touch };
+        self.tangles.is_suspected |= touched.deepest > DEEP;
+        touched.count
     }
 
     /// Finds the pairs of particles that are at `found_at`.

@@ -27,38 +27,54 @@ pub(super) struct Respond<'a> {
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
     pub unpulled: Option<&'a mut Soa>,
+    /// Particles that stand down, where any do.
+    pub is_down: Option<&'a [bool]>,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Touched {
+    /// Pairs that touched.
+    pub count: u32,
+    /// Depth of the deepest of them, in distances at which it touches.
+    pub deepest: f32,
 }
 
 impl Respond<'_> {
-    /// Returns how many pairs touched.
-    pub fn run(mut self) -> u32 {
-        let mut touching = 0;
+    /// Meets all pairs that may touch.
+    pub fn run(mut self) -> Touched {
+        let mut touched = Touched::default();
         let travelled = larger(self.travelled, f32::MIN_POSITIVE);
         for pair in self.pairs {
             if pair.gap < travelled {
-                touching += u32::from(self.meet(pair));
+                self.meet(pair, &mut touched);
             }
         }
-        touching
+        touched
     }
 
     #[inline(always)]
-    fn meet(&mut self, pair: &Pair) -> bool {
+    fn meet(&mut self, pair: &Pair, touched: &mut Touched) {
         let [a, b] = pair.slots.map(|slot| slot as usize);
         let relative = self.d.get(a) - self.d.get(b);
         let apart = self.x.get(a) - self.x.get(b) + relative;
         let square = apart.dot(apart);
         if square >= pair.reach * pair.reach {
-            return false;
+            return;
+        }
+        if self.is_down.is_some_and(|is_down| is_down[a] && is_down[b]) {
+            return;
         }
         let (w_a, w_b) = (self.inverse_mass[a], self.inverse_mass[b]);
         if w_a + w_b == 0.0 {
-            return false;
+            return;
         }
         let distance = square.sqrt();
         let is_somewhere = distance > LEAST_DISTANCE * pair.reach;
         let normal = if is_somewhere { apart * (1.0 / distance) } else { Vec3::Y };
         let depth = pair.reach - distance;
+        touched.count += 1;
+        touched.deepest = larger(touched.deepest, depth / pair.reach);
         let along = relative.dot(normal);
         let undone = smaller(larger(-along, 0.0), depth);
         let sliding = relative - normal * along;
@@ -70,7 +86,6 @@ impl Respond<'_> {
         let share = 1.0 / (w_a + w_b);
         self.move_by(a, change * (w_a * share), pushed * (w_a * share));
         self.move_by(b, change * (-w_b * share), pushed * (-w_b * share));
-        true
     }
 
     #[inline(always)]
