@@ -26,6 +26,7 @@ mod motion;
 mod push;
 mod refusals;
 mod seams;
+mod self_collision;
 mod shared;
 mod soft;
 mod spring;

@@ -1,25 +1,23 @@
 //! Crossings: edges of a cloth that pierce its faces.
 
-use core::cmp::Ordering;
-
-use bevy_math::DVec3;
+use bevy_math::{DVec3, Vec3};
 
 use crate::solver::self_contact::faces::faces;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 
-/// A span along x, and what it is of.
-struct Span {
-    low: f64,
-    high: f64,
+/// The box around an edge or a face, and which it is.
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
     of: usize,
 }
 
 /// Counts the pairs of an edge and a face it pierces, of which it has no corner. Looks at all of the cloth: for reports, not for
 /// every frame.
 pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
-    let at = |particle: usize| x.get(topology.slot(particle)).as_dvec3();
-    let places: Vec<DVec3> = (0..topology.particle_count()).map(at).collect();
+    let at = |particle: usize| x.get(topology.slot(particle));
+    let places: Vec<Vec3> = (0..topology.particle_count()).map(at).collect();
     let faces = faces(topology);
     let mut edges: Vec<_> = faces
         .iter()
@@ -28,21 +26,25 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
         .collect();
     edges.sort_unstable();
     edges.dedup();
-    let edge_spans = spans(&places, &edges);
-    let face_spans = spans(&places, &faces);
-    let longest = face_spans.iter().map(|span| span.high - span.low).fold(0.0, f64::max);
+    let edge_bounds = bounds(&places, &edges);
+    let face_bounds = bounds(&places, &faces);
+    let longest = face_bounds.iter().map(|face| face.high.x - face.low.x).fold(0.0, f32::max);
     let mut count = 0;
     let mut first = 0;
-    for edge in &edge_spans {
-        while face_spans.get(first).is_some_and(|face| face.low < edge.low - longest) {
+    for edge in &edge_bounds {
+        while face_bounds.get(first).is_some_and(|face| face.low.x < edge.low.x - longest) {
             first += 1;
         }
-        let near = face_spans[first..].iter().take_while(|face| face.low <= edge.high);
+        let near = face_bounds[first..].iter().take_while(|face| face.low.x <= edge.high.x);
         let ends = edges[edge.of];
-        for face in near.filter(|face| face.high >= edge.low) {
+        for face in near {
+            if edge.low.cmpgt(face.high).any() || face.low.cmpgt(edge.high).any() {
+                continue;
+            }
             let corners = faces[face.of];
             let is_apart = !corners.iter().any(|corner| ends.contains(corner));
-            if is_apart && pierces(ends.map(|end| places[end]), corners.map(|c| places[c])) {
+            let place = |particle: usize| places[particle].as_dvec3();
+            if is_apart && pierces(ends.map(place), corners.map(place)) {
                 count += 1;
             }
         }
@@ -50,17 +52,18 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
     count
 }
 
-/// The spans of edges or faces along x, by where they begin.
-fn spans<const N: usize>(places: &[DVec3], all: &[[usize; N]]) -> Vec<Span> {
-    let span = |(of, corners): (usize, &[usize; N])| {
-        let along = corners.map(|corner| places[corner].x);
-        let low = along.into_iter().fold(f64::INFINITY, f64::min);
-        let high = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Span { low, high, of }
+/// The boxes around edges or faces, by where they begin along x.
+fn bounds<const N: usize>(places: &[Vec3], all: &[[usize; N]]) -> Vec<Bounds> {
+    let around = |(of, corners): (usize, &[usize; N])| {
+        let none = Bounds { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, of };
+        corners.iter().fold(none, |Bounds { low, high, of }, &corner| {
+            let p = places[corner];
+            Bounds { low: low.min(p), high: high.max(p), of }
+        })
     };
-    let mut spans: Vec<_> = all.iter().enumerate().map(span).collect();
-    spans.sort_by(|a, b| a.low.partial_cmp(&b.low).unwrap_or(Ordering::Equal));
-    spans
+    let mut bounds: Vec<_> = all.iter().enumerate().map(around).collect();
+    bounds.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    bounds
 }
 
 /// Whether a segment pierces a triangle; one that only touches it does not.

@@ -20,3 +20,46 @@ pub(super) fn faces(topology: &Topology) -> Vec<[usize; 3]> {
         }
     }
 }
+
+/// The faces at each particle, by slots.
+#[derive(Clone, Debug)]
+pub(super) struct FacesAt {
+    /// Corners of faces.
+    faces: Vec<[u32; 3]>,
+    /// Faces at slot i are from `first[i]` to `first[i + 1]` of `at`.
+    first: Vec<u32>,
+    at: Vec<u32>,
+}
+
+impl FacesAt {
+    pub fn new(topology: &Topology) -> Self {
+        let slots = topology.layout().len();
+        let faces: Vec<_> = faces(topology)
+            .into_iter()
+            .map(|corners| corners.map(|corner| topology.slot(corner) as u32))
+            .collect();
+        let mut first = vec![0; slots + 1];
+        for &corner in faces.iter().flatten() {
+            first[corner as usize + 1] += 1;
+        }
+        for slot in 0..slots {
+            first[slot + 1] += first[slot];
+        }
+        let mut next = first.clone();
+        let mut at = vec![0; 3 * faces.len()];
+        for (face, corners) in faces.iter().enumerate() {
+            for &corner in corners {
+                let next = &mut next[corner as usize];
+                at[*next as usize] = face as u32;
+                *next += 1;
+            }
+        }
+        Self { faces, first, at }
+    }
+
+    /// The corners of the faces at a slot.
+    pub fn of(&self, slot: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let faces = self.first[slot] as usize..self.first[slot + 1] as usize;
+        self.at[faces].iter().map(|&face| self.faces[face as usize])
+    }
+}

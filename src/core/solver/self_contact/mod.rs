@@ -14,6 +14,7 @@
 //! | `faces` | the triangles of a cloth |
 //! | `grid` | particles sorted by the cells of a grid |
 //! | `find` | pairs of particles that may touch before the cloth has moved by the margin |
+//! | `normals` | the surface's normals, by which layers slide on each other |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `respond` | pairs that touch are moved apart, with friction |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
@@ -24,6 +25,7 @@ mod crossings;
 mod faces;
 mod find;
 mod grid;
+mod normals;
 mod patches;
 mod respond;
 mod tangles;
@@ -34,6 +36,7 @@ pub(super) use crate::solver::self_contact::crossings::crossings;
 use crate::solver::self_contact::balls::Balls;
 use crate::solver::self_contact::find::{FindPairs, Pair};
 use crate::solver::self_contact::grid::Grid;
+use crate::solver::self_contact::normals::Normals;
 use crate::solver::self_contact::patches::{LookAtPatches, Patches};
 use crate::solver::self_contact::respond::Respond;
 use crate::solver::self_contact::tangles::{DEEP, Tangles};
@@ -100,6 +103,7 @@ pub(super) struct SelfContact {
     grid: Grid,
     regions: Regions,
     tangles: Tangles,
+    normals: Normals,
     /// Positions when pairs were found last \[m\].
     found_at: Soa,
     /// Whether they were found, and no particle has been put elsewhere since.
@@ -139,6 +143,7 @@ impl SelfContact {
             grid: Grid::new(topology),
             regions: Regions::new(layout),
             tangles: Tangles::new(topology),
+            normals: Normals::new(layout.len()),
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
@@ -211,6 +216,7 @@ impl SelfContact {
         }
         let respond = Respond {
             pairs: &self.pairs,
+            normals: &self.normals,
             travelled: travelled.most,
             friction: self.settings.friction,
             most_push,
@@ -228,7 +234,18 @@ impl SelfContact {
 
     /// Finds the pairs of particles that are at `found_at`.
     fn find(&mut self, isa: Isa) {
-        let Self { patches, grid, regions, found_at: at, pairs, margin, balls, .. } = self;
+        let Self {
+            patches,
+            grid,
+            regions,
+            found_at: at,
+            pairs,
+            margin,
+            balls,
+            tangles,
+            normals,
+            ..
+        } = self;
         let reach = balls.widest() + *margin;
         regions.begin(isa, at, *margin, reach);
         grid.begin(reach);
@@ -243,6 +260,7 @@ impl SelfContact {
         grid.sort(isa, balls, at);
         pairs.clear();
         isa.run(FindPairs { grid, margin: *margin, pairs });
+        normals.find(pairs, &tangles.faces, at);
         self.is_found = true;
     }
 }

@@ -3,6 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::self_contact::find::Pair;
+use crate::solver::self_contact::normals::Normals;
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 
@@ -18,6 +19,7 @@ const LEAST_DISTANCE: f32 = 1e-6;
 /// substep (`integrate::houbolt`). The threads then find layers apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a> {
     pub pairs: &'a [Pair],
+    pub normals: &'a Normals,
     /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
     pub travelled: f32,
     pub friction: f32,
@@ -71,10 +73,13 @@ impl Respond<'_> {
         }
         let distance = square.sqrt();
         let is_somewhere = distance > LEAST_DISTANCE * pair.reach;
-        let normal = if is_somewhere { apart * (1.0 / distance) } else { Vec3::Y };
-        let depth = pair.reach - distance;
+        let normal =
+            if is_somewhere { self.normals.direction([a, b], apart, distance) } else { Vec3::Y };
         touched.count += 1;
-        touched.deepest = larger(touched.deepest, depth / pair.reach);
+        touched.deepest = larger(touched.deepest, 1.0 - distance / pair.reach);
+        // As far along the normal as they are to be apart.
+        let above = apart.dot(normal);
+        let depth = (above * above + (pair.reach * pair.reach - square)).sqrt() - above;
         let along = relative.dot(normal);
         let undone = smaller(larger(-along, 0.0), depth);
         let sliding = relative - normal * along;

@@ -6,7 +6,7 @@
 use bevy_math::DVec3;
 
 use crate::solver::self_contact::crossings::pierces;
-use crate::solver::self_contact::faces::faces;
+use crate::solver::self_contact::faces::FacesAt;
 use crate::solver::self_contact::find::Pair;
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
@@ -23,11 +23,7 @@ const NEAR: f32 = 1.45;
 /// Which particles stand down.
 #[derive(Clone, Debug)]
 pub(super) struct Tangles {
-    /// Corners of faces, by slot.
-    faces: Vec<[u32; 3]>,
-    /// Faces at slot i are from `first_at[i]` to `first_at[i + 1]` of `at`.
-    first_at: Vec<u32>,
-    at: Vec<u32>,
+    pub faces: FacesAt,
     /// By slot.
     pub is_down: Vec<bool>,
     /// Whether any particle stands down.
@@ -40,29 +36,9 @@ pub(super) struct Tangles {
 
 impl Tangles {
     pub fn new(topology: &Topology) -> Self {
-        let slots = topology.layout().len();
-        let faces: Vec<_> = faces(topology)
-            .into_iter()
-            .map(|corners| corners.map(|corner| topology.slot(corner) as u32))
-            .collect();
-        let mut first_at = vec![0; slots + 1];
-        for &corner in faces.iter().flatten() {
-            first_at[corner as usize + 1] += 1;
-        }
-        for slot in 0..slots {
-            first_at[slot + 1] += first_at[slot];
-        }
-        let mut next = first_at.clone();
-        let mut at = vec![0; 3 * faces.len()];
-        for (face, corners) in faces.iter().enumerate() {
-            for &corner in corners {
-                let next = &mut next[corner as usize];
-                at[*next as usize] = face as u32;
-                *next += 1;
-            }
-        }
-        let is_down = vec![false; slots];
-        Self { faces, first_at, at, is_down, any: false, is_suspected: true, wait: 0 }
+        let is_down = vec![false; topology.layout().len()];
+        let faces = FacesAt::new(topology);
+        Self { faces, is_down, any: false, is_suspected: true, wait: 0 }
     }
 
     /// Begins a tick.
@@ -92,11 +68,9 @@ impl Tangles {
     }
 
     fn search_at(&mut self, slots: [usize; 2], x: &Soa, d: &Soa) {
-        let [here, there] = slots.map(|slot| self.first_at[slot] as usize..self.first_at[slot + 1] as usize);
-        for &f in &self.at[here] {
-            let one = self.faces[f as usize];
-            for &g in &self.at[there.clone()] {
-                let other = self.faces[g as usize];
+        let [here, there] = slots;
+        for one in self.faces.of(here) {
+            for other in self.faces.of(there) {
                 if one.iter().any(|corner| other.contains(corner)) {
                     continue;
                 }
