@@ -1,4 +1,4 @@
-//! The scenes, P1 to P13, HANG and DRAPE, and what they are made of.
+//! The scenes, P1 to P14, HANG and DRAPE, and what they are made of.
 
 mod ball;
 mod cantilever;
@@ -6,6 +6,7 @@ mod contact;
 mod falls;
 mod incline;
 mod irregular;
+mod layers;
 mod parts;
 pub mod scaling;
 mod statics;
@@ -20,7 +21,7 @@ use bevy_drape::solver::{Graph, Lattice, MassLumping, Topology};
 use super::{Extent, Outcome, Scene};
 
 /// A scene by the name that it is asked for with.
-pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 18] = [
+pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 19] = [
     ("hang", falls::hang),
     ("drape", falls::drape),
     ("p1", statics::strip),
@@ -37,6 +38,7 @@ pub const ALL: [(&str, fn(Extent) -> Outcome<Scene<'static>>); 18] = [
     ("p12", contact::capstan::scene),
     ("p13", irregular::hang),
     ("p13_swing", irregular::swing),
+    ("p14", layers::scene),
     ("parts", parts::scene),
     ("scaling", scaling::scene),
 ];

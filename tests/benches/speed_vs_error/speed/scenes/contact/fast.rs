@@ -91,7 +91,7 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
             }
         }
     }
-    jobs.extend(peers::jobs("fast", N, &["over_50", "at_end", "peak"])?);
+    jobs.extend(peers::jobs("peer_contact.csv", "fast", N, &["over_50", "at_end", "peak"])?);
     Ok(Scene {
         name: "p10",
         title: "P10 FAST: a solid moves through a curtain, and stops",

@@ -2,7 +2,7 @@
 
 pub mod capstan;
 pub mod fast;
-mod peers;
+pub mod peers;
 pub mod poke;
 pub mod rest;
 

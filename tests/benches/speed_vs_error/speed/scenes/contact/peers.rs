@@ -1,13 +1,13 @@
-//! What other solvers reached in the same scenes, as recorded (`tests/data/peer_contact.csv`).
+//! What other solvers reached in the same scenes, as recorded in a file of `tests/data`.
 
 use super::super::super::{Job, Measured, Outcome};
 use examples_common::repository;
 
-/// The records of a scene as jobs: their errors are the columns of these names.
-pub fn jobs(scene: &str, n: usize, errors: &[&str]) -> Outcome<Vec<Job<'static>>> {
+/// The records of a scene in a file as jobs: their errors are the columns of these names.
+pub fn jobs(file: &str, scene: &str, n: usize, errors: &[&str]) -> Outcome<Vec<Job<'static>>> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
-        .from_path(repository("tests/data/peer_contact.csv"))?;
+        .from_path(repository(&format!("tests/data/{file}")))?;
     let heads = reader.headers()?.clone();
     let column = |name: &str| heads.iter().position(|head| head == name).ok_or(name.to_owned());
     let [is_of, case, peer, ms] =

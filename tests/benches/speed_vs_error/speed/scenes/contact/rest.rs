@@ -146,7 +146,7 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
         }
     }
     let columns = ["rms_mm_s", "", "move_mm", "above_1_cm_s", "p99", "largest", "", ""];
-    jobs.extend(peers::jobs("rest", N, &columns)?);
+    jobs.extend(peers::jobs("peer_contact.csv", "rest", N, &columns)?);
     Ok(Scene {
         name: "p9",
         title: "P9 REST: a cloth dropped on a solid comes to rest",
