@@ -328,7 +328,9 @@ fn what_is_plane_stays_plane_to_the_bit() {
                 pins: &pins,
                 ..StepInput::default()
             };
-            (0..64).for_each(|_| drop(falling.tick(&input).unwrap()));
+            for _ in 0..64 {
+                falling.tick(&input).unwrap();
+            }
             assert!(positions(&falling).iter().all(|p| p.y == 0.0), "{kind}, {form:?}");
         }
     }
