@@ -11,6 +11,7 @@ mod conservation;
 mod contact;
 mod energy;
 mod limits;
+mod mesh_families;
 mod mesh_swing;
 mod modes;
 mod moduli;

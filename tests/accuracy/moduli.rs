@@ -48,7 +48,7 @@ fn fabric(moduli: &Moduli, cell: f64) -> Fabric {
 
 /// Forces on all particles of a sheet in uniform strain `F = 1 + e`, by the solver: what a first substep,
 /// half a kick, sets in motion.
-fn solved(topology: Topology, fabric: &Fabric, places: &[DVec3]) -> Vec<DVec3> {
+pub fn solved(topology: Topology, fabric: &Fabric, places: &[DVec3]) -> Vec<DVec3> {
     let start: Vec<_> = places.iter().map(|p| p.as_vec3()).collect();
     let settings =
         settings_for(fabric, Method::Verlet, settings(StretchMethod::ExplicitSprings, 1));

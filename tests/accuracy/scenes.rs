@@ -57,6 +57,15 @@ impl Sheet {
 
     /// The same of triangles, each cell cut along either diagonal.
     pub fn graph(&self, lumping: MassLumping) -> std::sync::Arc<Graph> {
+        self.jittered(0.0, lumping)
+    }
+
+    /// The same, its inner particles off their places by up to 0.3 cells. The first two rows, which clamp a strip, are straight.
+    pub fn irregular(&self, lumping: MassLumping) -> std::sync::Arc<Graph> {
+        self.jittered(0.3, lumping)
+    }
+
+    fn jittered(&self, jitter: f32, lumping: MassLumping) -> std::sync::Arc<Graph> {
         let mut dice = Dice(5);
         let mut triangles = Vec::new();
         for row in 0..self.cells[1] {
@@ -65,7 +74,15 @@ impl Sheet {
                 triangles.extend(halves(at, self.columns(), dice.roll() > 0.0));
             }
         }
-        std::sync::Arc::new(Graph::new(&self.rest_32(), &triangles, lumping).unwrap())
+        let mut rest = self.rest_32();
+        let cell = self.cell.as_vec2() * jitter;
+        for (row, column) in
+            (2..self.cells[1]).flat_map(|r| (1..self.cells[0]).map(move |c| (r, c)))
+        {
+            rest[self.at(row, column)] +=
+                Vec3::new(dice.roll() * cell.x, 0.0, dice.roll() * cell.y);
+        }
+        std::sync::Arc::new(Graph::new(&rest, &triangles, lumping).unwrap())
     }
 
     pub fn model(&self, fabric: &Fabric, held: &[usize], gravity: DVec3) -> Model {

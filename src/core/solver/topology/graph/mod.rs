@@ -66,8 +66,10 @@ pub struct Weights<'a> {
 /// The rest shape of a cloth that is any triangle mesh: the immutable part, shared by equal cloths.
 ///
 /// Right-angled cells of two triangles behave as those of a lattice, whichever of their diagonals is
-/// in the mesh. All else is an isotropic sheet of Young's modulus `thread_stiffness`: its Poisson's
-/// ratio is 1/3 and its shear modulus 3/8 of that, whatever shear stiffness is asked for.
+/// in the mesh. All else has the springs of an isotropic sheet of Young's modulus `thread_stiffness` (van Gelder
+/// 1998): its Poisson's ratio is 1/3 and its shear modulus 3/8 of that, whatever shear stiffness is asked for.
+/// Where triangles are unlike, vertices go where forces balance, and the mesh is softer for it: one of jittered
+/// squares by 2 % along its rows, its shear modulus 0.23.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph {
     pub(crate) layout: Layout,
