@@ -257,6 +257,21 @@ fn a_heap_has_the_same_bits_everywhere_and_after_a_restart() {
         scene.run(45);
         scene
     };
+    // Tangled as well: what stands down does so after a restart.
+    let tangled = || {
+        let mut scene = drape(40);
+        scene.run(32);
+        scene.solver.set_self_collision(Some(SelfCollision::default())).unwrap();
+        scene
+    };
+    let mut one = tangled();
+    one.run(10);
+    let saved = one.solver.save();
+    one.run(10);
+    let mut other = tangled();
+    other.solver.restore(&saved).unwrap();
+    other.run(10);
+    assert!(bits(&one.solver) == bits(&other.solver), "tangled");
     let mut first = half(Isa::Baseline);
     // In the middle of falling together.
     let saved = first.solver.save();
@@ -309,4 +324,57 @@ fn what_cannot_be_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(message.contains("distance is 0.11") && message.contains("neighbouring"), "{message}");
+}
+
+/// Two sheets in one mesh: the lower one is held, the other lies on it, turned by some angle.
+fn incline(turn: f32, degrees: f32, friction: f32) -> f64 {
+    let (below, above, cell) = (40_usize, 20_usize, 0.02_f32);
+    let (mut rest, mut start, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for (n, height) in [(below, 0.0), (above, 1.0)] {
+        let first = rest.len() as u32;
+        let along = |i: usize| (i as f32 - 0.5 * (n - 1) as f32) * cell;
+        for at in 0..n * n {
+            let place = Vec3::new(along(at % n), height, along(at / n));
+            rest.push(place);
+            let turned = Quat::from_rotation_y(turn) * place + Vec3::new(0.1, 0.0, 0.23) * cell;
+            let lies = Vec3::new(turned.x, 0.92 * cell, turned.z);
+            start.push(if height > 0.0 { lies } else { place });
+            if at % n + 1 < n && at / n + 1 < n {
+                triangles.extend(halves(first + at as u32, n, true));
+            }
+        }
+    }
+    let graph = Arc::new(Graph::new(&rest, &triangles, MassLumping::Lumped).unwrap());
+    let material = Material { drag: 0.0, ..usual() };
+    let mut solver = ClothSolver::new(graph, &start, material, Settings::default()).unwrap();
+    let held = (below * below) as u32;
+    solver.set_pins(&(0..held).collect::<Vec<_>>()).unwrap();
+    solver
+        .set_self_collision(Some(SelfCollision { friction, ..SelfCollision::default() }))
+        .unwrap();
+    let angle = degrees.to_radians();
+    let gravity = Vec3::new(angle.sin(), -angle.cos(), 0.0) * 9.81;
+    let place = |solver: &ClothSolver| {
+        let all = (below * below..rest.len()).map(|i| f64::from(solver.position(i).x));
+        all.sum::<f64>() / (above * above) as f64
+    };
+    run(&mut solver, 32, gravity, &[]);
+    let before = place(&solver);
+    run(&mut solver, 32, gravity, &[]);
+    place(&solver) - before
+}
+
+/// Whether their particles lie in each other's gaps or not, layers stay below Coulomb's angle and slide above it.
+#[test]
+fn layers_slide_at_the_angle_of_friction() {
+    let friction = 0.5_f32;
+    let angle = friction.atan().to_degrees();
+    for turn in [0.0, 0.3] {
+        let [stays, slides] = [-0.5, 0.5].map(|by| incline(turn, angle + by, friction));
+        check_at_most(&format!("turned by {turn}, below: slid by [m]"), stays.abs(), 1e-4);
+        // From rest, by what the slope has above friction, between 0.5 and 1 s.
+        let angle = f64::from(angle + 0.5).to_radians();
+        let expected = 9.81 * (angle.sin() - 0.5 * angle.cos()) * 0.5 * (1.0 - 0.25);
+        check_at_most(&format!("turned by {turn}, above: slid by [m]"), -slides, -0.5 * expected);
+    }
 }

@@ -14,6 +14,7 @@
 //! | `faces` | the triangles of a cloth |
 //! | `grid` | particles sorted by the cells of a grid |
 //! | `find` | pairs of particles that may touch before the cloth has moved by the margin |
+//! | `patches` | smooth parts of a sheet, which are passed over |
 //! | `normals` | the surface's normals, by which layers slide on each other |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `respond` | pairs that touch are moved apart, with friction |
@@ -117,6 +118,21 @@ pub(super) struct SelfContact {
     margin: f32,
 }
 
+/// All that later bits of contact with itself depend on, between two ticks.
+#[derive(Clone, Debug)]
+pub(super) struct Memory {
+    /// Positions when pairs were found, where no particle has been put elsewhere since \[m\].
+    pub found_at: Option<Soa>,
+    /// Ticks since pairs touched.
+    pub since_touch: u32,
+    /// Slots of the particles that stand down.
+    pub down: Vec<usize>,
+    /// Whether there may be a tangle.
+    pub is_suspected: bool,
+    /// Ticks until tangles are searched.
+    pub wait: u32,
+}
+
 /// A substep of a cloth, as its contact with itself takes it.
 pub(super) struct Substep<'a> {
     pub isa: Isa,
@@ -176,15 +192,24 @@ impl SelfContact {
         (needed as u32).clamp(FEWEST_SUBSTEPS, Settings::MAX_SUBSTEPS)
     }
 
-    /// All that its later bits depend on: where particles were when pairs were found, if they are still known, and the ticks since
-    /// pairs touched.
-    pub fn memory(&self) -> (Option<&Soa>, u32) {
-        (self.is_found.then_some(&self.found_at), self.since_touch)
+    /// Takes out all that its later bits depend on.
+    pub fn memory(&self) -> Memory {
+        let Tangles { is_down, any: _, is_suspected, wait, faces: _ } = &self.tangles;
+        Memory {
+            found_at: self.is_found.then(|| self.found_at.clone()),
+            since_touch: self.since_touch,
+            down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
+            is_suspected: *is_suspected,
+            wait: *wait,
+        }
     }
 
     /// Takes over another's memory.
-    pub fn remember(&mut self, isa: Isa, found_at: Option<Soa>, since_touch: u32) {
+    pub fn remember(&mut self, isa: Isa, memory: Memory) {
+        let Memory { found_at, since_touch, down, is_suspected, wait } = memory;
         self.since_touch = since_touch.min(CALM);
+        self.tangles.put_down(&down);
+        (self.tangles.is_suspected, self.tangles.wait) = (is_suspected, wait);
         self.is_found = false;
         if let Some(found_at) = found_at {
             self.found_at = found_at;

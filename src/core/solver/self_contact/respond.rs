@@ -33,7 +33,7 @@ pub(super) struct Respond<'a> {
     pub is_down: Option<&'a [bool]>,
 }
 
-/// What came of it.
+/// The pairs that touched in a substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Touched {
     /// Pairs that touched.

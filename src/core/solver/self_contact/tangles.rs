@@ -41,6 +41,15 @@ impl Tangles {
         Self { faces, is_down, any: false, is_suspected: true, wait: 0 }
     }
 
+    /// Lets the particles of some slots stand down, and no others.
+    pub fn put_down(&mut self, slots: &[usize]) {
+        self.is_down.fill(false);
+        for &slot in slots {
+            self.is_down[slot] = true;
+        }
+        self.any = !slots.is_empty();
+    }
+
     /// Begins a tick.
     pub fn begin_tick(&mut self) {
         self.wait = self.wait.saturating_sub(1);
@@ -55,8 +64,7 @@ impl Tangles {
     pub fn search(&mut self, pairs: &[Pair], x: &Soa, d: &Soa) {
         self.wait = EVERY;
         self.is_suspected = false;
-        self.is_down.fill(false);
-        self.any = false;
+        self.put_down(&[]);
         for pair in pairs {
             let [a, b] = pair.slots.map(|slot| slot as usize);
             let apart = x.get(a) - x.get(b) + (d.get(a) - d.get(b));

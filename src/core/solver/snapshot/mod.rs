@@ -4,6 +4,7 @@
 //! not compile.
 
 mod contacts;
+mod layers;
 
 use bevy_math::Vec3;
 
@@ -17,6 +18,7 @@ use crate::solver::rest_detection::Mark;
 use crate::solver::settings::is_near;
 use crate::solver::simd::soa::Soa;
 use crate::solver::snapshot::contacts::SavedContacts;
+use crate::solver::snapshot::layers::SavedLayers;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 
@@ -48,8 +50,8 @@ pub struct SolverState {
     tethered_under: Option<Vec3>,
     mark_origin: Vec3,
     mark: Vec<Vec3>,
-    /// Contact with itself: positions when pairs were found, where they are known, and ticks since pairs touched.
-    layers: Option<(Option<Vec<Vec3>>, u32)>,
+    /// Contact with itself, where the cloth collides with itself.
+    layers: Option<SavedLayers>,
     /// Forces that wait for the next tick, and their strength \[N\].
     pushes: Option<(Vec<Vec3>, f32)>,
 }
@@ -108,8 +110,7 @@ impl SolverState {
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
-        let found = self.layers.as_ref().and_then(|(found, _)| found.as_deref());
-        good(found.is_none_or(is_good), "layers")?;
+        good(self.layers.as_ref().is_none_or(|layers| layers.is_good(expected)), "layers")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
@@ -185,10 +186,7 @@ impl ClothSolver {
             tethered_under: *tethered_under,
             mark_origin: *mark_origin,
             mark: by_particle(mark),
-            layers: self_contact.as_ref().map(|own| {
-                let (found_at, since_touch) = own.memory();
-                (found_at.map(by_particle), since_touch)
-            }),
+            layers: self_contact.as_ref().map(|own| SavedLayers::of(topology, own.memory())),
             pushes: pushes.as_ref().filter(|pushes| pushes.strength > 0.0).map(|pushes| {
                 let Pushes { forces, strength } = &**pushes;
                 (by_particle(forces), *strength)
@@ -237,11 +235,9 @@ impl ClothSolver {
             self.limit_soft_pin(particle, most_force);
         }
         self.set_air(*air)?;
-        if let (Some(own), Some((found_at, since_touch))) = (&mut self.self_contact, layers) {
-            let found_at = found_at.as_deref().map(|found_at| by_slot(&self.topology, found_at));
-            own.remember(self.isa, found_at, *since_touch);
-        } else {
-            self.forget_pairs();
+        match (&mut self.self_contact, layers) {
+            (Some(own), Some(layers)) => own.remember(self.isa, layers.memory(&self.topology)),
+            _ => self.forget_pairs(),
         }
         self.plan_ticks(*tick);
         // After all that makes the tethers forget it.
