@@ -15,9 +15,9 @@ struct Span {
     of: usize,
 }
 
-/// Counts the pairs of an edge and a face it pierces, of which it has no corner. Looks at all of the cloth: for reports, not for
-/// every frame.
-pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
+/// Edges that pierce faces of which they have no corner, each once for each of these faces. Looks at all of the cloth: for reports,
+/// not for every frame.
+pub(in crate::solver) fn crossing_edges(topology: &Topology, x: &Soa) -> Vec<[u32; 2]> {
     let at = |particle: usize| x.get(topology.slot(particle)).as_dvec3();
     let places: Vec<DVec3> = (0..topology.particle_count()).map(at).collect();
     let faces = faces(topology);
@@ -31,7 +31,7 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
     let edge_spans = spans(&places, &edges);
     let face_spans = spans(&places, &faces);
     let longest = face_spans.iter().map(|span| span.high - span.low).fold(0.0, f64::max);
-    let mut count = 0;
+    let mut found = Vec::new();
     let mut first = 0;
     for edge in &edge_spans {
         while face_spans.get(first).is_some_and(|face| face.low < edge.low - longest) {
@@ -43,11 +43,11 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
             let corners = faces[face.of];
             let is_apart = !corners.iter().any(|corner| ends.contains(corner));
             if is_apart && pierces(ends.map(|end| places[end]), corners.map(|c| places[c])) {
-                count += 1;
+                found.push(ends.map(|end| end as u32));
             }
         }
     }
-    count
+    found
 }
 
 /// The spans of edges or faces along x, by where they begin.

@@ -16,7 +16,7 @@
 //! | `find` | pairs of particles that may touch before the cloth has moved by the margin |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `respond` | pairs that touch are moved apart, with friction |
-//! | `crossings` | edges that pierce faces, counted |
+//! | `crossings` | edges that pierce faces |
 
 mod balls;
 mod crossings;
@@ -27,7 +27,7 @@ mod patches;
 mod respond;
 mod travel;
 
-pub(super) use crate::solver::self_contact::crossings::crossings;
+pub(super) use crate::solver::self_contact::crossings::crossing_edges;
 
 use crate::solver::self_contact::balls::Balls;
 use crate::solver::self_contact::find::{FindPairs, Pair};
