@@ -26,7 +26,7 @@
 //! | `grabbing` | system: begins, drags and ends grabs |
 //! | `holding` | attachments and grab together, as the solver takes them: pins, springs, and the motion of each in a tick |
 //!
-//! `self_collision` hands the solver how the cloth collides with itself. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
+//! `self_collision` hands on how the cloth collides with itself. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
 //! are measured.
 
 pub(crate) mod anchors;
