@@ -175,7 +175,7 @@ fn what_is_refused_is_told_until_it_is_mended() {
 
 #[test]
 fn a_heap_that_is_saved_goes_on_with_the_same_bits() {
-    // Also where the entity's scale has changed since the cloth was set up, which keeps its size.
+    // Also into a cloth of another size, which becomes that of the one that was saved.
     for (mesh, scale) in [(false, 1.0), (true, 1.0), (false, 0.7)] {
         let what = format!("mesh {mesh}, scale {scale}");
         let build = |others: usize, scale: f32| {
@@ -200,6 +200,10 @@ fn a_heap_that_is_saved_goes_on_with_the_same_bits() {
         });
         assert!(ticks.is_some(), "{what}: layers touch");
         let (mut other, other_floor, other_cloth) = build(3, 1.0);
+        if scale != 1.0 {
+            // It is set up in another size.
+            other.update();
+        }
         let state = ClothSnapshot::of(one.world().entity(cloth)).unwrap();
         other.world_mut().entity_mut(other_cloth).insert(state);
         let state = SdfColliderSnapshot::of(one.world().entity(floor)).unwrap();
