@@ -15,7 +15,7 @@ use crate::simulation::stage_times::StageTimes;
 use crate::step::in_fixed_step;
 
 /// Measures cloths, for Bevy's `DiagnosticsStore`: the milliseconds of a tick and of its stages, substeps,
-/// strain, contacts, who is awake. Without it nothing is measured.
+/// strain, contacts, crossings, who is awake. Without it nothing is measured.
 ///
 /// Add it beside [`ClothPlugin`]; Bevy's `LogDiagnosticsPlugin` prints what it finds.
 ///
@@ -64,6 +64,12 @@ impl ClothDiagnosticsPlugin {
     pub const STRAIN_MEAN: DiagnosticPath = DiagnosticPath::const_new("cloth/strain_mean");
     /// Contacts in their last substeps, all together.
     pub const CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/contacts");
+    /// Pairs of particles of one cloth that touched in the last substeps of those that collide with themselves
+    /// ([`ClothSelfCollision`](crate::ClothSelfCollision)), all together.
+    pub const SELF_CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/self_contacts");
+    /// Times that an edge of these cloths pierces a face of its own cloth, all together. Counted once a second, which
+    /// takes milliseconds a cloth, and only while its `Diagnostic` is enabled.
+    pub const CROSSINGS: DiagnosticPath = DiagnosticPath::const_new("cloth/crossings");
     /// Cloths that took the tick.
     pub const AWAKE: DiagnosticPath = DiagnosticPath::const_new("cloth/awake");
     /// Cloths that sleep.
@@ -75,11 +81,13 @@ impl ClothDiagnosticsPlugin {
     /// All that is in milliseconds.
     const TIMES: [DiagnosticPath; 4] = [Self::TICK, Self::GATHER, Self::SOLVE, Self::DRAW];
     /// All that is counted or compared.
-    const NUMBERS: [DiagnosticPath; 6] = [
+    const NUMBERS: [DiagnosticPath; 8] = [
         Self::SUBSTEPS,
         Self::STRAIN_MAX,
         Self::STRAIN_MEAN,
         Self::CONTACTS,
+        Self::SELF_CONTACTS,
+        Self::CROSSINGS,
         Self::AWAKE,
         Self::ASLEEP,
     ];
@@ -113,7 +121,7 @@ impl Plugin for ClothDiagnosticsPlugin {
                 mark_gather.after(Setup).before(Gather),
                 (end_gather, mark_solve).chain().after(Gather).before(Solve),
                 end_solve.after(Solve).before(Finish),
-                (end_tick, report_cloths).chain().after(Finish),
+                (end_tick, report_cloths, report_crossings).chain().after(Finish),
             )
                 .run_if(in_fixed_step),
         )
@@ -186,6 +194,7 @@ fn milliseconds(time: Duration) -> f64 {
 fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagnostics) {
     let mut spent = StageTimes::default();
     let (mut awake, mut asleep, mut substeps, mut contacts) = (0_u32, 0_u32, 0, 0);
+    let mut self_contacts = None;
     let mut most_strain = f32::NEG_INFINITY;
     let (mut strains, mut springs) = (0.0, 0);
     for (cloth, times) in &cloths {
@@ -197,6 +206,9 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
         spent.add(times);
         substeps = substeps.max(tick.substeps);
         contacts += tick.contact_count;
+        if cloth.solver.self_collision().is_some() {
+            *self_contacts.get_or_insert(0) += tick.self_contact_count;
+        }
         most_strain = most_strain.max(tick.max_strain);
         let (sum, count) = cloth.solver.strain_sum();
         strains += sum;
@@ -207,11 +219,33 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
     }
     out.add_measurement(&ClothDiagnosticsPlugin::AWAKE, || f64::from(awake));
     out.add_measurement(&ClothDiagnosticsPlugin::ASLEEP, || f64::from(asleep));
+    if let Some(count) = self_contacts {
+        out.add_measurement(&ClothDiagnosticsPlugin::SELF_CONTACTS, || f64::from(count));
+    }
     // Of nothing there is neither.
     if awake > 0 {
         out.add_measurement(&ClothDiagnosticsPlugin::SUBSTEPS, || f64::from(substeps));
         out.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || f64::from(contacts));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MAX, || f64::from(most_strain));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MEAN, || strains / springs as f64);
+    }
+}
+
+/// Seconds of the fixed clock from one count of crossings to the next.
+const COUNT_EVERY: f32 = 1.0;
+
+/// Counts the crossings of cloths that collide with themselves, where any of them has moved.
+fn report_crossings(
+    cloths: Query<&ClothSimulation>,
+    time: Res<Time>,
+    mut next: Local<f32>,
+    mut out: Diagnostics,
+) {
+    let layered = || cloths.iter().filter(|cloth| cloth.solver.self_collision().is_some());
+    *next -= time.delta_secs();
+    if *next <= 0.0 && layered().any(|cloth| cloth.tick.step.runs) {
+        *next = COUNT_EVERY;
+        let count = || layered().map(ClothSimulation::crossings).sum::<u32>();
+        out.add_measurement(&ClothDiagnosticsPlugin::CROSSINGS, || f64::from(count()));
     }
 }

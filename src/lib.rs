@@ -87,7 +87,7 @@
 //! # Limits
 //!
 //! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
-//! - Cloths do not collide with each other or with themselves, and do not push colliders.
+//! - Cloths do not collide with each other, with themselves where [`ClothSelfCollision`] asks for it, and do not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
@@ -133,6 +133,7 @@ pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
 pub use cloth::layers::ClothLayers;
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
+pub use cloth::self_collision::ClothSelfCollision;
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
 pub use cloth::sleep::{ClothPaused, ClothSleepThreshold};
 pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};

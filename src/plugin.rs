@@ -60,6 +60,7 @@ use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::hang_on_start::HangOnStart;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
@@ -88,6 +89,7 @@ use crate::simulation::pinning::apply_pins;
 use crate::simulation::pushing::ask_for_push;
 use crate::simulation::ready::tell_ready;
 use crate::simulation::reference_frame::{ask_for_reset, ask_for_teleport};
+use crate::simulation::self_collision::apply_self_collision;
 use crate::simulation::setup::set_up_cloths;
 use crate::simulation::sleeping::choose_steps;
 use crate::simulation::snapshot::{ClothSnapshot, restore_cloths};
@@ -143,6 +145,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothAir>()
+            .register_type::<ClothSelfCollision>()
             .register_type::<ClothWind>()
             .register_type::<ClothWindOverride>()
             .register_type::<WindZone>()
@@ -266,7 +269,16 @@ impl Plugin for ClothPlugin {
 
 /// Components become running cloths, and change them. Runs in two schedules.
 fn set_up() -> ScheduleConfigs<ScheduleSystem> {
-    (set_up_cloths, apply_changes, restore_cloths, apply_pins, hang_cloths, apply_grabs, tell_ready)
+    (
+        set_up_cloths,
+        apply_changes,
+        apply_self_collision,
+        restore_cloths,
+        apply_pins,
+        hang_cloths,
+        apply_grabs,
+        tell_ready,
+    )
         .chain()
 }
 

@@ -10,6 +10,7 @@ mod gallery;
 
 use bevy::prelude::*;
 use bevy_drape::{
+    ClothSelfCollision,
     prelude::*,
     sdf::{BakeSettings, DistanceField, SignedDistance},
 };
@@ -110,6 +111,24 @@ fn tablecloth() {
     let cloth = cloths(&mut app).remove(0);
     let back = cloth.iter().map(|at| at.z).fold(f32::MAX, f32::min);
     assert!(back > 0.3 && highest(&cloth) < 0.3, "{back} {}", highest(&cloth));
+    assert!(report.depth <= 1e-4, "depth {} m", report.depth);
+}
+
+#[test]
+fn heap() {
+    // The check asks for no crossing of those that collide with themselves.
+    let (mut app, report) = run("heap", 3.0);
+    let mut query = app.world_mut().query::<(&ClothSimulation, Has<ClothSelfCollision>)>();
+    let crossings: Vec<_> =
+        query.iter(app.world()).map(|(cloth, collides)| (cloth.crossings(), collides)).collect();
+    assert_eq!(crossings.iter().filter(|(_, collides)| *collides).count(), 2);
+    // The others are told apart from them.
+    for (crossings, collides) in crossings {
+        assert!(collides || crossings > 100, "{crossings}");
+    }
+    // Heaps lie low, towels on benches.
+    let heights: Vec<_> = cloths(&mut app).iter().map(|cloth| highest(cloth)).collect();
+    assert!(heights.iter().all(|height| (0.02..0.5).contains(height)), "{heights:?}");
     assert!(report.depth <= 1e-4, "depth {} m", report.depth);
 }
 

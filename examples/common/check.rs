@@ -1,7 +1,7 @@
 //! The check that every example ends in.
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothSelfCollision, prelude::*};
 
 /// Where the scene's cloths must be at the end \[m\]; the ground is at y = 0.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -15,7 +15,8 @@ pub struct Bounds {
 /// How deep a particle may be in the ground \[m\].
 const DEEPEST: f32 = 1e-4;
 
-/// Checks that every cloth runs, is finite, above the ground and inside the scene's box.
+/// Checks that every cloth runs, is finite, above the ground and inside the scene's box, and that none which collides with
+/// itself has passed through itself.
 ///
 /// # Errors
 /// What is wrong, in words.
@@ -24,14 +25,19 @@ pub fn check(world: &mut World) -> Result<(), String> {
     if let Some(failure) = world.query::<&ClothFailure>().iter(world).next() {
         return Err(failure.error.to_string());
     }
-    let mut cloths = world.query_filtered::<Option<&ClothSimulation>, With<Cloth>>();
+    let mut cloths =
+        world.query_filtered::<(Option<&ClothSimulation>, Has<ClothSelfCollision>), With<Cloth>>();
     if cloths.iter(world).len() == 0 {
         return Err("there is no cloth".into());
     }
-    for cloth in cloths.iter(world) {
+    for (cloth, collides) in cloths.iter(world) {
         let cloth = cloth.ok_or("a cloth has not been set up")?;
         if cloth.tick_count() == 0 {
             return Err("a cloth has not been simulated".into());
+        }
+        if collides && cloth.crossings() > 0 {
+            let crossings = cloth.crossings();
+            return Err(format!("a cloth has passed through itself: {crossings} crossings"));
         }
         for position in cloth.positions() {
             if !position.is_finite() {

@@ -12,6 +12,8 @@ pub enum Lines {
     Pins,
     /// Where it touches.
     Contacts,
+    /// Where it has passed through itself.
+    Crossings,
     /// What blows on it.
     Wind,
     /// Its box.
@@ -29,6 +31,7 @@ pub(crate) fn add_gizmos(app: &mut App, lines: &[Lines]) {
             threads: has(Lines::Threads),
             pins: has(Lines::Pins),
             contacts: has(Lines::Contacts),
+            crossings: has(Lines::Crossings),
             wind: has(Lines::Wind),
             bounds: has(Lines::Bounds),
             ..ClothGizmos::NOTHING

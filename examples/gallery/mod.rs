@@ -15,6 +15,8 @@ mod drape;
 mod fabrics;
 #[path = "../flag.rs"]
 mod flag;
+#[path = "../heap.rs"]
+mod heap;
 #[path = "../hung.rs"]
 mod hung;
 #[path = "../panel.rs"]
@@ -32,7 +34,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use examples_common::Example;
 
 /// All scenes.
-pub const SCENES: [Example; 13] = [
+pub const SCENES: [Example; 14] = [
     drape::DRAPE,
     drape::SPHERES,
     bunny::BUNNY,
@@ -43,6 +45,7 @@ pub const SCENES: [Example; 13] = [
     cape::CAPE,
     shirt::SHIRT,
     tablecloth::TABLECLOTH,
+    heap::HEAP,
     fabrics::FABRICS,
     stress::STRESS,
     // Without its panel.

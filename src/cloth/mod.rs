@@ -12,6 +12,7 @@ pub(crate) mod layers;
 pub(crate) mod material;
 pub(crate) mod pins;
 pub(crate) mod quality;
+pub(crate) mod self_collision;
 pub(crate) mod settings;
 pub(crate) mod sleep;
 pub(crate) mod teleport;

@@ -7,7 +7,7 @@ use crate::solver::ParameterError;
 /// When a cloth goes to sleep: it then costs next to nothing until something could move it. A cloth
 /// without this component has the default.
 ///
-/// It is woken by pins and anchors that move, changed pins, material, settings or gravity, colliders
+/// It is woken by pins and anchors that move, changed pins, material, settings, self-collision or gravity, colliders
 /// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///

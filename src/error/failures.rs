@@ -38,6 +38,7 @@ impl Blame {
                 ClothComponent::ClothMaterial
                 | ClothComponent::ClothSettings
                 | ClothComponent::ClothAir
+                | ClothComponent::ClothSelfCollision
                 | ClothComponent::ClothTeleport
                 | ClothComponent::ClothInertia
                 | ClothComponent::ClothSleepThreshold

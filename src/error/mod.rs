@@ -115,6 +115,8 @@ pub enum ClothComponent {
     ClothSettings,
     /// [`ClothAir`](crate::ClothAir).
     ClothAir,
+    /// [`ClothSelfCollision`](crate::ClothSelfCollision).
+    ClothSelfCollision,
     /// [`ClothTeleport`](crate::ClothTeleport).
     ClothTeleport,
     /// [`ClothInertia`](crate::ClothInertia).

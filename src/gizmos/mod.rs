@@ -1,5 +1,5 @@
 //! Lines over the scene, to look inside a cloth: threads coloured by their strain, what holds it, what it
-//! touches, what blows on it, and the fields that it meets.
+//! touches, where it has passed through itself, what blows on it, and the fields that it meets.
 
 mod contacts;
 mod slice;
@@ -42,6 +42,8 @@ pub struct ClothGizmos {
     pub pins: bool,
     /// Particles that touch a collider, with its normal there.
     pub contacts: bool,
+    /// Edges that pierce faces of their own cloth: red. To find them takes milliseconds a cloth.
+    pub crossings: bool,
     /// The wind at some particles of each cloth that feels it, and the outlines of its zones.
     pub wind: bool,
     /// The box around each cloth: cyan, grey where it sleeps.
@@ -60,6 +62,7 @@ impl ClothGizmos {
         threads: false,
         pins: false,
         contacts: false,
+        crossings: false,
         wind: false,
         bounds: false,
         full_strain: 0.02,
@@ -72,6 +75,7 @@ impl ClothGizmos {
         threads: true,
         pins: true,
         contacts: true,
+        crossings: true,
         wind: true,
         bounds: true,
         ..Self::NOTHING
@@ -122,6 +126,7 @@ fn add_gizmos(app: &mut App) {
             threads::draw_pins.run_if(wanted(|gizmos| gizmos.pins)),
             threads::draw_bounds.run_if(wanted(|gizmos| gizmos.bounds)),
             contacts::draw_contacts.run_if(wanted(|gizmos| gizmos.contacts)),
+            threads::draw_crossings.run_if(wanted(|gizmos| gizmos.crossings)),
             wind::draw_wind.run_if(wanted(|gizmos| gizmos.wind)),
             slice::draw_slices.run_if(any_with_component::<SdfSlice>.and_then(wanted(|_| true))),
         )

@@ -1,4 +1,4 @@
-//! The cloth itself: its threads, what holds it, its box.
+//! The cloth itself: its threads, where they pierce it, what holds it, its box.
 
 use bevy::color::palettes::css;
 use bevy::math::bounding::Aabb3d;
@@ -19,6 +19,16 @@ pub(super) fn draw_threads(cloths: Query<&ClothSimulation>, mut gizmos: Gizmos<C
             let towards = if strain > 0.0 { css::RED } else { css::BLUE };
             let part = (strain.abs() / full).min(1.0);
             gizmos.line(a, b, css::GRAY.mix(&towards, part));
+        }
+    }
+}
+
+/// Edges that pierce faces of their own cloth.
+pub(super) fn draw_crossings(cloths: Query<&ClothSimulation>, mut gizmos: Gizmos<ClothGizmos>) {
+    for cloth in &cloths {
+        for ends in cloth.solver.crossing_edges() {
+            let [a, b] = ends.map(|end| cloth.solver.position(end as usize));
+            gizmos.line(a, b, css::RED);
         }
     }
 }

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::ResetCloth;
 use crate::cloth::wind::ClothWindOverride;
@@ -41,6 +42,10 @@ pub(super) fn act(
             PanelAction::SetPins(pins) => drop(cloth.try_insert(pins)),
             PanelAction::SetAir(Some(air)) => drop(cloth.try_insert(air)),
             PanelAction::SetAir(None) => drop(cloth.try_remove::<ClothAir>()),
+            PanelAction::SetSelfCollision(Some(asked)) => drop(cloth.try_insert(asked)),
+            PanelAction::SetSelfCollision(None) => {
+                cloth.try_remove::<ClothSelfCollision>();
+            }
             PanelAction::SetGravity(gravity) if own_gravity => {
                 cloth.try_insert(ClothGravityOverride(gravity));
             }

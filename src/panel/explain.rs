@@ -21,6 +21,9 @@ pub fn explain(plan: &Plan, material: &ClothMaterial) -> Vec<String> {
         format!("{} substeps of {:.3} ms.", plan.substeps, 1e3 * plan.step),
         format!("Stability: {} % of the limit (90 % at most).", short(100.0 * plan.margin)),
     ];
+    if plan.layers > 0 {
+        lines.push(format!("Its own layers ask for {} substeps or more.", plan.layers));
+    }
     let clamped = [
         (
             "Thread stiffness",

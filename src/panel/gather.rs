@@ -10,6 +10,7 @@ use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::ClothSettings;
 use crate::cloth::sleep::ClothPaused;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
@@ -30,6 +31,7 @@ pub(super) struct Looked {
     settings: Option<&'static ClothSettings>,
     pins: Option<&'static ClothPins>,
     air: Option<&'static ClothAir>,
+    self_collision: Option<&'static ClothSelfCollision>,
     gravity: Option<&'static ClothGravityOverride>,
     wind: Option<&'static ClothWindOverride>,
     frozen: Has<ClothPaused>,
@@ -90,10 +92,12 @@ fn facts(
         cloths,
         chosen,
         particle_count: found.cloth.particle_count(),
+        spacing: spacing(found.cloth),
         material: found.material.copied().unwrap_or_default(),
         settings: found.settings.copied().unwrap_or_default(),
         pins: found.pins.cloned().unwrap_or_default(),
         air: found.air.copied(),
+        self_collision: found.self_collision.copied(),
         gravity: gravity(found, around),
         wind: found
             .wind
@@ -103,6 +107,10 @@ fn facts(
         plan: *found.cloth.plan(),
         errors: found.failure.iter().flat_map(|it| it.errors()).map(ToString::to_string).collect(),
     }
+}
+
+fn spacing(cloth: &ClothSimulation) -> f32 {
+    cloth.topology().structural_springs().map(|(.., rest)| rest).fold(f32::INFINITY, f32::min)
 }
 
 fn gravity(found: &LookedItem<'_, '_>, around: &Around) -> Vec3 {

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use crate::cloth::air::ClothAir;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::ClothSettings;
 use crate::cloth::wind::ClothWind;
 use crate::panel::history::PanelHistory;
@@ -79,6 +80,8 @@ pub struct PanelFacts {
     pub chosen: Entity,
     /// Its particles.
     pub particle_count: usize,
+    /// Shortest distance of neighbouring particles at rest \[m\].
+    pub spacing: f32,
     /// Its material, as its component has it.
     pub material: ClothMaterial,
     /// Its settings.
@@ -87,6 +90,8 @@ pub struct PanelFacts {
     pub pins: ClothPins,
     /// How it feels the air, if it does.
     pub air: Option<ClothAir>,
+    /// How it collides with itself, if it does.
+    pub self_collision: Option<ClothSelfCollision>,
     /// Its gravity [m/s2]: that of the world, or its own.
     pub gravity: Vec3,
     /// Its wind: that of the world, or its own.
@@ -114,6 +119,8 @@ pub enum PanelAction {
     SetPins(ClothPins),
     /// Lets it feel the air, or not.
     SetAir(Option<ClothAir>),
+    /// Lets it collide with itself, or not.
+    SetSelfCollision(Option<ClothSelfCollision>),
     /// Another gravity [m/s2]: its own where it has one, else that of the world.
     SetGravity(Vec3),
     /// Another wind: its own where it has one, else that of the world.

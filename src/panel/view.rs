@@ -9,6 +9,7 @@ use bevy_egui::egui::{self, DragValue, Slider, Ui};
 use crate::cloth::air::ClothAir;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::{ClothPins, PinHold, PinSelection};
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::ClothSettings;
 use crate::panel::explain::{explain, short};
 use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
@@ -68,6 +69,7 @@ fn draw_cloth(
         edit_file(ui, path, message, &mut asked);
     });
     section(ui, "Settings", false, |ui| edit_settings(ui, facts.settings, &mut asked));
+    section(ui, "Self-collision", false, |ui| edit_self_collision(ui, facts, &mut asked));
     section(ui, "Pins", false, |ui| edit_pins(ui, &facts.pins, &mut asked));
     section(ui, "Air, wind, gravity", false, |ui| edit_surroundings(ui, facts, &mut asked));
     asked
@@ -205,6 +207,28 @@ fn edit_substeps(ui: &mut Ui, substeps: &mut Substeps) {
         let (Substeps::Automatic { budget: count } | Substeps::Fixed(count)) = substeps;
         ui.add(DragValue::new(count).range(1..=1000).suffix(" substeps"));
     });
+}
+
+fn edit_self_collision(ui: &mut Ui, facts: &PanelFacts, asked: &mut Vec<PanelAction>) {
+    let mut to = facts.self_collision;
+    let mut collides = to.is_some();
+    if ui.checkbox(&mut collides, "collides with itself").changed() {
+        to = collides.then(ClothSelfCollision::default);
+    }
+    if let Some(to) = &mut to {
+        let mut automatic = to.distance.is_none();
+        if ui.checkbox(&mut automatic, "distance from the particle spacing").changed() {
+            // Whatever the triangles, it is no larger than they allow.
+            to.distance = (!automatic).then_some(0.8 * facts.spacing);
+        }
+        if let Some(distance) = &mut to.distance {
+            slide(ui, distance, 0.1 * facts.spacing..=facts.spacing, "m distance");
+        }
+        ui.add(Slider::new(&mut to.friction, 0.0..=2.0).text("friction of layers"));
+    }
+    if to != facts.self_collision {
+        asked.push(PanelAction::SetSelfCollision(to));
+    }
 }
 
 fn edit_pins(ui: &mut Ui, was: &ClothPins, asked: &mut Vec<PanelAction>) {

@@ -26,7 +26,7 @@
 //! | `grabbing` | system: begins, drags and ends grabs |
 //! | `holding` | attachments and grab together, as the solver takes them: pins, springs, and the motion of each in a tick |
 //!
-//! `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
+//! `self_collision` hands on how the cloth collides with itself. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
 //! are measured.
 
 pub(crate) mod anchors;
@@ -42,6 +42,7 @@ pub(crate) mod progress;
 pub(crate) mod pushing;
 pub(crate) mod ready;
 pub(crate) mod reference_frame;
+pub(crate) mod self_collision;
 pub(crate) mod setup;
 pub(crate) mod sleeping;
 pub(crate) mod snapshot;
@@ -250,6 +251,12 @@ impl ClothSimulation {
     /// Strain of the threads. Looks at all of them and sorts: for reports, not for every tick.
     pub fn strain(&self) -> StrainReport {
         self.solver.strain()
+    }
+
+    /// Times that an edge of the cloth pierces a face of it: how much of it has passed through itself. Looks at all of it, which
+    /// takes milliseconds: for reports, not for every tick.
+    pub fn crossings(&self) -> u32 {
+        self.solver.crossings()
     }
 
     /// Chooses how the kernels are compiled. Every choice gives the same bits.

@@ -4,6 +4,7 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
+use crate::cloth::self_collision::ClothSelfCollision;
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::rest_cache::RestCache;
@@ -173,14 +174,14 @@ impl Content {
 
 /// Puts states back, where cloths are set up by now.
 pub(crate) fn restore_cloths(
-    mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation)>,
+    mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation, Option<&ClothSelfCollision>)>,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, state, mut cloth) in &mut cloths {
+    for (entity, state, mut cloth, layers) in &mut cloths {
         commands.entity(entity).try_remove::<ClothSnapshot>();
-        match restore(entity, &mut cloth, &state.content, &mut cache) {
+        match restore(entity, &mut cloth, &state.content, layers, &mut cache) {
             Ok(()) => {
                 for blame in [Blame::Snapshot, Blame::Motion] {
                     failures.clear(entity, blame);
@@ -195,6 +196,7 @@ fn restore(
     entity: Entity,
     cloth: &mut ClothSimulation,
     state: &Content,
+    layers: Option<&ClothSelfCollision>,
     cache: &mut RestCache,
 ) -> Result<(), ClothErrorKind> {
     let damaged = ClothErrorKind::Snapshot;
@@ -206,7 +208,10 @@ fn restore(
     let mut solver = if state.placed.scale == cloth.in_force.placed.scale {
         cloth.solver.clone()
     } else {
-        scaled(cloth, state.placed.scale, cache)?
+        let mut solver = scaled(cloth, state.placed.scale, cache)?;
+        // What a cloth of this size does not allow is told with its other changes.
+        let _ = solver.set_self_collision(layers.map(|layers| (*layers).into()));
+        solver
     };
     solver.restore(&state.solver).map_err(damaged)?;
     cloth.take_over(entity, state.clone(), solver);

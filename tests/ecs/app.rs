@@ -105,6 +105,7 @@ fn components_are_registered() {
         "ClothWeights",
         "ClothInterpolation",
         "ClothAir",
+        "ClothSelfCollision",
         "ClothWindOverride",
         "WindZone",
         "ClothGravityOverride",

@@ -7,8 +7,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_drape::{
-    ClothDiagnosticsPlugin, ClothExecution, ClothGravityOverride, ClothSleepThreshold, prelude::*,
-    solver::Substeps,
+    ClothDiagnosticsPlugin, ClothExecution, ClothGravityOverride, ClothSelfCollision,
+    ClothSleepThreshold, prelude::*, solver::Substeps,
 };
 use std::time::Duration;
 
@@ -75,6 +75,38 @@ fn numbers_are_what_the_cloths_tell() {
     let mean = f64::from(strain[0].mean + strain[1].mean) / 2.0;
     assert!((value(&app, &It::STRAIN_MEAN) - mean).abs() < 1e-6);
     assert!(mean > 1e-4 && f64::from(largest) > 2.0 * mean);
+}
+
+#[test]
+fn layers_are_counted_where_a_cloth_collides_with_itself() {
+    let mut app = measured();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let tangled = |app: &mut App| {
+        let mesh = Mesh3d(add_mesh(app, looped_mesh()));
+        spawn(app, (Cloth::of_mesh3d(), mesh, ClothSleepThreshold::NEVER))
+    };
+    let with = tangled(&mut app);
+    tangled(&mut app);
+    updates(&mut app, 5);
+    let is_measured = |app: &App, path: &DiagnosticPath| {
+        app.world().resource::<DiagnosticsStore>().get(path).unwrap().history_len()
+    };
+    assert_eq!((is_measured(&app, &It::CROSSINGS), is_measured(&app, &It::SELF_CONTACTS)), (0, 0));
+    app.world_mut().entity_mut(with).insert(ClothSelfCollision::default());
+    app.update();
+    let crossings = simulation(&app, with).crossings();
+    assert!(crossings > 4, "{crossings}");
+    assert_eq!(value(&app, &It::CROSSINGS), f64::from(crossings));
+    let touching = simulation(&app, with).last_tick().unwrap().self_contact_count;
+    assert_eq!(value(&app, &It::SELF_CONTACTS), f64::from(touching));
+    // Once a second of the fixed clock, and not while nobody asks.
+    updates(&mut app, 64);
+    assert_eq!(is_measured(&app, &It::CROSSINGS), 2);
+    assert_eq!(is_measured(&app, &It::SELF_CONTACTS), 65);
+    let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
+    store.get_mut(&It::CROSSINGS).unwrap().is_enabled = false;
+    updates(&mut app, 64);
+    assert_eq!(is_measured(&app, &It::CROSSINGS), 2);
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod push;
 mod quality;
 mod refusals;
 mod seams;
+mod self_collision;
 mod setup;
 mod shapes;
 mod sleep;

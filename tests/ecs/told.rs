@@ -2,7 +2,7 @@
 
 use crate::support::app::*;
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothSelfCollision, prelude::*};
 use std::{
     fmt,
     sync::{Mutex, Once, PoisonError},
@@ -106,4 +106,23 @@ fn a_mesh_that_a_sheet_replaces_is_told_of() {
     let said = said("its `Mesh3d` gives way");
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].contains(&loud.to_string()), "{said:?}");
+}
+
+#[test]
+fn a_cloth_that_is_tangled_is_told_of_once() {
+    listen();
+    let mut app = app();
+    // A number that is no other test's.
+    (0..977).for_each(|_| drop(app.world_mut().spawn_empty()));
+    let loop_ = add_mesh(&mut app, looped_mesh());
+    let own = ClothSelfCollision::default();
+    let flat = [spawn(&mut app, (sheet(), own)), spawn(&mut app, Cloth::of_mesh3d())];
+    let flat_mesh = Mesh3d(add_mesh(&mut app, holed_mesh()));
+    app.world_mut().entity_mut(flat[1]).insert((flat_mesh, own));
+    let tangled = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(loop_), own));
+    let of = |cloth: Entity| said(&format!("cloth {cloth}: it is tangled"));
+    wait(&mut app, |_| !of(tangled).is_empty());
+    updates(&mut app, 20);
+    assert_eq!(of(tangled).len(), 1);
+    assert!(flat.iter().all(|cloth| of(*cloth).is_empty()));
 }

@@ -97,6 +97,29 @@ fn stretched_threads_are_red() {
 }
 
 #[test]
+fn crossings_are_red() {
+    let off = ClothGizmos::NOTHING;
+    let mut app = app_showing(ClothGizmos { crossings: true, ..off });
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    spawn(&mut app, sheet());
+    let mesh = Mesh3d(add_mesh(&mut app, looped_mesh()));
+    let tangled = spawn(&mut app, (Cloth::of_mesh3d(), mesh));
+    updates(&mut app, 3);
+    let drawn = lines(&app);
+    assert!(drawn.len() > 4);
+    assert_eq!(drawn.len(), simulation(&app, tangled).crossings() as usize);
+    // The loop closes on the plane x = 0: what pierces is there, and reaches to both of its sides.
+    let longest = 0.07;
+    for (from, to, color) in drawn {
+        assert!(from.x.abs() < longest && to.x.abs() < longest, "{from} {to}");
+        assert!(color.red > 0.9 && color.blue < 0.1);
+    }
+    show(&mut app, off);
+    app.update();
+    assert_eq!(lines(&app), []);
+}
+
+#[test]
 fn pins_are_tied_to_their_anchors() {
     let mut app = app_showing(ClothGizmos { pins: true, ..ClothGizmos::NOTHING });
     let anchor = spawn(&mut app, Transform::from_xyz(3.0, 2.0, 1.0));

@@ -7,7 +7,7 @@ use bevy_math::Vec3;
 use crate::solver::ClothSolver;
 use crate::solver::error::SolverError;
 use crate::solver::plan::Plan;
-use crate::solver::self_contact::crossings;
+use crate::solver::self_contact::crossing_edges;
 use crate::solver::settings::{Material, Settings, is_near};
 use crate::solver::state::measure::{StrainReport, strains};
 use crate::solver::topology::Topology;
@@ -164,7 +164,12 @@ impl ClothSolver {
 
     /// Edges that pierce faces of the cloth, each with each. Looks at all of them: for reports, not for every frame.
     pub fn crossings(&self) -> u32 {
-        crossings(&self.topology, &self.state.x)
+        self.crossing_edges().len() as u32
+    }
+
+    /// The particles of these edges. An edge is there once for each face that it pierces.
+    pub fn crossing_edges(&self) -> Vec<[u32; 2]> {
+        crossing_edges(&self.topology, &self.state.x)
     }
 
     /// Sum of their strains, and how many there are, without sorting anything.

@@ -6,7 +6,7 @@
 //!
 //! | items | where |
 //! | --- | --- |
-//! | `ClothMaterial`, `ClothSettings`, `ClothSleepThreshold`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
+//! | `ClothMaterial`, `ClothSettings`, `ClothSleepThreshold`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothSelfCollision`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
 //! | `HangOnStart`, which a running cloth does not look at | `hanging` |
 //! | `WindZone`, `ClothGravity`, `ClothWind`, `ClothExecution`, `Time<Fixed>`, components and resources taken away, methods of `ClothSimulation`, `ColliderImpulse`, `ClothFailure` | `surroundings`, `missing`, `together` |
 //! | `Cloth::of_mesh3d`, `ClothWeights`, colours | `intake`; meshes mended in place: `missing` |
@@ -29,7 +29,8 @@ mod together;
 use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothInertia, ClothSleepThreshold, ClothTeleport, HangOnStart, prelude::*,
+    ClothError, ClothInertia, ClothSelfCollision, ClothSleepThreshold, ClothTeleport, HangOnStart,
+    prelude::*,
 };
 use rows::{
     Fate::{GoesOn, Runs, Stands},
@@ -186,7 +187,7 @@ fn numbers_of_cloths() {
 fn numbers_of<T: bevy::reflect::Typed>() -> Vec<String> {
     let info = T::type_info();
     let fields = info.as_struct().expect("it has fields").iter();
-    let numbers = ["f32", "f64", "u32", "usize", "Substeps", "Vec3"];
+    let numbers = ["f32", "f64", "u32", "usize", "Substeps", "Vec3", "Option<f32>"];
     fields
         .filter(|field| numbers.contains(&field.type_path_table().short_path()))
         .map(|field| format!("{}.{} = ", info.type_path_table().short_path(), field.name()))
@@ -202,6 +203,7 @@ fn every_number_of_a_cloth_has_its_rows() {
         numbers_of::<ClothMaterial>(),
         numbers_of::<ClothSettings>(),
         numbers_of::<ClothAir>(),
+        numbers_of::<ClothSelfCollision>(),
         numbers_of::<ClothSleepThreshold>(),
         numbers_of::<ClothTeleport>(),
         numbers_of::<ClothInertia>(),

@@ -5,7 +5,8 @@ use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
-    ClothSleepThreshold, ClothTeleport, ClothWindOverride, ColorChannel, PinProblem,
+    ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride, ColorChannel,
+    PinProblem,
     prelude::*,
     solver::{Gusts, MassLumping, SolverError, Substeps},
 };
@@ -97,6 +98,10 @@ pub fn rows_of_numbers() -> Vec<Row> {
         density: wild;
         drag: wild;
         lift: wild;
+    });
+    numbers!(rows, ClothSelfCollision, [GoesOn; 2], {
+        distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
+        friction: wild;
     });
     numbers!(rows, ClothSleepThreshold, [GoesOn; 2], {
         distance: [NAN, INF, -INF, -1.0];

@@ -51,6 +51,22 @@ pub fn holed_mesh() -> Mesh {
     mesh_without(8, [3, 3])
 }
 
+/// A strip that goes through itself once, in a loop of a trochoid.
+pub fn looped_mesh() -> Mesh {
+    grid_mesh(
+        5,
+        24,
+        |v| v,
+        |r, c| {
+            let along = 6.0 * c as f32 / 23.0 - 3.0;
+            let (sin, cos) = along.sin_cos();
+            // Askew, so that no thread goes through another.
+            let across = 0.03 * r as f32 + 0.01 * along;
+            Vec3::new(0.05 * along - 0.1 * sin, -0.1 * cos, across)
+        },
+    )
+}
+
 pub fn triangle_mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)

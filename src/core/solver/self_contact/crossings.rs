@@ -13,9 +13,9 @@ struct Bounds {
     of: usize,
 }
 
-/// Counts the pairs of an edge and a face it pierces, of which it has no corner. Looks at all of the cloth: for reports, not for
-/// every frame.
-pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
+/// Edges that pierce faces of which they have no corner, each once for each of these faces. Looks at all of the cloth: for reports,
+/// not for every frame.
+pub(in crate::solver) fn crossing_edges(topology: &Topology, x: &Soa) -> Vec<[u32; 2]> {
     let at = |particle: usize| x.get(topology.slot(particle));
     let places: Vec<Vec3> = (0..topology.particle_count()).map(at).collect();
     let faces = faces(topology);
@@ -29,7 +29,7 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
     let edge_bounds = bounds(&places, &edges);
     let face_bounds = bounds(&places, &faces);
     let longest = face_bounds.iter().map(|face| face.high.x - face.low.x).fold(0.0, f32::max);
-    let mut count = 0;
+    let mut found = Vec::new();
     let mut first = 0;
     for edge in &edge_bounds {
         while face_bounds.get(first).is_some_and(|face| face.low.x < edge.low.x - longest) {
@@ -45,11 +45,11 @@ pub(in crate::solver) fn crossings(topology: &Topology, x: &Soa) -> u32 {
             let is_apart = !corners.iter().any(|corner| ends.contains(corner));
             let place = |particle: usize| places[particle].as_dvec3();
             if is_apart && pierces(ends.map(place), corners.map(place)) {
-                count += 1;
+                found.push(ends.map(|end| end as u32));
             }
         }
     }
-    count
+    found
 }
 
 /// The boxes around edges or faces, by where they begin along x.

@@ -19,7 +19,7 @@
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `respond` | pairs that touch are moved apart, with friction |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
-//! | `crossings` | edges that pierce faces, counted |
+//! | `crossings` | edges that pierce faces |
 
 mod balls;
 mod crossings;
@@ -32,7 +32,7 @@ mod respond;
 mod tangles;
 mod travel;
 
-pub(super) use crate::solver::self_contact::crossings::crossings;
+pub(super) use crate::solver::self_contact::crossings::crossing_edges;
 
 use crate::solver::self_contact::balls::Balls;
 use crate::solver::self_contact::find::{FindPairs, Pair};
