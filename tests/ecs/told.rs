@@ -113,7 +113,9 @@ fn a_cloth_that_is_tangled_is_told_of_once() {
     listen();
     let mut app = app();
     // A number that is no other test's.
-    (0..977).for_each(|_| drop(app.world_mut().spawn_empty()));
+    for _ in 0..977 {
+        app.world_mut().spawn_empty();
+    }
     let loop_ = add_mesh(&mut app, looped_mesh());
     let own = ClothSelfCollision::default();
     let flat = [spawn(&mut app, (sheet(), own)), spawn(&mut app, Cloth::of_mesh3d())];
