@@ -17,12 +17,21 @@ type Half = core::arch::x86_64::__m256;
 #[cfg(target_arch = "x86_64")]
 type Wide = core::arch::x86_64::__m512;
 
+/// [`LANES`] rows of as many columns, and where they go with rows and columns exchanged: from memory to memory, as no
+/// processor has registers for all of them.
+pub(crate) trait Tile {
+    /// A row.
+    fn row(&self, row: usize) -> Block;
+    /// Takes a column.
+    fn put(&mut self, column: usize, rows: Block);
+}
+
 /// How rows and columns are exchanged, with the instructions at hand.
 pub(crate) trait Transpose: Copy {
-    /// The columns of a tile as rows.
+    /// Exchanges rows and columns of a tile.
     #[inline(always)]
-    fn tile(self, tile: &[Block; LANES]) -> [Block; LANES] {
-        plain(tile)
+    fn tile(self, tile: &mut impl Tile) {
+        plain(tile);
     }
 
     /// Block k of number k of each of [`LANES`] particles.
@@ -59,6 +68,24 @@ impl Transpose for Plain {}
 /// By shuffles of 8 lanes.
 #[cfg(target_arch = "x86_64")]
 impl Transpose for pulp::x86::V3 {
+    #[inline(always)]
+    fn tile(self, tile: &mut impl Tile) {
+        use pulp::cast;
+        for right in 0..2 {
+            let mut rows = [self.avx._mm256_setzero_ps(); LANES];
+            for (i, row) in rows.iter_mut().enumerate() {
+                let [near, far] = cast::<[f32; LANES], [[f32; LANES / 2]; 2]>(tile.row(i).0);
+                *row = cast(if right == 0 { near } else { far });
+            }
+            let [a, b, c, d, e, f, g, h, below @ ..] = rows;
+            let (above, below) = (eight(self, [a, b, c, d, e, f, g, h]), eight(self, below));
+            for (j, (above, below)) in above.into_iter().zip(below).enumerate() {
+                let column: [[f32; LANES / 2]; 2] = [cast(above), cast(below)];
+                tile.put(LANES / 2 * right + j, Block(cast(column)));
+            }
+        }
+    }
+
     #[inline(always)]
     fn apart(self, four: impl Fn(usize) -> Four) -> [Block; 4] {
         use pulp::cast;
@@ -103,8 +130,8 @@ impl Transpose for pulp::x86::V3 {
 #[cfg(target_arch = "x86_64")]
 impl Transpose for pulp::x86::V4 {
     #[inline(always)]
-    fn tile(self, tile: &[Block; LANES]) -> [Block; LANES] {
-        wide(self, tile)
+    fn tile(self, tile: &mut impl Tile) {
+        wide(self, tile);
     }
 
     #[inline(always)]
@@ -140,14 +167,36 @@ impl Transpose for pulp::x86::V4 {
 }
 
 #[inline(always)]
-fn plain(tile: &[Block; LANES]) -> [Block; LANES] {
+fn plain(tile: &mut impl Tile) {
     let mut out = [Block::ZERO; LANES];
-    for (i, line) in tile.iter().enumerate() {
-        for (j, &value) in line.0.iter().enumerate() {
+    for i in 0..LANES {
+        for (j, value) in tile.row(i).0.into_iter().enumerate() {
             out[j].0[i] = value;
         }
     }
-    out
+    for (j, column) in out.into_iter().enumerate() {
+        tile.put(j, column);
+    }
+}
+
+/// Exchanges eight rows of half a tile's columns: four and four within halves of registers, then these.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn eight(v3: pulp::x86::V3, rows: [Half; LANES / 2]) -> [Half; LANES / 2] {
+    let f = v3.avx;
+    let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
+    let [a0, a1, a2, a3] = halves(v3, [r0, r1, r2, r3]);
+    let [b0, b1, b2, b3] = halves(v3, [r4, r5, r6, r7]);
+    [
+        f._mm256_permute2f128_ps::<0x20>(a0, b0),
+        f._mm256_permute2f128_ps::<0x20>(a1, b1),
+        f._mm256_permute2f128_ps::<0x20>(a2, b2),
+        f._mm256_permute2f128_ps::<0x20>(a3, b3),
+        f._mm256_permute2f128_ps::<0x31>(a0, b0),
+        f._mm256_permute2f128_ps::<0x31>(a1, b1),
+        f._mm256_permute2f128_ps::<0x31>(a2, b2),
+        f._mm256_permute2f128_ps::<0x31>(a3, b3),
+    ]
 }
 
 /// Exchanges rows and columns within halves of registers.
@@ -183,34 +232,52 @@ fn quarters(v4: pulp::x86::V4, [r0, r1, r2, r3]: [Wide; 4]) -> [Wide; 4] {
 /// Four rows at a time within quarters of a register, then the quarters.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn wide(v4: pulp::x86::V4, tile: &[Block; LANES]) -> [Block; LANES] {
+fn wide(v4: pulp::x86::V4, tile: &mut impl Tile) {
     use pulp::cast;
     let f = v4.avx512f;
-    let row = |i: usize| cast::<[f32; LANES], _>(tile[i].0);
     // Quarter q of quads[k][c] is rows 4 k to 4 k + 3 of column 4 q + c.
-    let mut quads = [[row(0); 4]; 4];
+    let mut quads = [[f._mm512_setzero_ps(); 4]; 4];
     for (k, to) in quads.iter_mut().enumerate() {
-        *to = quarters(v4, [row(4 * k), row(4 * k + 1), row(4 * k + 2), row(4 * k + 3)]);
+        let mut rows = [f._mm512_setzero_ps(); 4];
+        for (i, row) in rows.iter_mut().enumerate() {
+            *row = cast::<[f32; LANES], _>(tile.row(4 * k + i).0);
+        }
+        *to = quarters(v4, rows);
     }
-    let mut out = [Block::ZERO; LANES];
     for c in 0..4 {
         let (a, b, c2, d) = (quads[0][c], quads[1][c], quads[2][c], quads[3][c]);
         let (even, odd) =
             (f._mm512_shuffle_f32x4::<0x88>(a, b), f._mm512_shuffle_f32x4::<0xdd>(a, b));
         let (even2, odd2) =
             (f._mm512_shuffle_f32x4::<0x88>(c2, d), f._mm512_shuffle_f32x4::<0xdd>(c2, d));
-        out[c].0 = cast(f._mm512_shuffle_f32x4::<0x88>(even, even2));
-        out[8 + c].0 = cast(f._mm512_shuffle_f32x4::<0xdd>(even, even2));
-        out[4 + c].0 = cast(f._mm512_shuffle_f32x4::<0x88>(odd, odd2));
-        out[12 + c].0 = cast(f._mm512_shuffle_f32x4::<0xdd>(odd, odd2));
+        tile.put(c, Block(cast(f._mm512_shuffle_f32x4::<0x88>(even, even2))));
+        tile.put(8 + c, Block(cast(f._mm512_shuffle_f32x4::<0xdd>(even, even2))));
+        tile.put(4 + c, Block(cast(f._mm512_shuffle_f32x4::<0x88>(odd, odd2))));
+        tile.put(12 + c, Block(cast(f._mm512_shuffle_f32x4::<0xdd>(odd, odd2))));
     }
-    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::solver::simd::isa::{Isa, TransposingKernel};
+
+    struct Copied<'a> {
+        from: &'a [Block; LANES],
+        to: [Block; LANES],
+    }
+
+    impl Tile for Copied<'_> {
+        #[inline(always)]
+        fn row(&self, row: usize) -> Block {
+            self.from[row]
+        }
+
+        #[inline(always)]
+        fn put(&mut self, column: usize, rows: Block) {
+            self.to[column] = rows;
+        }
+    }
 
     /// A tile exchanged, its first four rows as they are by particle, and these put apart again.
     struct Exchange<'a>(&'a [Block; LANES]);
@@ -222,7 +289,9 @@ mod tests {
         fn run(self, t: impl Transpose) -> Self::Output {
             let [a, b, c, d, ..] = *self.0;
             let fours = t.together(&[a, b, c, d]);
-            (t.tile(self.0), fours, t.apart(|i| fours[i]))
+            let mut copy = Copied { from: self.0, to: [Block::ZERO; LANES] };
+            t.tile(&mut copy);
+            (copy.to, fours, t.apart(|i| fours[i]))
         }
     }
 

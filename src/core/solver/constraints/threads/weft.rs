@@ -10,7 +10,7 @@ use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, Cut, Workspaces};
 use crate::solver::simd::slots::{CutAt, Slots, SlotsMut};
 use crate::solver::simd::soa::{PartMut, Soa};
-use crate::solver::simd::transpose::Transpose;
+use crate::solver::simd::transpose::{Tile, Transpose};
 use crate::solver::topology::lattice::Family;
 
 /// Solves all weft threads, a row a lane.
@@ -56,8 +56,8 @@ impl TransposingKernel for SolveWeft<'_> {
                         loads: BlocksMut::new(load, 0, band.layout.columns),
                     };
                     lines.solve(row, &mut ends, &mut excess);
-                    let mut to = contacts.load.blocks(tiles.first, tiles.count);
-                    add_axis(transpose, &tiles, load, &mut to);
+                    let to = contacts.load.blocks(tiles.first, tiles.count);
+                    add_axis(transpose, &tiles, load, to);
                 }
                 _ => lines.solve(row, &mut ends, &mut excess),
             }
@@ -130,20 +130,11 @@ fn fill_strip(
     for ((x, d), to) in [(&*x.x, dx), (&*x.y, dy), (&*x.z, dz)].into_iter().zip(to) {
         let x = Blocks::new(x, tiles.first, tiles.count);
         let d = Blocks::new(d, own, tiles.count);
-        let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
-        let mut tile = [Block::ZERO; LANES];
+        let to = BlocksMut::new(to, 0, tiles.across * LANES);
+        let mut sums = Sums { x, d, to, hop: tiles.hop, block: 0 };
         for block in 0..tiles.across {
-            for (i, line) in tile.iter_mut().enumerate() {
-                let at = block + i * tiles.hop;
-                let (x, d) = (x.at(at), d.at(at));
-                for j in 0..LANES {
-                    line.0[j] = x.0[j] + d.0[j];
-                }
-            }
-            let turned = t.tile(&tile);
-            for (j, line) in turned.iter().enumerate() {
-                to.set(block * LANES + j, *line);
-            }
+            sums.block = block;
+            t.tile(&mut sums);
         }
     }
 }
@@ -160,16 +151,11 @@ fn fill_normals(t: impl Transpose, tiles: &Tiles, from: &Soa, strip: &mut Soa) {
 #[inline(always)]
 fn fill_axis(t: impl Transpose, tiles: &Tiles, from: &[f32], to: &mut [f32]) {
     let from = Blocks::new(from, tiles.first, tiles.count);
-    let mut to = BlocksMut::new(to, 0, tiles.across * LANES);
-    let mut tile = [Block::ZERO; LANES];
+    let to = BlocksMut::new(to, 0, tiles.across * LANES);
+    let mut numbers = Numbers { from, to, hop: tiles.hop, block: 0 };
     for block in 0..tiles.across {
-        for (i, line) in tile.iter_mut().enumerate() {
-            *line = from.at(block + i * tiles.hop);
-        }
-        let turned = t.tile(&tile);
-        for (j, line) in turned.iter().enumerate() {
-            to.set(block * LANES + j, *line);
-        }
+        numbers.block = block;
+        t.tile(&mut numbers);
     }
 }
 
@@ -179,23 +165,80 @@ fn add_strip(t: impl Transpose, layout: Layout, row: usize, strip: &Soa, d: &mut
     let tiles = Tiles::new(layout, row);
     let own = tiles.first - d.first();
     for (strip, d) in strip.axes().into_iter().zip(d.axes_mut()) {
-        add_axis(t, &tiles, strip, &mut BlocksMut::new(d, own, tiles.count));
+        add_axis(t, &tiles, strip, BlocksMut::new(d, own, tiles.count));
     }
 }
 
 /// Adds one coordinate of a strip to that of [`LANES`] rows.
 #[inline(always)]
-fn add_axis(t: impl Transpose, tiles: &Tiles, strip: &[f32], to: &mut BlocksMut<'_>) {
+fn add_axis(t: impl Transpose, tiles: &Tiles, strip: &[f32], to: BlocksMut<'_>) {
     let strip = Blocks::new(strip, 0, tiles.across * LANES);
-    let mut tile = [Block::ZERO; LANES];
+    let mut columns = Columns { strip, to, hop: tiles.hop, block: 0 };
     for block in 0..tiles.across {
-        for (j, line) in tile.iter_mut().enumerate() {
-            *line = strip.at(block * LANES + j);
-        }
-        let turned = t.tile(&tile);
-        for (i, line) in turned.iter().enumerate() {
-            to.add(block + i * tiles.hop, line);
-        }
+        columns.block = block;
+        t.tile(&mut columns);
+    }
+}
+
+/// A tile of positions and displacements, whose sums go to a strip.
+struct Sums<'a> {
+    x: Blocks<'a>,
+    d: Blocks<'a>,
+    to: BlocksMut<'a>,
+    hop: usize,
+    block: usize,
+}
+
+impl Tile for Sums<'_> {
+    #[inline(always)]
+    fn row(&self, row: usize) -> Block {
+        let at = self.block + row * self.hop;
+        self.x.at(at).plus(&self.d.at(at))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, column: usize, rows: Block) {
+        self.to.set(self.block * LANES + column, rows);
+    }
+}
+
+/// A tile of numbers that go to a strip.
+struct Numbers<'a> {
+    from: Blocks<'a>,
+    to: BlocksMut<'a>,
+    hop: usize,
+    block: usize,
+}
+
+impl Tile for Numbers<'_> {
+    #[inline(always)]
+    fn row(&self, row: usize) -> Block {
+        self.from.at(self.block + row * self.hop)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, column: usize, rows: Block) {
+        self.to.set(self.block * LANES + column, rows);
+    }
+}
+
+/// A tile of a strip that is added to rows.
+struct Columns<'a> {
+    strip: Blocks<'a>,
+    to: BlocksMut<'a>,
+    hop: usize,
+    block: usize,
+}
+
+impl Tile for Columns<'_> {
+    #[inline(always)]
+    fn row(&self, row: usize) -> Block {
+        self.strip.at(self.block * LANES + row)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, column: usize, rows: Block) {
+        self.to.add(self.block + column * self.hop, &rows);
     }
 }
 
