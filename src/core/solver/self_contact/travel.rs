@@ -123,6 +123,10 @@ impl Kernel for Measure<'_> {
             for row in first..layout.rows.min(first + *each) {
                 let slot = layout.slot(row, 0);
                 let x = Blocks3::new(at, slot, blocks);
+                #[expect(
+                    clippy::manual_map,
+                    reason = "a closure that is not inlined keeps the baseline's instructions"
+                )]
                 let moved = match from {
                     Some((d, from)) => {
                         Some((Blocks3::new(d, slot, blocks), Blocks3::new(from, slot, blocks)))
