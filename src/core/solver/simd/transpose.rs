@@ -244,6 +244,7 @@ fn wide(v4: pulp::x86::V4, tile: &mut impl Tile) {
         }
         *to = quarters(v4, rows);
     }
+    #[expect(clippy::needless_range_loop, reason = "an iterator over four arrays says less")]
     for c in 0..4 {
         let (a, b, c2, d) = (quads[0][c], quads[1][c], quads[2][c], quads[3][c]);
         let (even, odd) =
