@@ -23,6 +23,31 @@ impl ActiveSet {
         })
     }
 
+    /// Gives colliders what they took of pulls at what gives way, after the corrections of a substep of length `step`: it is
+    /// moved by a part of its inverse mass, and no normal tells that it is held.
+    pub fn give_yielding(&mut self, inverse_mass: &[f32], d: &Soa, notes: bool, step: f32) {
+        let mut impulses = core::mem::take(&mut self.impulses);
+        if impulses.are_measured() {
+            impulses.give(self.yielding(inverse_mass, d, notes), step);
+        }
+        self.impulses = impulses;
+    }
+
+    fn yielding<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+        d: &'a Soa,
+        notes: bool,
+    ) -> impl Iterator<Item = Share> + 'a {
+        let yields = |&(slot, _): &(usize, f32)| self.now.normal.get(slot) == Vec3::ZERO;
+        self.touching_slots(inverse_mass).filter(yields).map(move |(slot, w)| {
+            let pulled = d.get(slot) - self.unpulled.get(slot);
+            let given = pulled * ((1.0 / self.now.slip[slot] - 1.0) / w);
+            let owed = if notes { given } else { Vec3::ZERO };
+            Share { collider: self.holder[slot] as usize, given, owed }
+        })
+    }
+
     /// Gives colliders what they took of what they have let go, in a substep of length `step`. Where pulls are noted, those
     /// that did not move it are not.
     pub fn give_taken(&mut self, inverse_mass: &[f32], d: &Soa, notes: bool, step: f32) {
@@ -56,9 +81,18 @@ impl ActiveSet {
         &'a self,
         inverse_mass: &'a [f32],
     ) -> impl Iterator<Item = (usize, f32)> + 'a {
+        let all = self.touching_slots(inverse_mass);
+        all.filter(|&(slot, _)| self.now.normal.get(slot) != Vec3::ZERO)
+    }
+
+    /// Slots of blocks of which any particle is held or gives way, as far as these are free to move.
+    fn touching_slots<'a>(
+        &'a self,
+        inverse_mass: &'a [f32],
+    ) -> impl Iterator<Item = (usize, f32)> + 'a {
         let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
         let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
         let all = slots.map(|slot| (slot, inverse_mass[slot]));
-        all.filter(|&(slot, w)| w > 0.0 && self.now.normal.get(slot) != Vec3::ZERO)
+        all.filter(|&(_, w)| w > 0.0)
     }
 }

@@ -145,8 +145,10 @@ impl ResolveContacts<'_> {
     pub fn run(mut self, isa: Isa) -> u32 {
         let way =
             parallel::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
-        let ContactSettings { epsilon, layers, .. } = self.settings;
+        let ContactSettings { epsilon, layers, step, .. } = self.settings;
         let layout = self.bands.rows.layout;
+        let notes = self.pull.is_some();
+        self.set.give_yielding(self.inverse_mass, self.d, notes, step);
         self.broad_phase.begin_substep();
         self.broad_phase.wake(
             isa,
@@ -165,7 +167,6 @@ impl ResolveContacts<'_> {
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
-            let (step, notes) = (self.settings.step, self.pull.is_some());
             self.set.give_taken(self.inverse_mass, self.d, notes, step);
         }
         self.set.turn();
@@ -273,21 +274,27 @@ impl ResolveContacts<'_> {
             }
         }
         if is_left {
-            self.calm(first, gone, &motion, deepest);
+            let given = self.calm(first, gone, &motion, deepest);
+            if motion.measured {
+                let share = Share { collider, given, owed: Vec3::ZERO };
+                self.set.impulses.give([share], self.settings.step);
+            }
         }
         touching
     }
 
     /// Calms the cloth around particles that are so deep inside a collider that they need more than one substep to come
     /// out. Particles within [`CALMED`] times that depth keep their displacements, but their speed is limited to the
-    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound.
+    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound. Returns what the
+    /// collider is given by that, times the substep \[kg m\].
     #[inline(never)]
-    fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) {
+    fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) -> Vec3 {
         // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
         self.set.next.give_way();
         self.broad_phase.struck = true;
         let most = self.settings.most_push;
         let layout = self.bands.rows.layout;
+        let mut given = Vec3::ZERO;
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
@@ -309,11 +316,13 @@ impl ResolveContacts<'_> {
                     let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
                     d.set(i, d.at(i) - relative * beyond);
                     x.set(i, x.at(i) + relative * beyond);
+                    given += relative * (beyond / larger(w.0[i], f32::MIN_POSITIVE));
                 }
                 d.store(self.d, slot);
                 x.store(self.x, slot);
             }
         }
+        given
     }
 
     /// Least distance beyond epsilon of the particles of a block that are not held \[m\].
