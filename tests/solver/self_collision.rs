@@ -232,7 +232,7 @@ fn a_cloth_that_folds_onto_itself_keeps_its_momentum() {
     check_at_most("drift of its momentum, of m v", drift, 1e-4);
 }
 
-/// What was forced through itself stays calm once it collides with itself.
+/// A cloth that was forced through itself stays calm once it collides with itself.
 #[test]
 fn a_tangle_is_calm() {
     let mut scene = drape(64);

@@ -57,19 +57,19 @@ impl Kernel for FindPairs<'_> {
     }
 }
 
-/// Some particles, from a place on.
-struct Some8 {
+/// A group of particles whose places follow each other.
+struct Group {
     x: [[f32; WIDE]; 3],
     radius: [f32; WIDE],
 }
 
-impl Some8 {
+impl Group {
     #[inline(always)]
     fn load(x: &Soa, radius: &[f32], at: usize) -> Self {
         Self { x: [take(&x.x, at), take(&x.y, at), take(&x.z, at)], radius: take(radius, at) }
     }
 
-    /// Which of them are nearer to a point than `factor` times the sum of both radii, and something more: a bit each.
+    /// The particles that are nearer to a point than `factor` times the sum of both radii, and something more: a bit each.
     #[inline(always)]
     fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
         let [x, y, z] = &self.x;
@@ -96,8 +96,8 @@ impl FindPairs<'_> {
     fn look(&mut self, cell: [usize; 2], first: usize, end: usize, after: bool) {
         let grid = self.grid;
         for at in (first..end).step_by(WIDE) {
-            let others = Some8::load(&grid.x, &grid.radius, at);
-            let at_rest = Some8::load(&grid.rest, &grid.radius, at);
+            let others = Group::load(&grid.x, &grid.radius, at);
+            let at_rest = Group::load(&grid.rest, &grid.radius, at);
             // Lanes before the end.
             let inside = if end - at < WIDE { (1 << (end - at)) - 1 } else { (1 << WIDE) - 1 };
             for place in cell[0]..cell[1] {

@@ -6,7 +6,7 @@
 //!
 //! Pairs that may touch are found in a grid a few times a tick, with a margin ([`find`]). A pair sleeps until the cloth has moved by
 //! the pair's gap ([`travel`]). Pairs that touch are met in every substep, after the threads and before the strain limit ([`respond`]).
-//! What a pair gives one particle it takes from the other, so momentum is kept.
+//! A pair gives one particle what it takes from the other, so momentum is kept.
 //!
 //! | file | what it holds |
 //! | --- | --- |

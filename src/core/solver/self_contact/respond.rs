@@ -15,7 +15,7 @@ const LEAST_DISTANCE: f32 = 1e-6;
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
 ///
-/// What it takes from the displacements is a correction like those of the threads, and half of it is expected again in the next
+/// Its change of the displacements is a correction like those of the threads, and half of it is expected again in the next
 /// substep (`integrate::houbolt`). The threads then find layers apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a> {
     pub pairs: &'a [Pair],

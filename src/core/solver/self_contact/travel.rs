@@ -45,8 +45,8 @@ pub(super) struct Regions {
     each: usize,
     /// Boxes of what was measured last, region by region.
     extents: Vec<Extent>,
-    /// How far two regions may move relative to each other, for each and those up to itself \[m\]. Infinite where nothing of them
-    /// may touch.
+    /// How far two regions may move relative to each other before particles that are no pair may touch, for each and those up to
+    /// itself \[m\].
     allowed: Vec<f32>,
 }
 

@@ -15,7 +15,7 @@ use super::super::run::{FRAME, GRAVITY, dice};
 use super::super::{Extent, Job, Measured, Metric, Outcome, Scene};
 use super::contact::peers;
 
-/// What happens to a cloth.
+/// The fate of a cloth.
 #[derive(Clone, Copy, PartialEq)]
 enum Fate {
     /// Falls almost on its edge, into a heap.
