@@ -1,7 +1,7 @@
-//! Contact of a cloth with itself, in the third stage: after the threads, before the strain limit.
+//! Contact of a cloth with itself and with others, in the third stage: after the threads, before the strain limit.
 
 use crate::solver::ClothSolver;
-use crate::solver::self_contact::Substep;
+use crate::solver::cloth_contact::{Parts, Substep};
 use crate::solver::state::State;
 
 impl ClothSolver {
@@ -9,6 +9,9 @@ impl ClothSolver {
     pub(crate) fn forget_pairs(&mut self) {
         if let Some(own) = &mut self.self_contact {
             own.forget();
+        }
+        if let Some(others) = &mut self.others_contact {
+            others.forget();
         }
     }
 
@@ -34,5 +37,23 @@ impl ClothSolver {
         self.touching_itself = touching;
         self.begin_corrections();
         touching > 0
+    }
+
+    /// What contact with other cloths takes of it in a substep, where it collides with others.
+    pub(in crate::solver) fn parts(&mut self, moves: bool) -> Option<Parts<'_>> {
+        let Self { others_contact, isa, pins, state, plan, settings, .. } = self;
+        let State { x, d, contacts, origin, .. } = state;
+        let lies = contacts.now.any;
+        Some(Parts {
+            isa: *isa,
+            moves,
+            origin: *origin,
+            inverse_mass: &pins.inverse_mass,
+            x,
+            d,
+            unpulled: lies.then_some(&mut contacts.unpulled),
+            most_push: settings.max_depenetration_speed * plan.step,
+            others: others_contact.as_mut()?,
+        })
     }
 }

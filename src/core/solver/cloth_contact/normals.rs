@@ -6,8 +6,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::self_contact::faces::FacesAt;
-use crate::solver::self_contact::find::Pair;
+use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 
@@ -28,10 +27,14 @@ impl Normals {
         Self { normals: Soa::zeros(slots), is_known: vec![false; slots] }
     }
 
-    /// Works out those of pairs, where particles are at these places.
-    pub fn find(&mut self, pairs: &[Pair], faces: &FacesAt, at: &Soa) {
-        self.is_known.fill(false);
-        for slot in pairs.iter().flat_map(|pair| pair.slots) {
+    /// Works out those at some slots, where `at` says where particles are.
+    pub fn find(
+        &mut self,
+        slots: impl Iterator<Item = u32>,
+        faces: &FacesAt,
+        at: impl Fn(u32) -> Vec3 + Copy,
+    ) {
+        for slot in slots {
             let slot = slot as usize;
             if !core::mem::replace(&mut self.is_known[slot], true) {
                 self.normals.set(slot, normal(faces, slot, at));
@@ -39,21 +42,30 @@ impl Normals {
         }
     }
 
-    /// The direction to push two particles apart, of which one is at some vector of that length from the other.
-    #[inline(always)]
-    pub fn direction(&self, [a, b]: [usize; 2], apart: Vec3, distance: f32) -> Vec3 {
-        let (n_a, n_b) = (self.normals.get(a), self.normals.get(b));
-        let cosine = n_a.dot(n_b);
-        let both = if cosine < 0.0 { n_a - n_b } else { n_a + n_b };
-        let length = both.dot(both).sqrt();
-        let line = apart * (1.0 / distance);
-        let normal = both * (1.0 / larger(length, f32::MIN_POSITIVE));
-        let above = line.dot(normal);
-        let part = ramp(cosine.abs(), FACING) * ramp(above.abs(), ABOVE);
-        let normal = if above < 0.0 { -normal } else { normal };
-        let between = line * (1.0 - part) + normal * part;
-        between * (1.0 / between.dot(between).sqrt())
+    /// Forgets all of them.
+    pub fn forget(&mut self) {
+        self.is_known.fill(false);
     }
+
+    #[inline(always)]
+    pub fn at(&self, slot: usize) -> Vec3 {
+        self.normals.get(slot)
+    }
+}
+
+/// The direction to push two particles of these normals apart, of which one is at some vector of that length from the other.
+#[inline(always)]
+pub(super) fn direction([n_a, n_b]: [Vec3; 2], apart: Vec3, distance: f32) -> Vec3 {
+    let cosine = n_a.dot(n_b);
+    let both = if cosine < 0.0 { n_a - n_b } else { n_a + n_b };
+    let length = both.dot(both).sqrt();
+    let line = apart * (1.0 / distance);
+    let normal = both * (1.0 / larger(length, f32::MIN_POSITIVE));
+    let above = line.dot(normal);
+    let part = ramp(cosine.abs(), FACING) * ramp(above.abs(), ABOVE);
+    let normal = if above < 0.0 { -normal } else { normal };
+    let between = line * (1.0 - part) + normal * part;
+    between * (1.0 / between.dot(between).sqrt())
 }
 
 /// From 0 at the first of two numbers to 1 at the second.
@@ -63,10 +75,10 @@ fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
 }
 
 /// The mean normal of the faces at a slot. Which way each goes round does not matter.
-fn normal(faces: &FacesAt, slot: usize, at: &Soa) -> Vec3 {
+fn normal(faces: &FacesAt, slot: usize, at: impl Fn(u32) -> Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for corners in faces.of(slot) {
-        let [a, b, c] = corners.map(|corner| at.get(corner as usize));
+        let [a, b, c] = corners.map(&at);
         let normal = (b - a).cross(c - a);
         sum += if normal.dot(sum) < 0.0 { -normal } else { normal };
     }

@@ -23,7 +23,7 @@ pub(super) fn faces(topology: &Topology) -> Vec<[usize; 3]> {
 
 /// The faces at each particle, by slots.
 #[derive(Clone, Debug)]
-pub(super) struct FacesAt {
+pub(in crate::solver) struct FacesAt {
     /// Corners of faces.
     faces: Vec<[u32; 3]>,
     /// Faces at slot i are from `first[i]` to `first[i + 1]` of `at`.

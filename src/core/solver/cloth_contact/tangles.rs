@@ -1,0 +1,164 @@
+//! Tangles: faces that pierce each other. Their particles stand down, that is, no other pushes them.
+//!
+//! Balls keep layers on the sides that they are on. Where a cloth starts tangled, or was forced through itself, they would lock the
+//! tangle in and shake it. What stands down can slip back, and meets others again once its faces pierce nothing.
+
+use std::sync::Arc;
+
+use bevy_math::{DVec3, Vec3};
+
+use crate::solver::cloth_contact::Memory;
+use crate::solver::cloth_contact::crossings::pierces;
+use crate::solver::cloth_contact::faces::FacesAt;
+use crate::solver::cloth_contact::find::Pair;
+use crate::solver::simd::soa::Soa;
+use crate::solver::topology::Topology;
+
+/// Depth of a pair, in distances at which it touches, from which on its faces may pierce each other: layers that lie on each
+/// other, and press, stay well below.
+pub(super) const DEEP: f32 = 0.4;
+/// Ticks from one search to the next, while there is a tangle or a suspicion.
+const EVERY: u32 = 4;
+/// Distance of the nearest corners of two faces that pierce each other, in distances at which they touch, at most: an edge and a
+/// face of a square sheet meet within half an edge of the one and half a diagonal of the other, and threads are stretched.
+const NEAR: f32 = 1.45;
+
+/// Which particles stand down.
+#[derive(Clone, Debug)]
+pub(super) struct Tangles {
+    pub faces: Arc<FacesAt>,
+    /// By slot.
+    pub is_down: Vec<bool>,
+    /// Whether any particle stands down.
+    pub any: bool,
+    /// Whether any pair is so deep that there may be a tangle.
+    pub is_suspected: bool,
+    /// Ticks until the next search.
+    pub wait: u32,
+}
+
+impl Tangles {
+    pub fn new(topology: &Topology, faces: Arc<FacesAt>) -> Self {
+        let is_down = vec![false; topology.layout().len()];
+        Self { faces, is_down, any: false, is_suspected: true, wait: 0 }
+    }
+
+    /// Takes out all that later bits depend on, with what else there is to remember.
+    pub fn memory(&self, found_at: Option<Soa>, since_touch: u32) -> Memory {
+        let Self { is_down, any: _, is_suspected, wait, faces: _ } = self;
+        Memory {
+            found_at,
+            since_touch,
+            down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
+            is_suspected: *is_suspected,
+            wait: *wait,
+        }
+    }
+
+    /// Takes over another's memory.
+    pub fn remember(&mut self, memory: &Memory) {
+        self.put_down(&memory.down);
+        (self.is_suspected, self.wait) = (memory.is_suspected, memory.wait);
+    }
+
+    /// Lets the next tick search: particles have been put elsewhere.
+    pub fn suspect(&mut self) {
+        self.is_suspected = true;
+        self.wait = 0;
+    }
+
+    /// Lets the particles of some slots stand down, and no others.
+    pub fn put_down(&mut self, slots: &[usize]) {
+        self.is_down.fill(false);
+        for &slot in slots {
+            self.is_down[slot] = true;
+        }
+        self.any = !slots.is_empty();
+    }
+
+    /// Begins a tick.
+    pub fn begin_tick(&mut self) {
+        self.wait = self.wait.saturating_sub(1);
+    }
+
+    /// Whether it is time to search.
+    pub fn is_due(&self) -> bool {
+        self.wait == 0 && (self.any || self.is_suspected)
+    }
+
+    /// Begins a search: none stands down until it is found to be tangled.
+    pub fn begin_search(&mut self) {
+        self.wait = EVERY;
+        self.is_suspected = false;
+        self.put_down(&[]);
+    }
+
+    /// Searches among the faces at pairs of the cloth's own that are near each other, where particles are at `x + d`.
+    pub fn search(&mut self, pairs: &[Pair], x: &Soa, d: &Soa) {
+        self.begin_search();
+        let faces = self.faces.clone();
+        let at = |slot: u32| x.get(slot as usize) + d.get(slot as usize);
+        for pair in pairs {
+            if is_near(pair, at, at) {
+                let [here, there] = pair.slots.map(|slot| slot as usize);
+                for one in faces.of(here) {
+                    let apart = |other: &[u32; 3]| !one.iter().any(|corner| other.contains(corner));
+                    for other in faces.of(there).filter(apart) {
+                        if meet(one.map(|c| at(c).as_dvec3()), other.map(|c| at(c).as_dvec3())) {
+                            self.stand_down(one);
+                            self.stand_down(other);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Searches among the faces at pairs with another cloth. Either function tells where particles are.
+    pub fn search_with(
+        &mut self,
+        other: &mut Self,
+        pairs: &[Pair],
+        at: impl Fn(u32) -> Vec3 + Copy,
+        there: impl Fn(u32) -> Vec3 + Copy,
+    ) {
+        let (faces, others) = (self.faces.clone(), other.faces.clone());
+        for pair in pairs.iter().filter(|pair| is_near(pair, at, there)) {
+            let [a, b] = pair.slots.map(|slot| slot as usize);
+            for one in faces.of(a) {
+                for two in others.of(b) {
+                    if meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3())) {
+                        self.stand_down(one);
+                        other.stand_down(two);
+                    }
+                }
+            }
+        }
+    }
+
+    fn stand_down(&mut self, corners: [u32; 3]) {
+        for slot in corners {
+            self.is_down[slot as usize] = true;
+        }
+        self.any = true;
+    }
+}
+
+/// Whether faces at a pair may pierce each other.
+fn is_near(pair: &Pair, at: impl Fn(u32) -> Vec3, there: impl Fn(u32) -> Vec3) -> bool {
+    let [a, b] = pair.slots;
+    let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
+    apart.dot(apart) < near * near
+}
+
+/// Whether an edge of either face pierces the other.
+fn meet(one: [DVec3; 3], other: [DVec3; 3]) -> bool {
+    let low = |face: [DVec3; 3]| face[0].min(face[1]).min(face[2]);
+    let high = |face: [DVec3; 3]| face[0].max(face[1]).max(face[2]);
+    if low(one).cmpgt(high(other)).any() || low(other).cmpgt(high(one)).any() {
+        return false;
+    }
+    let edges = |[a, b, c]: [DVec3; 3]| [[a, b], [b, c], [c, a]];
+    edges(one).into_iter().any(|edge| pierces(edge, other))
+        || edges(other).into_iter().any(|edge| pierces(edge, one))
+}
