@@ -8,8 +8,8 @@ use crate::solver::cloth_contact::MARGIN;
 use crate::solver::cloth_contact::find::{Company, FindPairs, Pair};
 use crate::solver::cloth_contact::grid::Grid;
 use crate::solver::cloth_contact::others::OthersContact;
-use crate::solver::cloth_contact::respond::{Respond, Side, Two};
-use crate::solver::cloth_contact::tangles::{DEEP, Tangles};
+use crate::solver::cloth_contact::respond::{Lying, Respond, Side, Two};
+use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{AddUp, Extent, Travelled, allowed};
 use crate::solver::simd::block::smaller;
 use crate::solver::simd::isa::Isa;
@@ -31,8 +31,8 @@ pub(in crate::solver) struct Parts<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Displacements of particles that lie on colliders, before corrections pulled at them.
-    pub unpulled: Option<&'a mut Soa>,
+    /// Where its particles lie on colliders, if any do.
+    pub lying: Option<Lying<'a>>,
     /// How far a pair is moved apart in the substep at most, without speed \[m\].
     pub most_push: f32,
     pub others: &'a mut OthersContact,
@@ -41,7 +41,7 @@ pub(in crate::solver) struct Parts<'a> {
 impl<'a> Parts<'a> {
     /// As one that does not move, by displacements and inverse masses of zero.
     fn stand(&mut self, (d, inverse_mass): &'a mut (Soa, Array)) {
-        (self.d, self.inverse_mass, self.unpulled) = (d, inverse_mass, None);
+        (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
     }
 
     fn side(&mut self) -> Side<'_> {
@@ -51,7 +51,7 @@ impl<'a> Parts<'a> {
             inverse_mass: self.inverse_mass,
             x: self.x,
             d: self.d,
-            unpulled: self.unpulled.as_deref_mut(),
+            lying: self.lying.as_mut().map(Lying::reborrow),
             is_down: tangles.any.then_some(&tangles.is_down),
         }
     }
@@ -277,6 +277,7 @@ impl Couples {
         isa.run(FindPairs { grid, margin: self.margin, company });
         self.find_normals(bodies);
         self.is_found = true;
+        FINDS.fetch_add(1, core::sync::atomic::Ordering::Relaxed); NEAR.fetch_add(self.near.len() as u64, core::sync::atomic::Ordering::Relaxed); PAIRS.fetch_add(self.couples[..self.count].iter().map(|c| c.pairs.len() as u64).sum(), core::sync::atomic::Ordering::Relaxed);
     }
 
     /// Notes where all particles are, and the boxes of their regions.
@@ -385,11 +386,12 @@ impl Couple {
         };
         let touched = respond.run();
         self.touching = touched.count;
+        TOUCH.fetch_add(touched.count as u64, core::sync::atomic::Ordering::Relaxed); AWAKE.fetch_add(self.pairs.iter().filter(|p| p.gap<self.travelled.max(f32::MIN_POSITIVE)).count() as u64, core::sync::atomic::Ordering::Relaxed);
         if touched.count > 0 {
             self.has_touched = true;
             for others in [one.others, other.others] {
                 others.since_touch = 0;
-                others.tangles.is_suspected |= touched.deepest > DEEP;
+                others.tangles.is_suspected |= touched.is_deep;
             }
         }
     }
@@ -447,3 +449,9 @@ impl Company for ManyCloths<'_> {
         self.couples[couple].pairs.push(Pair { slots: [first, second], ..pair });
     }
 }
+
+pub static FINDS: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
+pub static NEAR: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
+pub static PAIRS: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
+pub static TOUCH: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
+pub static AWAKE: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);

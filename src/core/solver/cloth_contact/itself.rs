@@ -10,8 +10,8 @@ use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
 use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
-use crate::solver::cloth_contact::respond::{Respond, Side};
-use crate::solver::cloth_contact::tangles::{DEEP, Tangles};
+use crate::solver::cloth_contact::respond::{Lying, Respond, Side};
+use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{AddUp, Travel, Travelled};
 use crate::solver::cloth_contact::{CALM, MARGIN, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
@@ -85,8 +85,8 @@ pub(in crate::solver) struct Substep<'a> {
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Displacements of particles that lie on colliders, before corrections pulled at them.
-    pub unpulled: Option<&'a mut Soa>,
+    /// Where its particles lie on colliders, if any do.
+    pub lying: Option<Lying<'a>>,
     /// How far a pair is moved apart in the substep at most, without speed \[m\].
     pub most_push: f32,
 }
@@ -159,7 +159,7 @@ impl SelfContact {
 
     /// Moves apart what touches. Tells how many pairs do.
     pub fn meet(&mut self, on: Substep<'_>) -> u32 {
-        let Substep { isa, inverse_mass, x, d, unpulled, most_push } = on;
+        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
             travelled = self.travel.measure(isa, x, d, &self.found_at, self.margin);
@@ -179,7 +179,7 @@ impl SelfContact {
                 inverse_mass,
                 x,
                 d,
-                unpulled,
+                lying,
                 is_down: self.tangles.any.then_some(&self.tangles.is_down),
             },
             travelled: travelled.most,
@@ -188,7 +188,7 @@ impl SelfContact {
         };
         let touched = respond.run();
         self.since_touch = if touched.count > 0 { 0 } else { self.since_touch };
-        self.tangles.is_suspected |= touched.deepest > DEEP;
+        self.tangles.is_suspected |= touched.is_deep;
         touched.count
     }
 

@@ -25,7 +25,7 @@
 //! | `couples` | contact of cloths that are stepped together, couple by couple |
 
 mod balls;
-mod couples;
+pub mod couples;
 mod crossings;
 mod faces;
 mod find;
@@ -43,6 +43,7 @@ pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_t
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
 pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
+pub(super) use crate::solver::cloth_contact::respond::Lying;
 pub use crate::solver::cloth_contact::itself::SelfCollision;
 pub use crate::solver::cloth_contact::others::InterCollision;
 

@@ -37,7 +37,7 @@ impl Normals {
         for slot in slots {
             let slot = slot as usize;
             if !core::mem::replace(&mut self.is_known[slot], true) {
-                self.normals.set(slot, normal(faces, slot, at));
+                self.normals.set(slot, faces.normal(slot, at));
             }
         }
     }
@@ -64,6 +64,9 @@ pub(super) fn direction([n_a, n_b]: [Vec3; 2], apart: Vec3, distance: f32) -> Ve
     let above = line.dot(normal);
     let part = ramp(cosine.abs(), FACING) * ramp(above.abs(), ABOVE);
     let normal = if above < 0.0 { -normal } else { normal };
+    if part >= 1.0 {
+        return normal;
+    }
     let between = line * (1.0 - part) + normal * part;
     between * (1.0 / between.dot(between).sqrt())
 }
@@ -72,15 +75,4 @@ pub(super) fn direction([n_a, n_b]: [Vec3; 2], apart: Vec3, distance: f32) -> Ve
 #[inline(always)]
 fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
     smaller(larger((value - from) * (1.0 / (to - from)), 0.0), 1.0)
-}
-
-/// The mean normal of the faces at a slot. Which way each goes round does not matter.
-fn normal(faces: &FacesAt, slot: usize, at: impl Fn(u32) -> Vec3) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    for corners in faces.of(slot) {
-        let [a, b, c] = corners.map(&at);
-        let normal = (b - a).cross(c - a);
-        sum += if normal.dot(sum) < 0.0 { -normal } else { normal };
-    }
-    sum * (1.0 / larger(sum.dot(sum).sqrt(), f32::MIN_POSITIVE))
 }

@@ -4,6 +4,8 @@ use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::normals::{Normals, direction};
+use crate::solver::cloth_contact::tangles::DEEP;
+use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 
@@ -15,8 +17,8 @@ const LEAST_DISTANCE: f32 = 1e-6;
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
 ///
-/// Its change of the displacements is a correction like those of the threads, and half of it is expected again in the next
-/// substep (`integrate::houbolt`). The threads then find layers apart that they press together, and do not stretch for it.
+/// Its change of the displacements is a correction like those of the threads: a particle that lies on a collider follows it along the
+/// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a, S> {
     pub pairs: &'a [Pair],
     pub sides: S,
@@ -27,14 +29,31 @@ pub(super) struct Respond<'a, S> {
     pub most_push: f32,
 }
 
+/// Where the particles of a cloth lie on colliders, which bear a part of what pushes them (`contact::active_set`).
+pub(in crate::solver) struct Lying<'a> {
+    /// By slot, of length one; zero where a particle lies on none.
+    pub normal: &'a Soa,
+    /// By slot, the part of its inverse mass that moves a particle along the surface.
+    pub slip: &'a [f32],
+    /// By slot, what the collider bears \[kg m\].
+    pub load: &'a mut [f32],
+}
+
+impl Lying<'_> {
+    /// The same, for a while.
+    pub fn reborrow(&mut self) -> Lying<'_> {
+        Lying { normal: self.normal, slip: self.slip, load: self.load }
+    }
+}
+
 /// A cloth whose particles are moved.
 pub(super) struct Side<'a> {
     pub normals: &'a Normals,
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
-    /// Displacements of particles that lie on colliders, before corrections pulled at them.
-    pub unpulled: Option<&'a mut Soa>,
+    /// Where its particles lie on colliders, if any do.
+    pub lying: Option<Lying<'a>>,
     /// Particles that stand down, where any do.
     pub is_down: Option<&'a [bool]>,
 }
@@ -43,8 +62,8 @@ pub(super) struct Side<'a> {
 pub(super) trait Sides {
     /// The cloth of the first particles, or of the second.
     fn side(&self, second: bool) -> &Side<'_>;
-    /// The same, to move its particles.
-    fn move_by(&mut self, second: bool, slot: usize, change: Vec3, pushed: Vec3);
+    /// Gives a particle momentum \[kg m\], and moves it without speed \[kg m\].
+    fn give(&mut self, second: bool, slot: usize, momentum: Vec3, pushed: Vec3);
     /// From the origin of the second cloth to that of the first \[m\].
     fn shift(&self) -> Vec3;
 }
@@ -56,8 +75,8 @@ impl Sides for Side<'_> {
     }
 
     #[inline(always)]
-    fn move_by(&mut self, _: bool, slot: usize, change: Vec3, pushed: Vec3) {
-        Side::move_by(self, slot, change, pushed);
+    fn give(&mut self, _: bool, slot: usize, momentum: Vec3, pushed: Vec3) {
+        Side::give(self, slot, momentum, pushed);
     }
 
     #[inline(always)]
@@ -81,9 +100,9 @@ impl Sides for Two<'_> {
     }
 
     #[inline(always)]
-    fn move_by(&mut self, second: bool, slot: usize, change: Vec3, pushed: Vec3) {
+    fn give(&mut self, second: bool, slot: usize, momentum: Vec3, pushed: Vec3) {
         let side = if second { &mut self.second } else { &mut self.first };
-        side.move_by(slot, change, pushed);
+        side.give(slot, momentum, pushed);
     }
 
     #[inline(always)]
@@ -97,8 +116,8 @@ impl Sides for Two<'_> {
 pub(super) struct Touched {
     /// Pairs that touched.
     pub count: u32,
-    /// Depth of the deepest of them, in distances at which it touches.
-    pub deepest: f32,
+    /// Whether any of them was so deep that there may be a tangle.
+    pub is_deep: bool,
 }
 
 impl<S: Sides> Respond<'_, S> {
@@ -138,21 +157,28 @@ impl<S: Sides> Respond<'_, S> {
         let normals = [first.normals.at(a), second.normals.at(b)];
         let normal = if is_somewhere { direction(normals, apart, distance) } else { Vec3::Y };
         touched.count += 1;
-        touched.deepest = larger(touched.deepest, 1.0 - distance / pair.reach);
+        touched.is_deep |= distance < (1.0 - DEEP) * pair.reach;
         // As far along the normal as they are to be apart.
         let above = apart.dot(normal);
         let depth = (above * above + (pair.reach * pair.reach - square)).sqrt() - above;
         let along = relative.dot(normal);
         let undone = smaller(larger(-along, 0.0), depth);
+        let masses = [w_a, w_b].map(|w| w * LEAST_MOBILITY);
+        let least = masses[0] + masses[1];
+        let share = 1.0 / larger(first.mobility(a, normal) + second.mobility(b, normal), least);
+        let pressed = undone * share;
+        let mut momentum = normal * pressed;
         let sliding = relative - normal * along;
-        let way = sliding.dot(sliding).sqrt();
-        let held = self.friction * undone;
-        let braked = if way > held { held / way } else { 1.0 };
-        let change = normal * undone - sliding * braked;
-        let pushed = normal * smaller(depth - undone, self.most_push);
-        let share = 1.0 / (w_a + w_b);
-        self.sides.move_by(false, a, change * (w_a * share), pushed * (w_a * share));
-        self.sides.move_by(true, b, change * (-w_b * share), pushed * (-w_b * share));
+        let way = sliding.dot(sliding);
+        if way > 0.0 {
+            let way = way.sqrt();
+            let slid = sliding * (1.0 / way);
+            let yields = larger(first.mobility(a, slid) + second.mobility(b, slid), least);
+            momentum -= slid * smaller(self.friction * pressed, way / yields);
+        }
+        let pushed = normal * (smaller(depth - undone, self.most_push) * share);
+        self.sides.give(false, a, momentum, pushed);
+        self.sides.give(true, b, -momentum, -pushed);
     }
 }
 
@@ -162,13 +188,27 @@ impl Side<'_> {
         self.is_down.is_some_and(|is_down| is_down[slot])
     }
 
+    /// How far momentum of one along a direction moves a particle \[1/kg\].
     #[inline(always)]
-    fn move_by(&mut self, slot: usize, change: Vec3, pushed: Vec3) {
-        self.d.set(slot, self.d.get(slot) + change);
-        self.x.set(slot, self.x.get(slot) + pushed);
-        // What lies on a collider is not pulled by it.
-        if let Some(unpulled) = &mut self.unpulled {
-            unpulled.set(slot, unpulled.get(slot) + change);
+    fn mobility(&self, slot: usize, direction: Vec3) -> f32 {
+        let w = self.inverse_mass[slot];
+        let Some(lying) = &self.lying else { return w };
+        let onto = lying.normal.get(slot).dot(direction);
+        w * lying.slip[slot] * (1.0 - onto * onto)
+    }
+
+    #[inline(always)]
+    fn give(&mut self, slot: usize, momentum: Vec3, pushed: Vec3) {
+        let (mut w, mut momentum, mut pushed) = (self.inverse_mass[slot], momentum, pushed);
+        if let Some(Lying { normal, slip, load }) = &mut self.lying {
+            let n = normal.get(slot);
+            let onto = n.dot(momentum);
+            load[slot] += onto;
+            momentum -= n * onto;
+            pushed -= n * n.dot(pushed);
+            w *= slip[slot];
         }
+        self.d.set(slot, self.d.get(slot) + momentum * w);
+        self.x.set(slot, self.x.get(slot) + pushed * w);
     }
 }

@@ -11,6 +11,7 @@ use crate::solver::cloth_contact::Memory;
 use crate::solver::cloth_contact::crossings::pierces;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::Pair;
+use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 
@@ -101,6 +102,9 @@ impl Tangles {
         for pair in pairs {
             if is_near(pair, at, at) {
                 let [here, there] = pair.slots.map(|slot| slot as usize);
+                if are_apart(&faces, here, at, &faces, there, at) {
+                    continue;
+                }
                 for one in faces.of(here) {
                     let apart = |other: &[u32; 3]| !one.iter().any(|corner| other.contains(corner));
                     for other in faces.of(there).filter(apart) {
@@ -125,6 +129,9 @@ impl Tangles {
         let (faces, others) = (self.faces.clone(), other.faces.clone());
         for pair in pairs.iter().filter(|pair| is_near(pair, at, there)) {
             let [a, b] = pair.slots.map(|slot| slot as usize);
+            if are_apart(&faces, a, at, &others, b, there) {
+                continue;
+            }
             for one in faces.of(a) {
                 for two in others.of(b) {
                     if meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3())) {
@@ -149,6 +156,27 @@ fn is_near(pair: &Pair, at: impl Fn(u32) -> Vec3, there: impl Fn(u32) -> Vec3) -
     let [a, b] = pair.slots;
     let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
     apart.dot(apart) < near * near
+}
+
+/// Whether a plane along the surface at one slot lies between all faces there and all faces at another.
+fn are_apart(
+    faces: &FacesAt,
+    slot: usize,
+    at: impl Fn(u32) -> Vec3 + Copy,
+    others: &FacesAt,
+    other: usize,
+    there: impl Fn(u32) -> Vec3 + Copy,
+) -> bool {
+    let normal = faces.normal(slot, at);
+    let range = |faces: &FacesAt, slot: usize, at: &dyn Fn(u32) -> Vec3| {
+        let along = faces.of(slot).flatten().map(|corner| normal.dot(at(corner)));
+        along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], along| {
+            [smaller(low, along), larger(high, along)]
+        })
+    };
+    let [low, high] = range(faces, slot, &at);
+    let [their_low, their_high] = range(others, other, &there);
+    high < their_low || their_high < low
 }
 
 /// Whether an edge of either face pierces the other.

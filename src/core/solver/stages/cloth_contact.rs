@@ -1,7 +1,8 @@
 //! Contact of a cloth with itself and with others, in the third stage: after the threads, before the strain limit.
 
 use crate::solver::ClothSolver;
-use crate::solver::cloth_contact::{Parts, Substep};
+use crate::solver::cloth_contact::{Lying, Parts, Substep};
+use crate::solver::contact::ActiveSet;
 use crate::solver::state::State;
 
 impl ClothSolver {
@@ -23,14 +24,13 @@ impl ClothSolver {
         self.end_corrections();
         let Self { self_contact, isa, pins, state, plan, settings, .. } = self;
         let State { x, d, contacts, .. } = state;
-        let lies = contacts.now.any;
         let touching = self_contact.as_mut().map_or(0, |own| {
             own.meet(Substep {
                 isa: *isa,
                 inverse_mass: &pins.inverse_mass,
                 x,
                 d,
-                unpulled: lies.then_some(&mut contacts.unpulled),
+                lying: lying(contacts),
                 most_push: settings.max_depenetration_speed * plan.step,
             })
         });
@@ -43,7 +43,6 @@ impl ClothSolver {
     pub(in crate::solver) fn parts(&mut self, moves: bool) -> Option<Parts<'_>> {
         let Self { others_contact, isa, pins, state, plan, settings, .. } = self;
         let State { x, d, contacts, origin, .. } = state;
-        let lies = contacts.now.any;
         Some(Parts {
             isa: *isa,
             moves,
@@ -51,9 +50,15 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            unpulled: lies.then_some(&mut contacts.unpulled),
+            lying: lying(contacts),
             most_push: settings.max_depenetration_speed * plan.step,
             others: others_contact.as_mut()?,
         })
     }
+}
+
+/// Where particles lie on colliders, if any do.
+fn lying(contacts: &mut ActiveSet) -> Option<Lying<'_>> {
+    let ActiveSet { now, load, .. } = contacts;
+    now.any.then_some(Lying { normal: &now.normal, slip: &now.slip, load })
 }
