@@ -159,7 +159,8 @@ impl Island {
             member.exceeds = member.solver.pull_threads();
             member.solver.end_corrections();
         }
-        self.couples.meet(members);
+        let left = moving(members).map(|(_, member)| member.solver.substeps_left()).max();
+        self.couples.meet(members, left.unwrap_or(0));
         for (place, member) in moving(members) {
             let touching = self.couples.touching(place);
             member.solver.touching_others = touching;
@@ -182,6 +183,11 @@ fn moving<'a, 'b>(
 }
 
 impl ClothSolver {
+    /// Substeps of the tick after the present one.
+    fn substeps_left(&self) -> u32 {
+        self.plan.substeps - self.done - 1
+    }
+
     /// Takes so many substeps in the tick that is planned, together with others.
     fn step_with(&mut self, substeps: u32) {
         if self.lockstep != substeps {

@@ -66,7 +66,7 @@
 //!   `pause_pulls` and `go_on_pulling`;
 //! - what it derives from pins, material or settings is made again in `setup` (`set_pins`, `replan`).
 
-pub mod cloth_contact;
+mod cloth_contact;
 mod constraints;
 mod contact;
 mod error;

@@ -5,13 +5,15 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::MARGIN;
-use crate::solver::cloth_contact::find::{Company, FindPairs, Pair};
+use crate::solver::cloth_contact::batches::Batches;
+use crate::solver::cloth_contact::find::{Company, FindPairs, Pair, WIDE};
 use crate::solver::cloth_contact::grid::Grid;
 use crate::solver::cloth_contact::others::OthersContact;
-use crate::solver::cloth_contact::respond::{Lying, Respond, Side, Two};
+use crate::solver::cloth_contact::respond::{Respond, Touched};
+use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{AddUp, Extent, Travelled, allowed};
-use crate::solver::simd::block::smaller;
+use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, Soa};
@@ -20,6 +22,11 @@ use crate::solver::simd::soa::{Array, Soa};
 const NONE: u32 = u32::MAX;
 /// The owner of a place that holds no particle.
 const NOBODY: u32 = u32::MAX;
+
+/// Least gap up to which pairs are kept, in diameters of the largest ball.
+const LEAST_MARGIN: f32 = 0.15;
+/// How much further particles may move in a tick than their speeds let expect.
+const SLACK: f32 = 1.5;
 
 /// A cloth, as contact with others takes it in a substep.
 pub(in crate::solver) struct Parts<'a> {
@@ -39,20 +46,28 @@ pub(in crate::solver) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// As one that does not move, by displacements and inverse masses of zero.
-    fn stand(&mut self, (d, inverse_mass): &'a mut (Soa, Array)) {
-        (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
-    }
-
-    fn side(&mut self) -> Side<'_> {
-        let OthersContact { normals, tangles, .. } = &*self.others;
+    /// As a side of a couple, whose first slot in `found_at` is given. What does not move has displacements and inverse masses of zero.
+    fn side(
+        &mut self,
+        first: u32,
+        found_at: &'a Soa,
+        still: Option<&'a mut (Soa, Array)>,
+    ) -> Side<'_> {
+        if let Some((d, inverse_mass)) = still {
+            (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
+        }
+        let OthersContact { tangles, normals, .. } = &mut *self.others;
+        let Tangles { faces, any, is_down, .. } = tangles;
         Side {
-            normals,
             inverse_mass: self.inverse_mass,
             x: self.x,
             d: self.d,
             lying: self.lying.as_mut().map(Lying::reborrow),
-            is_down: tangles.any.then_some(&tangles.is_down),
+            is_down: any.then_some(&**is_down),
+            normals,
+            faces,
+            found_at,
+            first: first as usize,
         }
     }
 
@@ -91,13 +106,14 @@ struct Couple {
     of: [usize; 2],
     friction: f32,
     pairs: Vec<Pair>,
+    batches: Batches,
     /// How far each region of the one may move relative to each of the other \[m\].
     allowed: Vec<f32>,
     travelled: f32,
     /// Whether any pair has touched in the tick.
     has_touched: bool,
-    /// Pairs that touched in the last substep.
-    touching: u32,
+    /// What touched in the last substep.
+    touched: Touched,
 }
 
 /// The couples of some cloths, and the pairs of their particles that may touch.
@@ -114,16 +130,20 @@ pub(in crate::solver) struct Couples {
     at: Soa,
     radius: Array,
     base: Vec3,
-    /// Gap up to which pairs are kept, and distance at which particles may be one \[m\].
+    /// Largest distance at which two particles touch \[m\].
+    widest: f32,
+    /// Gap up to which pairs are kept \[m\].
     margin: f32,
-    reach: f32,
     is_found: bool,
-    /// Boxes of all regions, and the first of each cloth, then their end.
+    /// Boxes of all regions, of their motion, and the first of each cloth, then their end.
     boxes: Vec<Extent>,
+    moved: Vec<Extent>,
     first_box: Vec<usize>,
     /// Slots in `at` of particles that are near another cloth.
     near: Vec<u32>,
     grid: Grid,
+    /// The instructions of the first cloth; all of them choose the same, but where a game compares.
+    isa: Option<Isa>,
     /// The cloth of the particle at each place of the grid.
     owner: Vec<u32>,
     /// Displacements and inverse masses of what does not move.
@@ -145,10 +165,13 @@ impl Couples {
                 let len = parts.inverse_mass.len();
                 (slots, longest) = (slots + len as u32, longest.max(len));
                 widest = widest.max(parts.others.widest());
+                if slots == len as u32 {
+                    (self.isa, self.base) = (Some(parts.isa), parts.origin);
+                }
             }
         }
         self.first.push(slots);
-        (self.margin, self.reach) = (widest * MARGIN, widest * (1.0 + MARGIN));
+        self.widest = widest;
         for b in 0..members {
             for a in 0..b {
                 if let Ok([one, other]) = bodies.get_disjoint_mut([a, b])
@@ -179,7 +202,7 @@ impl Couples {
         let couple = &mut self.couples[self.count];
         couple.pairs.clear();
         (couple.of, couple.friction) = (of, friction);
-        (couple.has_touched, couple.touching) = (false, 0);
+        (couple.has_touched, couple.touched) = (false, Touched::default());
         let [a, b] = of;
         self.table[a * members + b] = self.count as u32;
         self.table[b * members + a] = self.count as u32;
@@ -203,23 +226,31 @@ impl Couples {
     /// Pairs of a cloth that touched in the last substep.
     pub fn touching(&self, member: usize) -> u32 {
         let couples = self.couples[..self.count].iter();
-        couples.filter(|couple| couple.of.contains(&member)).map(|couple| couple.touching).sum()
+        couples.filter(|couple| couple.of.contains(&member)).map(|couple| couple.touched.count).sum()
     }
 
-    /// Moves apart what touches.
-    pub fn meet(&mut self, bodies: &mut [impl Body]) {
+    /// Moves apart what touches, in a substep after which the tick has so many `left`.
+    pub fn meet(&mut self, bodies: &mut [impl Body], left: u32) {
         if self.count == 0 {
             return;
         }
         if !self.is_found || self.measure(bodies) {
-            self.find(bodies);
+            self.find(bodies, left);
+        }
+        if self.couples[..self.count].iter().all(|couple| couple.pairs.is_empty()) {
+            return;
         }
         self.search_tangles(bodies);
-        for couple in &mut self.couples[..self.count] {
+        let Self { couples, at, first, still, .. } = self;
+        for couple in &mut couples[..self.count] {
             if !couple.pairs.is_empty() {
-                couple.meet(bodies, &mut self.still);
+                couple.meet(bodies, at, first, still);
             }
         }
+    }
+
+    fn isa(&self) -> Isa {
+        self.isa.unwrap_or(Isa::Baseline)
     }
 
     /// Measures how far particles have moved since pairs were found. Tells whether some may touch that are no pair.
@@ -253,16 +284,15 @@ impl Couples {
     }
 
     /// Finds the pairs of particles, where they are now.
-    fn find(&mut self, bodies: &mut [impl Body]) {
+    fn find(&mut self, bodies: &mut [impl Body], left: u32) {
         self.take_places(bodies);
+        self.choose_margin(left as f32 + 1.0);
         self.take_near(bodies);
+        let isa = self.isa();
         let Self { grid, near, at, radius, owner, first, .. } = self;
         grid.make_room(near.len());
-        grid.begin(self.reach);
+        grid.begin(self.widest + self.margin);
         grid.take(at, near.iter().map(|&slot| slot as usize));
-        // All of them choose the same instructions, but for a game that wants to compare.
-        let isa = bodies.iter_mut().find_map(|body| Some(body.parts()?.isa));
-        let isa = isa.unwrap_or_else(Isa::detect);
         grid.sort(isa, at, radius);
         owner.clear();
         let of = |&slot: &u32| first.partition_point(|&first| first <= slot) as u32 - 1;
@@ -273,17 +303,27 @@ impl Couples {
             couple.pairs.clear();
             couple.travelled = 0.0;
         }
-        let company = ManyCloths { owner, first, table: &self.table, couples };
+        let members = first.len() - 1;
+        let some_do_not_meet = couples.len() < members * (members - 1) / 2;
+        let company =
+            ManyCloths { owner, first, table: &self.table, couples, some_do_not_meet };
         isa.run(FindPairs { grid, margin: self.margin, company });
-        self.find_normals(bodies);
+        for body in bodies.iter_mut() {
+            if let Some(parts) = body.parts() {
+                parts.others.normals.forget();
+            }
+        }
+        for couple in &mut self.couples[..self.count] {
+            let slots = couple.of.map(|of| (self.first[of + 1] - self.first[of]) as usize);
+            couple.batches.begin(&couple.pairs, self.margin, slots);
+        }
         self.is_found = true;
-        FINDS.fetch_add(1, core::sync::atomic::Ordering::Relaxed); NEAR.fetch_add(self.near.len() as u64, core::sync::atomic::Ordering::Relaxed); PAIRS.fetch_add(self.couples[..self.count].iter().map(|c| c.pairs.len() as u64).sum(), core::sync::atomic::Ordering::Relaxed);
     }
 
     /// Notes where all particles are, and the boxes of their regions.
     fn take_places(&mut self, bodies: &mut [impl Body]) {
-        self.base = bodies.iter_mut().find_map(|body| Some(body.parts()?.origin)).unwrap_or_default();
         self.boxes.clear();
+        self.moved.clear();
         self.first_box.clear();
         for (body, &first) in bodies.iter_mut().zip(&self.first) {
             self.first_box.push(self.boxes.len());
@@ -292,11 +332,30 @@ impl Couples {
             let (shift, first) = (parts.origin - self.base, first as usize);
             parts.isa.run(AddUp { x: parts.x, d, shift, to: &mut self.at, first });
             let regions = &mut parts.others.regions;
+            regions.look(parts.isa, d, 0);
+            self.moved.extend(&regions.extents);
             regions.look(parts.isa, &self.at, first);
             self.boxes.extend(&regions.extents);
         }
         self.first_box.push(self.boxes.len());
-        let (margin, reach) = (self.margin, self.reach);
+    }
+
+    /// Chooses a margin by how far particles are to move in some substeps, and how far they may move before pairs are found anew.
+    fn choose_margin(&mut self, substeps: f32) {
+        let (mut fastest, most) = (0.0, self.widest * MARGIN);
+        for couple in &self.couples[..self.count] {
+            let [some, others] = couple.of.map(|of| self.first_box[of]..self.first_box[of + 1]);
+            for a in some {
+                for b in others.clone() {
+                    if self.boxes[a].gap(&self.boxes[b]) < self.widest + most {
+                        fastest = larger(self.moved[a].difference(&self.moved[b]), fastest);
+                    }
+                }
+            }
+        }
+        let expected = fastest.sqrt() * substeps * SLACK;
+        self.margin = smaller(larger(expected, self.widest * LEAST_MARGIN), most);
+        let (margin, reach) = (self.margin, self.widest + self.margin);
         for couple in &mut self.couples[..self.count] {
             let [some, others] =
                 couple.of.map(|of| &self.boxes[self.first_box[of]..self.first_box[of + 1]]);
@@ -310,6 +369,7 @@ impl Couples {
     /// Lists the particles that are where another cloth may be.
     fn take_near(&mut self, bodies: &mut [impl Body]) {
         self.near.clear();
+        let reach = self.widest + self.margin;
         let members = bodies.len();
         for (member, body) in bodies.iter_mut().enumerate() {
             let Some(parts) = body.parts() else { continue };
@@ -320,29 +380,13 @@ impl Couples {
                 for other in 0..members {
                     if self.table[member * members + other] != NONE {
                         let theirs = &self.boxes[self.first_box[other]..self.first_box[other + 1]];
-                        let near = theirs.iter().filter(|other| own.gap(other) < self.reach);
+                        let near = theirs.iter().filter(|other| own.gap(other) < reach);
                         around = near.fold(around, |around, other| around.with(other));
                     }
                 }
-                let around = around.grown(self.reach);
+                let around = around.grown(reach);
                 let slots = parts.others.regions.slots(region).map(|slot| first + slot as u32);
                 self.near.extend(slots.filter(|&slot| around.contains(self.at.get(slot as usize))));
-            }
-        }
-    }
-
-    /// Works out the surface's normals at the particles of pairs.
-    fn find_normals(&mut self, bodies: &mut [impl Body]) {
-        for (member, (body, &first)) in bodies.iter_mut().zip(&self.first).enumerate() {
-            let Some(parts) = body.parts() else { continue };
-            let OthersContact { normals, tangles, .. } = parts.others;
-            normals.forget();
-            for couple in &self.couples[..self.count] {
-                if let Some(side) = couple.of.iter().position(|&of| of == member) {
-                    let slots = couple.pairs.iter().map(|pair| pair.slots[side]);
-                    let at = |slot: u32| self.at.get((first + slot) as usize);
-                    normals.find(slots, &tangles.faces, at);
-                }
             }
         }
     }
@@ -365,33 +409,40 @@ impl Couples {
 }
 
 impl Couple {
-    /// Moves apart what touches.
-    fn meet(&mut self, bodies: &mut [impl Body], still: &mut (Soa, Array)) {
+    /// Moves apart what touches, of cloths that were at `found_at`, where their first slots are given.
+    fn meet(
+        &mut self,
+        bodies: &mut [impl Body],
+        found_at: &Soa,
+        first: &[u32],
+        still: &mut (Soa, Array),
+    ) {
         let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
         let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return };
-        let shift = one.origin - other.origin;
+        let (isa, shift) = (one.isa, one.origin - other.origin);
         let most_push = smaller(one.most_push, other.most_push);
         // One of the two moves.
-        if !one.moves {
-            one.stand(still);
-        } else if !other.moves {
-            other.stand(still);
-        }
+        let [ones, others] = match (one.moves, other.moves) {
+            (false, _) => [Some(still), None],
+            (_, false) => [None, Some(still)],
+            _ => [None, None],
+        };
+        let [a, b] = self.of.map(|of| first[of]);
         let respond = Respond {
             pairs: &self.pairs,
-            sides: Two { first: one.side(), second: other.side(), shift },
+            batches: &mut self.batches,
+            sides: &mut [one.side(a, found_at, ones), other.side(b, found_at, others)],
+            shift,
             travelled: self.travelled,
             friction: self.friction,
             most_push,
         };
-        let touched = respond.run();
-        self.touching = touched.count;
-        TOUCH.fetch_add(touched.count as u64, core::sync::atomic::Ordering::Relaxed); AWAKE.fetch_add(self.pairs.iter().filter(|p| p.gap<self.travelled.max(f32::MIN_POSITIVE)).count() as u64, core::sync::atomic::Ordering::Relaxed);
-        if touched.count > 0 {
+        self.touched = isa.run(respond);
+        if self.touched.count > 0 {
             self.has_touched = true;
             for others in [one.others, other.others] {
                 others.since_touch = 0;
-                others.tangles.is_suspected |= touched.is_deep;
+                others.tangles.is_suspected |= self.touched.is_deep;
             }
         }
     }
@@ -402,7 +453,10 @@ impl Couple {
         let shift = one.origin - other.origin;
         let (here, tangles) = one.places();
         let (there, theirs) = other.places();
-        tangles.search_with(theirs, &self.pairs, |slot| here.at(slot) + shift, |slot| there.at(slot));
+        for pair in &self.pairs {
+            let at = |slot| here.at(slot) + shift;
+            tangles.search_with(theirs, pair, at, |slot| there.at(slot));
+        }
     }
 }
 
@@ -412,6 +466,8 @@ struct ManyCloths<'a> {
     first: &'a [u32],
     table: &'a [u32],
     couples: &'a mut [Couple],
+    /// Whether there are cloths that are no couple.
+    some_do_not_meet: bool,
 }
 
 impl ManyCloths<'_> {
@@ -423,15 +479,19 @@ impl ManyCloths<'_> {
 
 impl Company for ManyCloths<'_> {
     #[inline(always)]
-    fn among(&self, mut lanes: u32, at: usize, place: usize) -> u32 {
+    fn among(&self, lanes: u32, at: usize, place: usize) -> u32 {
         let own = self.owner[place];
-        let mut meets = 0;
-        while lanes != 0 {
+        let mut bits = [0_u32; WIDE];
+        for (i, &other) in self.owner[at..at + WIDE].iter().enumerate() {
+            bits[i] = if other == own { 0 } else { 1 << i };
+        }
+        let mut lanes = lanes & bits.into_iter().fold(0, |all, bit| all | bit);
+        let mut meets = lanes;
+        while lanes != 0 && self.some_do_not_meet {
             let lane = lanes.trailing_zeros();
             lanes &= lanes - 1;
-            let other = self.owner[at + lane as usize];
-            if other != own && self.couple(own, other) != NONE {
-                meets |= 1 << lane;
+            if self.couple(own, self.owner[at + lane as usize]) == NONE {
+                meets &= !(1 << lane);
             }
         }
         meets
@@ -440,18 +500,10 @@ impl Company for ManyCloths<'_> {
     #[inline(always)]
     fn take(&mut self, places: [usize; 2], pair: Pair) {
         let [a, b] = places.map(|place| self.owner[place]);
+        let slot = |of: u32, slot: u32| slot - self.first[of as usize];
+        let [first, second] = [slot(a, pair.slots[0]), slot(b, pair.slots[1])];
+        let slots = if a < b { [first, second] } else { [second, first] };
         let couple = self.couple(a, b) as usize;
-        let [mut first, mut second] =
-            [(a, pair.slots[0]), (b, pair.slots[1])].map(|(of, slot)| slot - self.first[of as usize]);
-        if a > b {
-            (first, second) = (second, first);
-        }
-        self.couples[couple].pairs.push(Pair { slots: [first, second], ..pair });
+        self.couples[couple].pairs.push(Pair { slots, ..pair });
     }
 }
-
-pub static FINDS: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
-pub static NEAR: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
-pub static PAIRS: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
-pub static TOUCH: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);
-pub static AWAKE: core::sync::atomic::AtomicU64 = core::sync::atomic::AtomicU64::new(0);

@@ -5,12 +5,14 @@ use std::sync::Arc;
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::balls::Balls;
+use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
-use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
-use crate::solver::cloth_contact::respond::{Lying, Respond, Side};
+use crate::solver::cloth_contact::normals::Normals;
+use crate::solver::cloth_contact::respond::Respond;
+use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{AddUp, Travel, Travelled};
 use crate::solver::cloth_contact::{CALM, MARGIN, Memory, check_numbers, substeps_for};
@@ -67,6 +69,7 @@ pub(in crate::solver) struct SelfContact {
     rest: Soa,
     travel: Travel,
     tangles: Tangles,
+    batches: Batches,
     normals: Normals,
     /// Positions when pairs were found last \[m\].
     found_at: Soa,
@@ -109,6 +112,7 @@ impl SelfContact {
             rest: Soa::zeros(room_for(count)),
             travel: Travel::new(layout),
             tangles: Tangles::new(topology, faces),
+            batches: Batches::default(),
             normals: Normals::new(layout.len()),
             found_at: Soa::zeros(layout.len()),
             is_found: false,
@@ -170,23 +174,33 @@ impl SelfContact {
             travelled.most = 0.0;
         }
         if self.tangles.is_due() {
-            self.tangles.search(&self.pairs, x, d);
+            self.tangles.begin_search();
+            let at = |slot: u32| x.get(slot as usize) + d.get(slot as usize);
+            for pair in &self.pairs {
+                self.tangles.search(pair, at);
+            }
         }
+        let side = Side {
+            normals: &mut self.normals,
+            faces: &self.tangles.faces,
+            found_at: &self.found_at,
+            first: 0,
+            inverse_mass,
+            x,
+            d,
+            lying,
+            is_down: self.tangles.any.then_some(&*self.tangles.is_down),
+        };
         let respond = Respond {
             pairs: &self.pairs,
-            sides: Side {
-                normals: &self.normals,
-                inverse_mass,
-                x,
-                d,
-                lying,
-                is_down: self.tangles.any.then_some(&self.tangles.is_down),
-            },
+            batches: &mut self.batches,
+            sides: &mut [side],
+            shift: Vec3::ZERO,
             travelled: travelled.most,
             friction: self.settings.friction,
             most_push,
         };
-        let touched = respond.run();
+        let touched = isa.run(respond);
         self.since_touch = if touched.count > 0 { 0 } else { self.since_touch };
         self.tangles.is_suspected |= touched.is_deep;
         touched.count
@@ -194,7 +208,7 @@ impl SelfContact {
 
     /// Finds the pairs of particles that are at `found_at`.
     fn find(&mut self, isa: Isa) {
-        let Self { patches, grid, travel, found_at: at, pairs, margin, balls, normals, .. } = self;
+        let Self { patches, grid, travel, found_at: at, pairs, margin, balls, batches, normals, .. } = self;
         let reach = balls.widest() + *margin;
         travel.begin(isa, at, *margin, reach);
         grid.begin(reach);
@@ -214,8 +228,7 @@ impl SelfContact {
         let company = OneCloth { rest: &self.rest, radius: &grid.radius, pairs };
         isa.run(FindPairs { grid, margin: *margin, company });
         normals.forget();
-        let slots = pairs.iter().flat_map(|pair| pair.slots);
-        normals.find(slots, &self.tangles.faces, |slot| at.get(slot as usize));
+        batches.begin(pairs, *margin, [self.layout.len(), 0]);
         self.is_found = true;
     }
 }

@@ -15,8 +15,10 @@
 //! | `grid` | particles sorted by the cells of a grid |
 //! | `find` | pairs of particles that may touch before they have moved by the margin |
 //! | `patches` | smooth parts of a sheet, which are passed over |
-//! | `normals` | the surface's normals, by which layers slide on each other |
+//! | `normals` | the direction to push apart, by which layers slide on each other |
 //! | `travel` | how far particles have moved relative to each other since then |
+//! | `batches` | pairs in batches that are met side by side |
+//! | `side` | a cloth as one side of pairs |
 //! | `respond` | pairs that touch are moved apart, with friction |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
@@ -25,7 +27,8 @@
 //! | `couples` | contact of cloths that are stepped together, couple by couple |
 
 mod balls;
-pub mod couples;
+mod batches;
+mod couples;
 mod crossings;
 mod faces;
 mod find;
@@ -35,6 +38,7 @@ mod normals;
 mod others;
 mod patches;
 mod respond;
+mod side;
 mod tangles;
 mod travel;
 
@@ -43,7 +47,7 @@ pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_t
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
 pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
-pub(super) use crate::solver::cloth_contact::respond::Lying;
+pub(super) use crate::solver::cloth_contact::side::Lying;
 pub use crate::solver::cloth_contact::itself::SelfCollision;
 pub use crate::solver::cloth_contact::others::InterCollision;
 

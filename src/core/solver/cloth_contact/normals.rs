@@ -6,7 +6,6 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 
@@ -15,7 +14,7 @@ const FACING: [f32; 2] = [0.7, 0.9];
 /// Cosines of the angle between normal and the line from particle to particle, in the same way.
 const ABOVE: [f32; 2] = [0.3, 0.5];
 
-/// Normals by slot, of length one; known for the particles of pairs.
+/// Normals by slot, of length one; worked out where they are asked for.
 #[derive(Clone, Debug)]
 pub(super) struct Normals {
     normals: Soa,
@@ -27,28 +26,17 @@ impl Normals {
         Self { normals: Soa::zeros(slots), is_known: vec![false; slots] }
     }
 
-    /// Works out those at some slots, where `at` says where particles are.
-    pub fn find(
-        &mut self,
-        slots: impl Iterator<Item = u32>,
-        faces: &FacesAt,
-        at: impl Fn(u32) -> Vec3 + Copy,
-    ) {
-        for slot in slots {
-            let slot = slot as usize;
-            if !core::mem::replace(&mut self.is_known[slot], true) {
-                self.normals.set(slot, faces.normal(slot, at));
-            }
-        }
-    }
-
     /// Forgets all of them.
     pub fn forget(&mut self) {
         self.is_known.fill(false);
     }
 
+    /// The one at a slot, which is worked out if it is not known.
     #[inline(always)]
-    pub fn at(&self, slot: usize) -> Vec3 {
+    pub fn get(&mut self, slot: usize, normal: impl FnOnce(usize) -> Vec3) -> Vec3 {
+        if !core::mem::replace(&mut self.is_known[slot], true) {
+            self.normals.set(slot, normal(slot));
+        }
         self.normals.get(slot)
     }
 }
@@ -64,9 +52,6 @@ pub(super) fn direction([n_a, n_b]: [Vec3; 2], apart: Vec3, distance: f32) -> Ve
     let above = line.dot(normal);
     let part = ramp(cosine.abs(), FACING) * ramp(above.abs(), ABOVE);
     let normal = if above < 0.0 { -normal } else { normal };
-    if part >= 1.0 {
-        return normal;
-    }
     let between = line * (1.0 - part) + normal * part;
     between * (1.0 / between.dot(between).sqrt())
 }

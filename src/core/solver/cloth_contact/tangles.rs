@@ -94,52 +94,29 @@ impl Tangles {
         self.put_down(&[]);
     }
 
-    /// Searches among the faces at pairs of the cloth's own that are near each other, where particles are at `x + d`.
-    pub fn search(&mut self, pairs: &[Pair], x: &Soa, d: &Soa) {
-        self.begin_search();
+    /// Searches among the faces at two particles of the cloth's own that are a pair, where `at` says where particles are.
+    pub fn search(&mut self, pair: &Pair, at: impl Fn(u32) -> Vec3 + Copy) {
         let faces = self.faces.clone();
-        let at = |slot: u32| x.get(slot as usize) + d.get(slot as usize);
-        for pair in pairs {
-            if is_near(pair, at, at) {
-                let [here, there] = pair.slots.map(|slot| slot as usize);
-                if are_apart(&faces, here, at, &faces, there, at) {
-                    continue;
-                }
-                for one in faces.of(here) {
-                    let apart = |other: &[u32; 3]| !one.iter().any(|corner| other.contains(corner));
-                    for other in faces.of(there).filter(apart) {
-                        if meet(one.map(|c| at(c).as_dvec3()), other.map(|c| at(c).as_dvec3())) {
-                            self.stand_down(one);
-                            self.stand_down(other);
-                        }
-                    }
-                }
-            }
+        let shares = |one: &[u32; 3], two: &[u32; 3]| one.iter().any(|corner| two.contains(corner));
+        for [one, two] in piercing([&faces, &faces], pair, at, at, shares) {
+            self.stand_down(one);
+            self.stand_down(two);
         }
     }
 
-    /// Searches among the faces at pairs with another cloth. Either function tells where particles are.
+    /// Searches among the faces at two particles that are a pair, of which the second one is another cloth's. Either function tells
+    /// where particles are.
     pub fn search_with(
         &mut self,
         other: &mut Self,
-        pairs: &[Pair],
+        pair: &Pair,
         at: impl Fn(u32) -> Vec3 + Copy,
         there: impl Fn(u32) -> Vec3 + Copy,
     ) {
         let (faces, others) = (self.faces.clone(), other.faces.clone());
-        for pair in pairs.iter().filter(|pair| is_near(pair, at, there)) {
-            let [a, b] = pair.slots.map(|slot| slot as usize);
-            if are_apart(&faces, a, at, &others, b, there) {
-                continue;
-            }
-            for one in faces.of(a) {
-                for two in others.of(b) {
-                    if meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3())) {
-                        self.stand_down(one);
-                        other.stand_down(two);
-                    }
-                }
-            }
+        for [one, two] in piercing([&faces, &others], pair, at, there, |_, _| false) {
+            self.stand_down(one);
+            other.stand_down(two);
         }
     }
 
@@ -151,11 +128,23 @@ impl Tangles {
     }
 }
 
-/// Whether faces at a pair may pierce each other.
-fn is_near(pair: &Pair, at: impl Fn(u32) -> Vec3, there: impl Fn(u32) -> Vec3) -> bool {
+/// The faces at two particles that pierce each other. Those that share a corner do not count.
+fn piercing<'a>(
+    [faces, others]: [&'a FacesAt; 2],
+    pair: &Pair,
+    at: impl Fn(u32) -> Vec3 + Copy + 'a,
+    there: impl Fn(u32) -> Vec3 + Copy + 'a,
+    shares: impl Fn(&[u32; 3], &[u32; 3]) -> bool + Copy + 'a,
+) -> impl Iterator<Item = [[u32; 3]; 2]> + 'a {
     let [a, b] = pair.slots;
     let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
-    apart.dot(apart) < near * near
+    let (a, b) = (a as usize, b as usize);
+    let may = apart.dot(apart) < near * near && !are_apart(faces, a, at, others, b, there);
+    let ones = may.then(|| faces.of(a)).into_iter().flatten();
+    ones.flat_map(move |one| others.of(b).map(move |two| [one, two])).filter(move |[one, two]| {
+        !shares(one, two)
+            && meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3()))
+    })
 }
 
 /// Whether a plane along the surface at one slot lies between all faces there and all faces at another.
@@ -168,15 +157,22 @@ fn are_apart(
     there: impl Fn(u32) -> Vec3 + Copy,
 ) -> bool {
     let normal = faces.normal(slot, at);
-    let range = |faces: &FacesAt, slot: usize, at: &dyn Fn(u32) -> Vec3| {
-        let along = faces.of(slot).flatten().map(|corner| normal.dot(at(corner)));
-        along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], along| {
-            [smaller(low, along), larger(high, along)]
-        })
-    };
-    let [low, high] = range(faces, slot, &at);
-    let [their_low, their_high] = range(others, other, &there);
+    let [low, high] = range(faces, slot, normal, at);
+    let [their_low, their_high] = range(others, other, normal, there);
     high < their_low || their_high < low
+}
+
+/// How far the faces at a slot reach along a direction.
+fn range(
+    faces: &FacesAt,
+    slot: usize,
+    direction: Vec3,
+    at: impl Fn(u32) -> Vec3,
+) -> [f32; 2] {
+    let along = faces.of(slot).flatten().map(|corner| direction.dot(at(corner)));
+    along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], along| {
+        [smaller(low, along), larger(high, along)]
+    })
 }
 
 /// Whether an edge of either face pierces the other.
