@@ -98,11 +98,7 @@ impl Island {
         }
     }
 
-    fn take_tick(
-        &mut self,
-        members: &mut [Member<'_>],
-        mut ended: impl FnMut(usize, Stage),
-    ) {
+    fn take_tick(&mut self, members: &mut [Member<'_>], mut ended: impl FnMut(usize, Stage)) {
         let substeps = self.begin_tick(members);
         for _ in 0..substeps {
             for (place, member) in moving(members) {

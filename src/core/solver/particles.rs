@@ -5,9 +5,9 @@ use std::sync::Arc;
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::cloth_contact::{crossing_edges, edges_through};
 use crate::solver::error::SolverError;
 use crate::solver::plan::Plan;
-use crate::solver::cloth_contact::{crossing_edges, edges_through};
 use crate::solver::settings::{Material, Settings, is_near};
 use crate::solver::state::measure::{StrainReport, strains};
 use crate::solver::topology::Topology;

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::cloth_contact::{
+    FacesAt, InterCollision, OthersContact, SelfCollision, SelfContact,
+};
 use crate::solver::constraints::pins::Pins;
 use crate::solver::constraints::threads::geometric_stiffness::steady;
 use crate::solver::contact::Edges;
@@ -13,9 +16,6 @@ use crate::solver::forces::aerodynamics::{Air, Surface};
 use crate::solver::model::Model;
 use crate::solver::plan::{Plan, PlannedCloth};
 use crate::solver::rest_detection::Mark;
-use crate::solver::cloth_contact::{
-    FacesAt, InterCollision, OthersContact, SelfCollision, SelfContact,
-};
 use crate::solver::settings::{Material, ParameterError, Settings, is_near};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;

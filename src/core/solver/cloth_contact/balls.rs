@@ -20,7 +20,8 @@ pub(super) struct Balls {
 impl Balls {
     /// With this distance between their centres where they touch \[m\], or as small as holds.
     pub fn of(topology: &Topology, distance: Option<f32>) -> Self {
-        distance.map_or_else(|| Self::automatic(topology), |distance| Self::uniform(topology, distance))
+        distance
+            .map_or_else(|| Self::automatic(topology), |distance| Self::uniform(topology, distance))
     }
 
     /// As small as holds: of each particle by the largest of its triangles.

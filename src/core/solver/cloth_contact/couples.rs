@@ -220,13 +220,19 @@ impl Couples {
 
     /// The couples that have touched in the tick.
     pub fn touched(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
-        self.couples[..self.count].iter().filter(|couple| couple.has_touched).map(|couple| couple.of)
+        self.couples[..self.count]
+            .iter()
+            .filter(|couple| couple.has_touched)
+            .map(|couple| couple.of)
     }
 
     /// Pairs of a cloth that touched in the last substep.
     pub fn touching(&self, member: usize) -> u32 {
         let couples = self.couples[..self.count].iter();
-        couples.filter(|couple| couple.of.contains(&member)).map(|couple| couple.touched.count).sum()
+        couples
+            .filter(|couple| couple.of.contains(&member))
+            .map(|couple| couple.touched.count)
+            .sum()
     }
 
     /// Moves apart what touches, in a substep after which the tick has so many `left`.
@@ -305,8 +311,7 @@ impl Couples {
         }
         let members = first.len() - 1;
         let some_do_not_meet = couples.len() < members * (members - 1) / 2;
-        let company =
-            ManyCloths { owner, first, table: &self.table, couples, some_do_not_meet };
+        let company = ManyCloths { owner, first, table: &self.table, couples, some_do_not_meet };
         isa.run(FindPairs { grid, margin: self.margin, company });
         for body in bodies.iter_mut() {
             if let Some(parts) = body.parts() {

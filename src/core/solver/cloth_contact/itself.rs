@@ -9,8 +9,8 @@ use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
-use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
 use crate::solver::cloth_contact::normals::Normals;
+use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
 use crate::solver::cloth_contact::respond::Respond;
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
@@ -208,7 +208,18 @@ impl SelfContact {
 
     /// Finds the pairs of particles that are at `found_at`.
     fn find(&mut self, isa: Isa) {
-        let Self { patches, grid, travel, found_at: at, pairs, margin, balls, batches, normals, .. } = self;
+        let Self {
+            patches,
+            grid,
+            travel,
+            found_at: at,
+            pairs,
+            margin,
+            balls,
+            batches,
+            normals,
+            ..
+        } = self;
         let reach = balls.widest() + *margin;
         travel.begin(isa, at, *margin, reach);
         grid.begin(reach);

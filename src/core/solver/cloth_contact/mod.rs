@@ -45,11 +45,11 @@ mod travel;
 pub(super) use crate::solver::cloth_contact::couples::{Body, Couples, Parts};
 pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_through};
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
+pub use crate::solver::cloth_contact::itself::SelfCollision;
 pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
+pub use crate::solver::cloth_contact::others::InterCollision;
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
 pub(super) use crate::solver::cloth_contact::side::Lying;
-pub use crate::solver::cloth_contact::itself::SelfCollision;
-pub use crate::solver::cloth_contact::others::InterCollision;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::settings::{ParameterError, Settings, check};

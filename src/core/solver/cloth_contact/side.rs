@@ -43,9 +43,7 @@ impl Side<'_> {
     #[inline(always)]
     pub fn normal(&mut self, slot: usize) -> Vec3 {
         let Self { normals, faces, found_at, first, .. } = self;
-        normals.get(slot, |slot| {
-            faces.normal(slot, |slot| found_at.get(*first + slot as usize))
-        })
+        normals.get(slot, |slot| faces.normal(slot, |slot| found_at.get(*first + slot as usize)))
     }
 
     /// Normal of the collider that a particle lies on, zero where it lies on none, and the part of its inverse mass that moves it along

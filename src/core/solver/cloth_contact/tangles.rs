@@ -142,8 +142,7 @@ fn piercing<'a>(
     let may = apart.dot(apart) < near * near && !are_apart(faces, a, at, others, b, there);
     let ones = may.then(|| faces.of(a)).into_iter().flatten();
     ones.flat_map(move |one| others.of(b).map(move |two| [one, two])).filter(move |[one, two]| {
-        !shares(one, two)
-            && meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3()))
+        !shares(one, two) && meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3()))
     })
 }
 
@@ -163,12 +162,7 @@ fn are_apart(
 }
 
 /// How far the faces at a slot reach along a direction.
-fn range(
-    faces: &FacesAt,
-    slot: usize,
-    direction: Vec3,
-    at: impl Fn(u32) -> Vec3,
-) -> [f32; 2] {
+fn range(faces: &FacesAt, slot: usize, direction: Vec3, at: impl Fn(u32) -> Vec3) -> [f32; 2] {
     let along = faces.of(slot).flatten().map(|corner| direction.dot(at(corner)));
     along.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], along| {
         [smaller(low, along), larger(high, along)]
