@@ -130,6 +130,7 @@ pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
 pub use cloth::grab::{ClothGrab, GrabHold};
 pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
 pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
+pub use cloth::inter_collision::ClothInterCollision;
 pub use cloth::layers::ClothLayers;
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};

@@ -1,10 +1,16 @@
 //! Cloths that may touch each other, stepped together.
 
+use bevy_math::Vec3;
+
 use crate::solver::cloth_contact::{Body, Couples, Parts};
+use crate::solver::contact::FurthestWay;
 use crate::solver::error::SolverError;
 use crate::solver::input::{StepInput, TickReport};
 use crate::solver::simd::parallel;
 use crate::solver::{ClothSolver, Stage};
+
+/// How much faster a cloth may become within a tick, as it is pulled or struck.
+const HASTE: f32 = 1.5;
 
 /// Cloths that may touch each other in a tick, stepped in lockstep: all take the substeps of the one with most, and in each substep
 /// particles that touch are moved apart, after the threads of all of them and before their strain limits.
@@ -49,6 +55,8 @@ pub struct Member<'a> {
     pub input: StepInput<'a>,
     /// Whether the cloth takes the tick. One that does not stays where it is, and others lie on it as on a wall.
     pub moves: bool,
+    /// How far its surroundings are moved in the tick, and the cloth with them: that of a frame which the input is seen from \[m\].
+    pub drift: Vec3,
     /// What came of its tick, once that has ended.
     pub outcome: Option<Result<TickReport, SolverError>>,
     /// Whether a spring may be beyond its limit in this substep.
@@ -58,7 +66,8 @@ pub struct Member<'a> {
 impl<'a> Member<'a> {
     /// A cloth that takes the tick.
     pub fn new(solver: &'a mut ClothSolver, input: StepInput<'a>) -> Self {
-        Self { solver, input, moves: true, outcome: None, exceeds: false }
+        let drift = Vec3::ZERO;
+        Self { solver, input, moves: true, drift, outcome: None, exceeds: false }
     }
 
     /// A cloth that does not take the tick: it sleeps, or is held.
@@ -134,6 +143,7 @@ impl Island {
             }
         }
         for (_, member) in moving(members) {
+            member.solver.drift = member.drift;
             member.solver.step_with(most);
             member.solver.begin_planned_tick(&member.input);
         }
@@ -179,6 +189,20 @@ fn moving<'a, 'b>(
 }
 
 impl ClothSolver {
+    /// How far from its [`bounds`](ClothSolver::bounds) the cloth may touch another in a tick of `dt` seconds, if nothing new
+    /// moves it but a gravity; `None` where it collides with no others \[m\].
+    pub fn reach_of_tick(&self, dt: f32, gravity: Vec3) -> Option<f32> {
+        let others = self.others_contact.as_ref()?;
+        let speed = self.fastest();
+        Some(others.widest() + HASTE * speed * dt + gravity.length() * dt * dt)
+    }
+
+    /// Speed of the fastest particle \[m/s\].
+    fn fastest(&self) -> f32 {
+        let farthest = FurthestWay { band: self.bands.sums.clone(), d: &self.state.d };
+        parallel::run(self.isa, farthest).0.sqrt() / self.state.unit
+    }
+
     /// Substeps of the tick after the present one.
     fn substeps_left(&self) -> u32 {
         self.plan.substeps - self.done - 1

@@ -166,6 +166,8 @@ pub struct ClothSolver {
     touching_others: u32,
     /// Substeps of its tick at least, as it is stepped together with others; 0 where it is not.
     lockstep: u32,
+    /// How far its coordinates are moved in the tick that it is stepped in together with others \[m\].
+    drift: Vec3,
     survey: Survey,
     /// Particles were put elsewhere since the survey was taken.
     surveyed_before: bool,

@@ -72,6 +72,7 @@ impl ClothSolver {
             others_contact: None,
             touching_others: 0,
             lockstep: 0,
+            drift: Vec3::ZERO,
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,

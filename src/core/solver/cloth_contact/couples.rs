@@ -33,8 +33,10 @@ pub(in crate::solver) struct Parts<'a> {
     pub isa: Isa,
     /// Whether it takes the tick. What does not is as hard to move as a wall.
     pub moves: bool,
-    /// Where its coordinates begin \[m\].
+    /// Where its coordinates begin at the substep's end \[m\].
     pub origin: Vec3,
+    /// How far they are moved in the substep \[m\].
+    pub drift: Vec3,
     pub inverse_mass: &'a [f32],
     pub x: &'a mut Soa,
     pub d: &'a mut Soa,
@@ -425,6 +427,7 @@ impl Couple {
         let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
         let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return };
         let (isa, shift) = (one.isa, one.origin - other.origin);
+        let drift = one.drift - other.drift;
         let most_push = smaller(one.most_push, other.most_push);
         // One of the two moves.
         let [ones, others] = match (one.moves, other.moves) {
@@ -438,6 +441,7 @@ impl Couple {
             batches: &mut self.batches,
             sides: &mut [one.side(a, found_at, ones), other.side(b, found_at, others)],
             shift,
+            drift,
             travelled: self.travelled,
             friction: self.friction,
             most_push,

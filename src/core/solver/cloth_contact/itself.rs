@@ -196,6 +196,7 @@ impl SelfContact {
             batches: &mut self.batches,
             sides: &mut [side],
             shift: Vec3::ZERO,
+            drift: Vec3::ZERO,
             travelled: travelled.most,
             friction: self.settings.friction,
             most_push,

@@ -30,6 +30,8 @@ pub(super) struct Respond<'a, 'b> {
     pub sides: &'a mut [Side<'b>],
     /// From the origin of the second cloth to that of the first \[m\].
     pub shift: Vec3,
+    /// How much further the first cloth's frame moves in the substep than the second one's \[m\].
+    pub drift: Vec3,
     /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
     pub travelled: f32,
     pub friction: f32,
@@ -51,12 +53,12 @@ impl Kernel for Respond<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Touched {
-        let Self { pairs, batches, sides, shift, travelled, friction, most_push } = self;
+        let Self { pairs, batches, sides, shift, drift, travelled, friction, most_push } = self;
         let second = sides.len() - 1;
         let mut touched = Touched::default();
         for batch in batches.awake(pairs, larger(travelled, f32::MIN_POSITIVE)) {
             let mut met = Met::NOTHING;
-            met.measure(batch, &sides[0], &sides[second], shift);
+            met.measure(batch, &sides[0], &sides[second], shift, drift);
             if !met.touches.contains(&1) {
                 continue;
             }
@@ -145,11 +147,18 @@ impl Met {
 
     /// Finds out which pairs touch. What is no number touches nothing.
     #[inline(always)]
-    fn measure(&mut self, batch: &Batch, first: &Side<'_>, second: &Side<'_>, shift: Vec3) {
+    fn measure(
+        &mut self,
+        batch: &Batch,
+        first: &Side<'_>,
+        second: &Side<'_>,
+        shift: Vec3,
+        drift: Vec3,
+    ) {
         for i in 0..LANES {
             let [a, b] = batch.slots.map(|slots| slots[i] as usize);
             let relative = first.d.get(a) - second.d.get(b);
-            self.relative.set(i, relative);
+            self.relative.set(i, relative + drift);
             self.apart.set(i, first.x.get(a) - second.x.get(b) + shift + relative);
         }
         for i in 0..LANES {

@@ -165,6 +165,7 @@ impl ClothSolver {
             touching_itself: _,
             touching_others: _,
             lockstep: _,
+            drift: _,
             pushes,
             tethered_under,
             state,

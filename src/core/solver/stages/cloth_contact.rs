@@ -41,12 +41,14 @@ impl ClothSolver {
 
     /// What contact with other cloths takes of it in a substep, where it collides with others.
     pub(in crate::solver) fn parts(&mut self, moves: bool) -> Option<Parts<'_>> {
-        let Self { others_contact, isa, pins, state, plan, settings, .. } = self;
+        let part = self.span();
+        let Self { others_contact, isa, pins, state, plan, settings, drift, .. } = self;
         let State { x, d, contacts, origin, .. } = state;
         Some(Parts {
             isa: *isa,
             moves,
-            origin: *origin,
+            origin: *origin + *drift * part.to,
+            drift: *drift * (part.to - part.from),
             inverse_mass: &pins.inverse_mass,
             x,
             d,
