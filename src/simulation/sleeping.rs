@@ -143,6 +143,7 @@ pub(crate) fn choose_steps(
         }
         cloth.pushing.forget();
         cloth.tick.step.runs = steps;
+        cloth.tick.step.begins = steps && !cloth.sleep.stepped;
         cloth.sleep.stepped = steps;
     }
 }

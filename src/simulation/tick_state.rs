@@ -43,6 +43,8 @@ pub(crate) struct ClothStep {
     pub(crate) rounds: u32,
     /// The cloth takes this tick.
     pub(crate) runs: bool,
+    /// It did not take the last one.
+    pub(crate) begins: bool,
     /// The island that it is stepped in, where another cloth is near that it collides with.
     pub(crate) island: Option<u32>,
 }

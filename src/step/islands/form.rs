@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::simulation::ClothSimulation;
+use crate::simulation::tick_state::ClothStep;
 use crate::solver::Island;
 use crate::step::islands::Islands;
 
@@ -17,6 +18,8 @@ pub(super) struct Candidate {
     reach: f32,
     /// Whether it takes the tick.
     pub runs: bool,
+    /// Whether it did not take the last one.
+    begins: bool,
     /// The first of the cloths that it is together with, by their places.
     pub root: usize,
 }
@@ -25,8 +28,8 @@ impl Candidate {
     pub fn new(entity: Entity, cloth: &ClothSimulation) -> Option<Self> {
         let layers = cloth.solver.inter_collision()?.layers;
         let (low, high) = cloth.solver.bounds();
-        let runs = cloth.tick.step.runs;
-        Some(Self { entity, layers, low, high, reach: 0.0, runs, root: 0 })
+        let ClothStep { runs, begins, .. } = cloth.tick.step;
+        Some(Self { entity, layers, low, high, reach: 0.0, runs, begins, root: 0 })
     }
 
     /// The same, of a group that begins with one.
@@ -138,7 +141,7 @@ fn number(members: &mut [(u32, Entity)], count: &mut u32) {
     }
 }
 
-/// Wakes cloths that sleep near where another has come or gone without a tick.
+/// Wakes cloths that sleep near where another has come or gone without a tick, or begins to take ticks.
 fn wake_neighbours(
     cloths: &mut Query<(Entity, &mut ClothSimulation)>,
     near: &mut [Candidate],
@@ -146,13 +149,14 @@ fn wake_neighbours(
 ) {
     near.sort_unstable_by_key(|cloth| cloth.entity);
     let place = |all: &[Candidate], of: Entity| all.binary_search_by_key(&of, |it| it.entity).ok();
-    // What is new comes of itself to what it touches.
     let moved = near.iter().filter_map(|now| {
         let was = &left[place(left, now.entity)?];
         (!was.is_like(now)).then_some([was, now])
     });
     let gone = left.iter().filter(|was| place(near, was.entity).is_none());
-    for happened in moved.flatten().chain(gone) {
+    // What wakes, or is let go, takes with it what lay on it.
+    let begin = near.iter().filter(|now| now.begins);
+    for happened in moved.flatten().chain(gone).chain(begin) {
         for sleeper in near.iter().filter(|it| !it.runs && it.entity != happened.entity) {
             let grown = Candidate { reach: sleeper.reach + ROOM, ..*sleeper };
             if grown.is_near(happened)

@@ -5,8 +5,8 @@ use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
-    ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride, ColorChannel,
-    PinProblem,
+    ClothInterCollision, ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride,
+    ColorChannel, PinProblem,
     prelude::*,
     solver::{Gusts, MassLumping, SolverError, Substeps},
 };
@@ -100,6 +100,11 @@ pub fn rows_of_numbers() -> Vec<Row> {
         lift: wild;
     });
     numbers!(rows, ClothSelfCollision, [GoesOn; 2], {
+        distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
+        friction: wild;
+    });
+    numbers!(rows, ClothInterCollision, [GoesOn; 2], {
+        layers: [0.into()];
         distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
         friction: wild;
     });
