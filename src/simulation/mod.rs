@@ -260,6 +260,12 @@ impl ClothSimulation {
         self.solver.crossings()
     }
 
+    /// Times that an edge of either cloth pierces a face of the other: how much of them has passed through each other. Looks at all of
+    /// both, which takes milliseconds: for reports, not for every tick.
+    pub fn crossings_with(&self, other: &Self) -> u32 {
+        self.solver.crossings_with(&other.solver)
+    }
+
     /// Chooses how the kernels are compiled. Every choice gives the same bits.
     pub fn set_isa(&mut self, isa: Isa) {
         self.solver.set_isa(isa);

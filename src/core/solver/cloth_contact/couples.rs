@@ -5,13 +5,11 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::MARGIN;
-use crate::solver::cloth_contact::batches::Batches;
+use crate::solver::cloth_contact::couple::Couple;
 use crate::solver::cloth_contact::find::{Company, FindPairs, Pair, WIDE};
 use crate::solver::cloth_contact::grid::Grid;
-use crate::solver::cloth_contact::others::OthersContact;
-use crate::solver::cloth_contact::respond::{Respond, Touched};
-use crate::solver::cloth_contact::side::{Lying, Side};
-use crate::solver::cloth_contact::tangles::Tangles;
+use crate::solver::cloth_contact::parts::Body;
+use crate::solver::cloth_contact::respond::Touched;
 use crate::solver::cloth_contact::travel::{AddUp, Extent, Travelled, allowed};
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::isa::Isa;
@@ -27,96 +25,6 @@ const NOBODY: u32 = u32::MAX;
 const LEAST_MARGIN: f32 = 0.15;
 /// How much further particles may move in a tick than their speeds let expect.
 const SLACK: f32 = 1.5;
-
-/// A cloth, as contact with others takes it in a substep.
-pub(in crate::solver) struct Parts<'a> {
-    pub isa: Isa,
-    /// Whether it takes the tick. What does not is as hard to move as a wall.
-    pub moves: bool,
-    /// Where its coordinates begin at the substep's end \[m\].
-    pub origin: Vec3,
-    /// How far they are moved in the substep \[m\].
-    pub drift: Vec3,
-    pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    pub d: &'a mut Soa,
-    /// Where its particles lie on colliders, if any do.
-    pub lying: Option<Lying<'a>>,
-    /// How far a pair is moved apart in the substep at most, without speed \[m\].
-    pub most_push: f32,
-    pub others: &'a mut OthersContact,
-}
-
-impl<'a> Parts<'a> {
-    /// As a side of a couple, whose first slot in `found_at` is given. What does not move has displacements and inverse masses of zero.
-    fn side(
-        &mut self,
-        first: u32,
-        found_at: &'a Soa,
-        still: Option<&'a mut (Soa, Array)>,
-    ) -> Side<'_> {
-        if let Some((d, inverse_mass)) = still {
-            (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
-        }
-        let OthersContact { tangles, normals, .. } = &mut *self.others;
-        let Tangles { faces, any, is_down, .. } = tangles;
-        Side {
-            inverse_mass: self.inverse_mass,
-            x: self.x,
-            d: self.d,
-            lying: self.lying.as_mut().map(Lying::reborrow),
-            is_down: any.then_some(&**is_down),
-            normals,
-            faces,
-            found_at,
-            first: first as usize,
-        }
-    }
-
-    /// Where its particles are at the substep's end, and which of them stand down.
-    fn places(self) -> (Places<'a>, &'a mut Tangles) {
-        let Self { x, d, moves, others, .. } = self;
-        (Places { x, d: moves.then_some(d) }, &mut others.tangles)
-    }
-}
-
-/// Where particles of a cloth are at a substep's end, in its own coordinates.
-#[derive(Clone, Copy)]
-struct Places<'a> {
-    x: &'a Soa,
-    /// Displacements, where it moves \[m\].
-    d: Option<&'a Soa>,
-}
-
-impl Places<'_> {
-    fn at(&self, slot: u32) -> Vec3 {
-        let slot = slot as usize;
-        self.x.get(slot) + self.d.map_or(Vec3::ZERO, |d| d.get(slot))
-    }
-}
-
-/// What is stepped together with others.
-pub(in crate::solver) trait Body {
-    /// Its parts, where it collides with other cloths.
-    fn parts(&mut self) -> Option<Parts<'_>>;
-}
-
-/// Two cloths that may touch.
-#[derive(Debug, Default)]
-struct Couple {
-    /// Which they are, the first one first.
-    of: [usize; 2],
-    friction: f32,
-    pairs: Vec<Pair>,
-    batches: Batches,
-    /// How far each region of the one may move relative to each of the other \[m\].
-    allowed: Vec<f32>,
-    travelled: f32,
-    /// Whether any pair has touched in the tick.
-    has_touched: bool,
-    /// What touched in the last substep.
-    touched: Touched,
-}
 
 /// The couples of some cloths, and the pairs of their particles that may touch.
 #[derive(Debug, Default)]
@@ -411,60 +319,6 @@ impl Couples {
         }
         for couple in &self.couples[..self.count] {
             couple.search_tangles(bodies);
-        }
-    }
-}
-
-impl Couple {
-    /// Moves apart what touches, of cloths that were at `found_at`, where their first slots are given.
-    fn meet(
-        &mut self,
-        bodies: &mut [impl Body],
-        found_at: &Soa,
-        first: &[u32],
-        still: &mut (Soa, Array),
-    ) {
-        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
-        let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return };
-        let (isa, shift) = (one.isa, one.origin - other.origin);
-        let drift = one.drift - other.drift;
-        let most_push = smaller(one.most_push, other.most_push);
-        // One of the two moves.
-        let [ones, others] = match (one.moves, other.moves) {
-            (false, _) => [Some(still), None],
-            (_, false) => [None, Some(still)],
-            _ => [None, None],
-        };
-        let [a, b] = self.of.map(|of| first[of]);
-        let respond = Respond {
-            pairs: &self.pairs,
-            batches: &mut self.batches,
-            sides: &mut [one.side(a, found_at, ones), other.side(b, found_at, others)],
-            shift,
-            drift,
-            travelled: self.travelled,
-            friction: self.friction,
-            most_push,
-        };
-        self.touched = isa.run(respond);
-        if self.touched.count > 0 {
-            self.has_touched = true;
-            for others in [one.others, other.others] {
-                others.since_touch = 0;
-                others.tangles.is_suspected |= self.touched.is_deep;
-            }
-        }
-    }
-
-    fn search_tangles(&self, bodies: &mut [impl Body]) {
-        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
-        let (Some(one), Some(other)) = (one.parts(), other.parts()) else { return };
-        let shift = one.origin - other.origin;
-        let (here, tangles) = one.places();
-        let (there, theirs) = other.places();
-        for pair in &self.pairs {
-            let at = |slot| here.at(slot) + shift;
-            tangles.search_with(theirs, pair, at, |slot| there.at(slot));
         }
     }
 }

@@ -24,10 +24,13 @@
 //! | `crossings` | edges that pierce faces |
 //! | `itself` | contact of a cloth with itself |
 //! | `others` | what a cloth has for its contact with others |
-//! | `couples` | contact of cloths that are stepped together, couple by couple |
+//! | `parts` | a cloth, as contact with others takes it |
+//! | `couple` | two cloths that may touch |
+//! | `couples` | all couples of cloths that are stepped together: who is near whom, pairs, margins |
 
 mod balls;
 mod batches;
+mod couple;
 mod couples;
 mod crossings;
 mod faces;
@@ -36,19 +39,21 @@ mod grid;
 mod itself;
 mod normals;
 mod others;
+mod parts;
 mod patches;
 mod respond;
 mod side;
 mod tangles;
 mod travel;
 
-pub(super) use crate::solver::cloth_contact::couples::{Body, Couples, Parts};
+pub(super) use crate::solver::cloth_contact::couples::Couples;
 pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_through};
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
 pub use crate::solver::cloth_contact::itself::SelfCollision;
 pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
 pub use crate::solver::cloth_contact::others::InterCollision;
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
+pub(super) use crate::solver::cloth_contact::parts::{Body, Parts};
 pub(super) use crate::solver::cloth_contact::side::Lying;
 
 use crate::solver::cloth_contact::balls::Balls;
