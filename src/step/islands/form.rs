@@ -97,8 +97,8 @@ fn join(near: &mut [Candidate]) {
     near.sort_unstable_by(|a, b| {
         (a.low.x - a.reach).total_cmp(&(b.low.x - b.reach)).then(a.entity.cmp(&b.entity))
     });
-    for place in 0..near.len() {
-        near[place].root = place;
+    for (place, cloth) in near.iter_mut().enumerate() {
+        cloth.root = place;
     }
     for a in 0..near.len() {
         let end = near[a].high.x + near[a].reach;

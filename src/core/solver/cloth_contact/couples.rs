@@ -308,7 +308,7 @@ impl Couples {
 
     /// Looks which particles are tangled with another cloth, where it is time.
     fn search_tangles(&mut self, bodies: &mut [impl Body]) {
-        let mut parts = bodies.iter_mut().filter_map(|body| body.parts());
+        let mut parts = bodies.iter_mut().filter_map(Body::parts);
         if !parts.any(|parts| parts.moves && parts.others.tangles.is_due()) {
             return;
         }
