@@ -42,9 +42,12 @@ fn hold_within(report: &Report, excess: f32) {
     assert!(report.depth <= 1e-4, "depth {} m", report.depth);
 }
 
+/// Places of the particles of each cloth, in the order in which they were spawned.
 fn cloths(app: &mut App) -> Vec<Vec<Vec3>> {
-    let mut query = app.world_mut().query::<&ClothSimulation>();
-    query.iter(app.world()).map(|cloth| cloth.positions().collect()).collect()
+    let mut query = app.world_mut().query::<(Entity, &ClothSimulation)>();
+    let mut cloths: Vec<_> = query.iter(app.world()).collect();
+    cloths.sort_unstable_by_key(|(entity, _)| *entity);
+    cloths.into_iter().map(|(_, cloth)| cloth.positions().collect()).collect()
 }
 
 fn highest(cloth: &[Vec3]) -> f32 {
