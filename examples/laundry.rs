@@ -61,7 +61,7 @@ fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, particles: Re
         let cloths = [commands.spawn(towel).id(), commands.spawn(shirt).id()];
         if collide {
             for cloth in cloths {
-                commands.entity(cloth).insert(ClothInterCollision::default());
+                commands.entity(cloth).insert(ClothInterCollision { friction: 0.9, ..default() });
             }
         }
     }

@@ -49,7 +49,10 @@ fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, particles: Re
                 linen(colour),
             ));
             if collide {
-                towel.insert((ClothInterCollision::default(), ClothSelfCollision::default()));
+                towel.insert((
+                    ClothInterCollision { friction: 0.9, ..default() },
+                    ClothSelfCollision { friction: 0.9, ..default() },
+                ));
             }
         }
     }

@@ -46,7 +46,7 @@ fn hold_within(report: &Report, excess: f32) {
 fn cloths(app: &mut App) -> Vec<Vec<Vec3>> {
     let mut query = app.world_mut().query::<(Entity, &ClothSimulation)>();
     let mut cloths: Vec<_> = query.iter(app.world()).collect();
-    cloths.sort_unstable_by_key(|(entity, _)| *entity);
+    cloths.sort_unstable_by_key(|(entity, _)| entity.index_u32());
     cloths.into_iter().map(|(_, cloth)| cloth.positions().collect()).collect()
 }
 
