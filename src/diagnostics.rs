@@ -12,6 +12,7 @@ use crate::plugin::ClothPlugin;
 use crate::schedule::ClothSystems;
 use crate::simulation::ClothSimulation;
 use crate::simulation::stage_times::StageTimes;
+use crate::solver::ClothSolver;
 use crate::step::in_fixed_step;
 
 /// Measures cloths, for Bevy's `DiagnosticsStore`: the milliseconds of a tick and of its stages, substeps,
@@ -67,7 +68,11 @@ impl ClothDiagnosticsPlugin {
     /// Pairs of particles of one cloth that touched in the last substeps of those that collide with themselves
     /// ([`ClothSelfCollision`](crate::ClothSelfCollision)), all together.
     pub const SELF_CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/self_contacts");
-    /// Times that an edge of these cloths pierces a face of its own cloth, all together. Counted once a second, which
+    /// Pairs of particles of two cloths that touched in the last substeps of those that collide with others
+    /// ([`ClothInterCollision`](crate::ClothInterCollision)), each counted by both.
+    pub const INTER_CONTACTS: DiagnosticPath = DiagnosticPath::const_new("cloth/inter_contacts");
+    /// Times that an edge of a cloth that collides with itself pierces a face of its own, or one that collides with others a face of
+    /// these, all together. Counted once a second, which
     /// takes milliseconds a cloth, and only while its `Diagnostic` is enabled.
     pub const CROSSINGS: DiagnosticPath = DiagnosticPath::const_new("cloth/crossings");
     /// Cloths that took the tick.
@@ -81,12 +86,13 @@ impl ClothDiagnosticsPlugin {
     /// All that is in milliseconds.
     const TIMES: [DiagnosticPath; 4] = [Self::TICK, Self::GATHER, Self::SOLVE, Self::DRAW];
     /// All that is counted or compared.
-    const NUMBERS: [DiagnosticPath; 8] = [
+    const NUMBERS: [DiagnosticPath; 9] = [
         Self::SUBSTEPS,
         Self::STRAIN_MAX,
         Self::STRAIN_MEAN,
         Self::CONTACTS,
         Self::SELF_CONTACTS,
+        Self::INTER_CONTACTS,
         Self::CROSSINGS,
         Self::AWAKE,
         Self::ASLEEP,
@@ -194,7 +200,7 @@ fn milliseconds(time: Duration) -> f64 {
 fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagnostics) {
     let mut spent = StageTimes::default();
     let (mut awake, mut asleep, mut substeps, mut contacts) = (0_u32, 0_u32, 0, 0);
-    let mut self_contacts = None;
+    let (mut self_contacts, mut inter_contacts) = (None, None);
     let mut most_strain = f32::NEG_INFINITY;
     let (mut strains, mut springs) = (0.0, 0);
     for (cloth, times) in &cloths {
@@ -209,6 +215,9 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
         if cloth.solver.self_collision().is_some() {
             *self_contacts.get_or_insert(0) += tick.self_contact_count;
         }
+        if cloth.solver.inter_collision().is_some() {
+            *inter_contacts.get_or_insert(0) += tick.inter_contact_count;
+        }
         most_strain = most_strain.max(tick.max_strain);
         let (sum, count) = cloth.solver.strain_sum();
         strains += sum;
@@ -219,8 +228,13 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
     }
     out.add_measurement(&ClothDiagnosticsPlugin::AWAKE, || f64::from(awake));
     out.add_measurement(&ClothDiagnosticsPlugin::ASLEEP, || f64::from(asleep));
-    if let Some(count) = self_contacts {
-        out.add_measurement(&ClothDiagnosticsPlugin::SELF_CONTACTS, || f64::from(count));
+    for (path, count) in [
+        (&ClothDiagnosticsPlugin::SELF_CONTACTS, self_contacts),
+        (&ClothDiagnosticsPlugin::INTER_CONTACTS, inter_contacts),
+    ] {
+        if let Some(count) = count {
+            out.add_measurement(path, || f64::from(count));
+        }
     }
     // Of nothing there is neither.
     if awake > 0 {
@@ -234,18 +248,38 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
 /// Seconds of the fixed clock from one count of crossings to the next.
 const COUNT_EVERY: f32 = 1.0;
 
-/// Counts the crossings of cloths that collide with themselves, where any of them has moved.
+/// Counts the crossings of cloths that collide with themselves or with others, where any of them has moved.
 fn report_crossings(
     cloths: Query<&ClothSimulation>,
     time: Res<Time>,
     mut next: Local<f32>,
     mut out: Diagnostics,
 ) {
-    let layered = || cloths.iter().filter(|cloth| cloth.solver.self_collision().is_some());
+    let layered = |cloth: &&ClothSimulation| {
+        cloth.solver.self_collision().is_some() || cloth.solver.inter_collision().is_some()
+    };
     *next -= time.delta_secs();
-    if *next <= 0.0 && layered().any(|cloth| cloth.tick.step.runs) {
+    if *next <= 0.0 && cloths.iter().filter(layered).any(|cloth| cloth.tick.step.runs) {
         *next = COUNT_EVERY;
-        let count = || layered().map(ClothSimulation::crossings).sum::<u32>();
-        out.add_measurement(&ClothDiagnosticsPlugin::CROSSINGS, || f64::from(count()));
+        out.add_measurement(&ClothDiagnosticsPlugin::CROSSINGS, || f64::from(crossings(&cloths)));
     }
+}
+
+/// Crossings of cloths with themselves and with each other, where they collide.
+fn crossings(cloths: &Query<&ClothSimulation>) -> u32 {
+    let solvers = || cloths.iter().map(|cloth| &cloth.solver);
+    let layers = |solver: &ClothSolver| solver.inter_collision().map_or(0, |it| it.layers);
+    let own = solvers().filter(|it| it.self_collision().is_some()).map(ClothSolver::crossings);
+    let mut count = own.sum();
+    for (place, one) in solvers().enumerate() {
+        let (low, high) = one.bounds();
+        for other in solvers().skip(place + 1) {
+            let (other_low, other_high) = other.bounds();
+            let is_near = low.cmple(other_high).all() && other_low.cmple(high).all();
+            if is_near && layers(one) & layers(other) != 0 {
+                count += one.crossings_with(other);
+            }
+        }
+    }
+    count
 }

@@ -87,7 +87,8 @@
 //! # Limits
 //!
 //! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
-//! - Cloths do not collide with each other, with themselves where [`ClothSelfCollision`] asks for it, and do not push colliders.
+//! - Cloths collide with themselves where [`ClothSelfCollision`] asks for it, with each other where [`ClothInterCollision`] does, and do
+//!   not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 
@@ -130,6 +131,7 @@ pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
 pub use cloth::grab::{ClothGrab, GrabHold};
 pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
 pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
+pub use cloth::inter_collision::ClothInterCollision;
 pub use cloth::layers::ClothLayers;
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};

@@ -58,6 +58,7 @@ use crate::cloth::forces::ClothForces;
 use crate::cloth::grab::ClothGrab;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::hang_on_start::HangOnStart;
+use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::self_collision::ClothSelfCollision;
@@ -85,6 +86,7 @@ use crate::simulation::anchors::gather_pins;
 use crate::simulation::changes::apply_changes;
 use crate::simulation::grabbing::apply_grabs;
 use crate::simulation::hanging::{cancel_hanging, hang_cloths};
+use crate::simulation::inter_collision::apply_inter_collision;
 use crate::simulation::pinning::apply_pins;
 use crate::simulation::pushing::ask_for_push;
 use crate::simulation::ready::tell_ready;
@@ -94,6 +96,9 @@ use crate::simulation::setup::set_up_cloths;
 use crate::simulation::sleeping::choose_steps;
 use crate::simulation::snapshot::{ClothSnapshot, restore_cloths};
 use crate::step::impulses::sum_impulses;
+use crate::step::islands::Islands;
+use crate::step::islands::form::form_islands;
+use crate::step::islands::settle::settle_islands;
 use crate::step::{
     ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
     finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged, note_poses,
@@ -146,6 +151,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothAir>()
             .register_type::<ClothSelfCollision>()
+            .register_type::<ClothInterCollision>()
             .register_type::<ClothWind>()
             .register_type::<ClothWindOverride>()
             .register_type::<WindZone>()
@@ -171,6 +177,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<TickColliders>()
             .init_resource::<Disturbances>()
             .init_resource::<Runner>()
+            .init_resource::<Islands>()
             .add_observer(tear_down)
             .add_observer(ask_for_teleport)
             .add_observer(ask_for_reset)
@@ -208,6 +215,7 @@ impl Plugin for ClothPlugin {
                         gather_zones,
                         gather_air,
                         choose_steps,
+                        form_islands,
                     )
                         .chain()
                         .in_set(Gather),
@@ -220,7 +228,9 @@ impl Plugin for ClothPlugin {
                     )
                         .chain()
                         .in_set(Solve),
-                    (sum_impulses, finish_tick, forget_states).chain().in_set(Finish),
+                    (sum_impulses, finish_tick, settle_islands, forget_states)
+                        .chain()
+                        .in_set(Finish),
                 ),
             );
 
@@ -273,6 +283,7 @@ fn set_up() -> ScheduleConfigs<ScheduleSystem> {
         set_up_cloths,
         apply_changes,
         apply_self_collision,
+        apply_inter_collision,
         restore_cloths,
         apply_pins,
         hang_cloths,

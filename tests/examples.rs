@@ -10,7 +10,7 @@ mod gallery;
 
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothSelfCollision,
+    ClothInterCollision, ClothSelfCollision,
     prelude::*,
     sdf::{BakeSettings, DistanceField, SignedDistance},
 };
@@ -42,9 +42,12 @@ fn hold_within(report: &Report, excess: f32) {
     assert!(report.depth <= 1e-4, "depth {} m", report.depth);
 }
 
+/// Places of the particles of each cloth, in the order in which they were spawned.
 fn cloths(app: &mut App) -> Vec<Vec<Vec3>> {
-    let mut query = app.world_mut().query::<&ClothSimulation>();
-    query.iter(app.world()).map(|cloth| cloth.positions().collect()).collect()
+    let mut query = app.world_mut().query::<(Entity, &ClothSimulation)>();
+    let mut cloths: Vec<_> = query.iter(app.world()).collect();
+    cloths.sort_unstable_by_key(|(entity, _)| entity.index_u32());
+    cloths.into_iter().map(|(_, cloth)| cloth.positions().collect()).collect()
 }
 
 fn highest(cloth: &[Vec3]) -> f32 {
@@ -129,6 +132,42 @@ fn heap() {
     // Heaps lie low, towels on benches.
     let heights: Vec<_> = cloths(&mut app).iter().map(|cloth| highest(cloth)).collect();
     assert!(heights.iter().all(|height| (0.02..0.5).contains(height)), "{heights:?}");
+    assert!(report.depth <= 1e-4, "depth {} m", report.depth);
+}
+
+/// Crossings of cloths of a scene, two by two: of those that collide, and of those that do not.
+fn crossings_between(app: &mut App) -> [u32; 2] {
+    let mut query = app.world_mut().query::<(&ClothSimulation, Has<ClothInterCollision>)>();
+    let all: Vec<_> = query.iter(app.world()).collect();
+    let mut crossings = [0; 2];
+    for (place, (one, collides)) in all.iter().enumerate() {
+        for (other, _) in all[..place].iter().filter(|(_, other)| other == collides) {
+            crossings[usize::from(!collides)] += one.crossings_with(other);
+        }
+    }
+    crossings
+}
+
+#[test]
+fn pile() {
+    let (mut app, report) = run("pile", 3.0);
+    let [with, without] = crossings_between(&mut app);
+    assert_eq!(with, 0);
+    assert!(without > 1000, "{without}");
+    let heights: Vec<_> = cloths(&mut app).iter().map(|cloth| highest(cloth)).collect();
+    // Each of those that collide lies higher than the one below; the others lie in one place.
+    assert!(heights[..4].is_sorted_by(|a, b| a + 0.005 < *b), "{heights:?}");
+    assert!(heights[4..].iter().all(|height| *height < heights[1]), "{heights:?}");
+    assert!(report.depth <= 1e-4, "depth {} m", report.depth);
+}
+
+#[test]
+fn laundry() {
+    let (mut app, report) = run("laundry", 3.0);
+    let [with, without] = crossings_between(&mut app);
+    assert_eq!(with, 0);
+    assert!(without > 100, "{without}");
+    assert!(cloths(&mut app).iter().all(|cloth| highest(cloth) > 1.2), "they hang on their rails");
     assert!(report.depth <= 1e-4, "depth {} m", report.depth);
 }
 

@@ -9,10 +9,10 @@ mod support;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGrab,
-    ClothGravityOverride, ClothInertia, ClothInterpolation, ClothPaused, ClothSelfCollision,
-    ClothSleepThreshold, ClothSnapshot, ClothTeleport, ClothWeights, ClothWindOverride,
-    ColliderImpulse, ColorChannel, HangingPlaces, SdfColliderDisabled, SdfColliderSnapshot,
-    VertexFactor,
+    ClothGravityOverride, ClothInertia, ClothInterCollision, ClothInterpolation, ClothPaused,
+    ClothSelfCollision, ClothSleepThreshold, ClothSnapshot, ClothTeleport, ClothWeights,
+    ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, SdfColliderDisabled,
+    SdfColliderSnapshot, VertexFactor,
     prelude::*,
     sdf::shapes::CapsuleBetween,
     solver::{
@@ -68,6 +68,7 @@ fn settings_come_back() {
     comes_back(ClothGravity(Vec3::X));
     comes_back(ClothGravityOverride(Vec3::Y));
     comes_back(ClothAir::default());
+    comes_back(ClothInterCollision { layers: 6.into(), ..default() });
     comes_back(ClothSelfCollision::default());
     comes_back(ClothSelfCollision { distance: Some(0.02), friction: 0.1 });
     let wind = ClothWind::steady(Vec3::X).with_gusts(Gusts { seed: u64::MAX, ..default() });

@@ -1,7 +1,7 @@
 //! The check that every example ends in.
 
 use bevy::prelude::*;
-use bevy_drape::{ClothSelfCollision, prelude::*};
+use bevy_drape::{ClothInterCollision, ClothSelfCollision, prelude::*};
 
 /// Where the scene's cloths must be at the end \[m\]; the ground is at y = 0.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub struct Bounds {
 const DEEPEST: f32 = 1e-4;
 
 /// Checks that every cloth runs, is finite, above the ground and inside the scene's box, and that none which collides with
-/// itself has passed through itself.
+/// itself or with others has passed through itself or through these.
 ///
 /// # Errors
 /// What is wrong, in words.
@@ -52,6 +52,14 @@ pub fn check(world: &mut World) -> Result<(), String> {
                     "a particle at {position} has left the scene's box {bounds:?}"
                 ));
             }
+        }
+    }
+    let mut colliding = world.query_filtered::<&ClothSimulation, With<ClothInterCollision>>();
+    let colliding: Vec<_> = colliding.iter(world).collect();
+    for (place, one) in colliding.iter().enumerate() {
+        let crossings: u32 = colliding[..place].iter().map(|other| one.crossings_with(other)).sum();
+        if crossings > 0 {
+            return Err(format!("cloths have passed through each other: {crossings} crossings"));
         }
     }
     Ok(())

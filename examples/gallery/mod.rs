@@ -19,8 +19,12 @@ mod flag;
 mod heap;
 #[path = "../hung.rs"]
 mod hung;
+#[path = "../laundry.rs"]
+mod laundry;
 #[path = "../panel.rs"]
 mod panel;
+#[path = "../pile.rs"]
+mod pile;
 #[path = "../sail.rs"]
 mod sail;
 #[path = "../shirt.rs"]
@@ -34,7 +38,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use examples_common::Example;
 
 /// All scenes.
-pub const SCENES: [Example; 14] = [
+pub const SCENES: [Example; 16] = [
     drape::DRAPE,
     drape::SPHERES,
     bunny::BUNNY,
@@ -46,6 +50,8 @@ pub const SCENES: [Example; 14] = [
     shirt::SHIRT,
     tablecloth::TABLECLOTH,
     heap::HEAP,
+    pile::PILE,
+    laundry::LAUNDRY,
     fabrics::FABRICS,
     stress::STRESS,
     // Without its panel.

@@ -8,6 +8,7 @@ pub(crate) mod forgotten;
 pub(crate) mod grab;
 pub(crate) mod gravity;
 pub(crate) mod hang_on_start;
+pub(crate) mod inter_collision;
 pub(crate) mod layers;
 pub(crate) mod material;
 pub(crate) mod pins;

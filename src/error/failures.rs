@@ -39,6 +39,7 @@ impl Blame {
                 | ClothComponent::ClothSettings
                 | ClothComponent::ClothAir
                 | ClothComponent::ClothSelfCollision
+                | ClothComponent::ClothInterCollision
                 | ClothComponent::ClothTeleport
                 | ClothComponent::ClothInertia
                 | ClothComponent::ClothSleepThreshold

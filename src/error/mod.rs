@@ -117,6 +117,8 @@ pub enum ClothComponent {
     ClothAir,
     /// [`ClothSelfCollision`](crate::ClothSelfCollision).
     ClothSelfCollision,
+    /// [`ClothInterCollision`](crate::ClothInterCollision).
+    ClothInterCollision,
     /// [`ClothTeleport`](crate::ClothTeleport).
     ClothTeleport,
     /// [`ClothInertia`](crate::ClothInertia).

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::sleep::ClothPaused;
 use crate::cloth::teleport::ResetCloth;
@@ -45,6 +46,10 @@ pub(super) fn act(
             PanelAction::SetSelfCollision(Some(asked)) => drop(cloth.try_insert(asked)),
             PanelAction::SetSelfCollision(None) => {
                 cloth.try_remove::<ClothSelfCollision>();
+            }
+            PanelAction::SetInterCollision(Some(asked)) => drop(cloth.try_insert(asked)),
+            PanelAction::SetInterCollision(None) => {
+                cloth.try_remove::<ClothInterCollision>();
             }
             PanelAction::SetGravity(gravity) if own_gravity => {
                 cloth.try_insert(ClothGravityOverride(gravity));

@@ -22,7 +22,7 @@ pub fn explain(plan: &Plan, material: &ClothMaterial) -> Vec<String> {
         format!("Stability: {} % of the limit (90 % at most).", short(100.0 * plan.margin)),
     ];
     if plan.layers > 0 {
-        lines.push(format!("Its own layers ask for {} substeps or more.", plan.layers));
+        lines.push(format!("Layers of cloth ask for {} substeps or more.", plan.layers));
     }
     let clamped = [
         (

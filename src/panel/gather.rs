@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
+use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::self_collision::ClothSelfCollision;
@@ -32,6 +33,7 @@ pub(super) struct Looked {
     pins: Option<&'static ClothPins>,
     air: Option<&'static ClothAir>,
     self_collision: Option<&'static ClothSelfCollision>,
+    inter_collision: Option<&'static ClothInterCollision>,
     gravity: Option<&'static ClothGravityOverride>,
     wind: Option<&'static ClothWindOverride>,
     frozen: Has<ClothPaused>,
@@ -98,6 +100,7 @@ fn facts(
         pins: found.pins.cloned().unwrap_or_default(),
         air: found.air.copied(),
         self_collision: found.self_collision.copied(),
+        inter_collision: found.inter_collision.copied(),
         gravity: gravity(found, around),
         wind: found
             .wind

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use crate::cloth::air::ClothAir;
+use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::self_collision::ClothSelfCollision;
@@ -92,6 +93,8 @@ pub struct PanelFacts {
     pub air: Option<ClothAir>,
     /// How it collides with itself, if it does.
     pub self_collision: Option<ClothSelfCollision>,
+    /// How it collides with other cloths, if it does.
+    pub inter_collision: Option<ClothInterCollision>,
     /// Its gravity [m/s2]: that of the world, or its own.
     pub gravity: Vec3,
     /// Its wind: that of the world, or its own.
@@ -121,6 +124,8 @@ pub enum PanelAction {
     SetAir(Option<ClothAir>),
     /// Lets it collide with itself, or not.
     SetSelfCollision(Option<ClothSelfCollision>),
+    /// Lets it collide with other cloths, or not.
+    SetInterCollision(Option<ClothInterCollision>),
     /// Another gravity [m/s2]: its own where it has one, else that of the world.
     SetGravity(Vec3),
     /// Another wind: its own where it has one, else that of the world.

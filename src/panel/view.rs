@@ -9,7 +9,6 @@ use bevy_egui::egui::{self, DragValue, Slider, Ui};
 use crate::cloth::air::ClothAir;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::{ClothPins, PinHold, PinSelection};
-use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::ClothSettings;
 use crate::panel::explain::{explain, short};
 use crate::panel::model::{ClothPanel, PanelAction, PanelFacts};
@@ -70,6 +69,7 @@ fn draw_cloth(
     });
     section(ui, "Settings", false, |ui| edit_settings(ui, facts.settings, &mut asked));
     section(ui, "Self-collision", false, |ui| edit_self_collision(ui, facts, &mut asked));
+    section(ui, "Other cloths", false, |ui| edit_inter_collision(ui, facts, &mut asked));
     section(ui, "Pins", false, |ui| edit_pins(ui, &facts.pins, &mut asked));
     section(ui, "Air, wind, gravity", false, |ui| edit_surroundings(ui, facts, &mut asked));
     asked
@@ -211,24 +211,50 @@ fn edit_substeps(ui: &mut Ui, substeps: &mut Substeps) {
 
 fn edit_self_collision(ui: &mut Ui, facts: &PanelFacts, asked: &mut Vec<PanelAction>) {
     let mut to = facts.self_collision;
-    let mut collides = to.is_some();
-    if ui.checkbox(&mut collides, "collides with itself").changed() {
-        to = collides.then(ClothSelfCollision::default);
-    }
-    if let Some(to) = &mut to {
-        let mut automatic = to.distance.is_none();
-        if ui.checkbox(&mut automatic, "distance from the particle spacing").changed() {
-            // Whatever the triangles, it is no larger than they allow.
-            to.distance = (!automatic).then_some(0.8 * facts.spacing);
-        }
-        if let Some(distance) = &mut to.distance {
-            slide(ui, distance, 0.1 * facts.spacing..=facts.spacing, "m distance");
-        }
-        ui.add(Slider::new(&mut to.friction, 0.0..=2.0).text("friction of layers"));
-    }
+    edit_collision(ui, "collides with itself", &mut to, |ui, to| {
+        edit_layer(ui, facts.spacing, &mut to.distance, &mut to.friction);
+    });
     if to != facts.self_collision {
         asked.push(PanelAction::SetSelfCollision(to));
     }
+}
+
+fn edit_inter_collision(ui: &mut Ui, facts: &PanelFacts, asked: &mut Vec<PanelAction>) {
+    let mut to = facts.inter_collision;
+    edit_collision(ui, "collides with other cloths", &mut to, |ui, to| {
+        edit_layer(ui, facts.spacing, &mut to.distance, &mut to.friction);
+    });
+    if to != facts.inter_collision {
+        asked.push(PanelAction::SetInterCollision(to));
+    }
+}
+
+/// A switch for a component, and what can be set of it.
+fn edit_collision<T: Default>(
+    ui: &mut Ui,
+    name: &str,
+    component: &mut Option<T>,
+    edit: impl FnOnce(&mut Ui, &mut T),
+) {
+    let mut collides = component.is_some();
+    if ui.checkbox(&mut collides, name).changed() {
+        *component = collides.then(T::default);
+    }
+    if let Some(component) = component {
+        edit(ui, component);
+    }
+}
+
+fn edit_layer(ui: &mut Ui, spacing: f32, distance: &mut Option<f32>, friction: &mut f32) {
+    let mut automatic = distance.is_none();
+    if ui.checkbox(&mut automatic, "distance from the particle spacing").changed() {
+        // Whatever the triangles, it is no larger than they allow.
+        *distance = (!automatic).then_some(0.8 * spacing);
+    }
+    if let Some(distance) = distance {
+        slide(ui, distance, 0.1 * spacing..=spacing, "m distance");
+    }
+    ui.add(Slider::new(friction, 0.0..=2.0).text("friction of layers"));
 }
 
 fn edit_pins(ui: &mut Ui, was: &ClothPins, asked: &mut Vec<PanelAction>) {

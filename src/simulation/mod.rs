@@ -26,7 +26,7 @@
 //! | `grabbing` | system: begins, drags and ends grabs |
 //! | `holding` | attachments and grab together, as the solver takes them: pins, springs, and the motion of each in a tick |
 //!
-//! `self_collision` hands on how the cloth collides with itself. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
+//! `self_collision` and `inter_collision` hand on how the cloth collides with itself and with others. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
 //! are measured.
 
 pub(crate) mod anchors;
@@ -37,6 +37,7 @@ pub(crate) mod grabbing;
 pub(crate) mod hanging;
 pub(crate) mod holding;
 pub(crate) mod in_force;
+pub(crate) mod inter_collision;
 pub(crate) mod pinning;
 pub(crate) mod progress;
 pub(crate) mod pushing;
@@ -257,6 +258,12 @@ impl ClothSimulation {
     /// takes milliseconds: for reports, not for every tick.
     pub fn crossings(&self) -> u32 {
         self.solver.crossings()
+    }
+
+    /// Times that an edge of either cloth pierces a face of the other: how much of them has passed through each other. Looks at all of
+    /// both, which takes milliseconds: for reports, not for every tick.
+    pub fn crossings_with(&self, other: &Self) -> u32 {
+        self.solver.crossings_with(&other.solver)
     }
 
     /// Chooses how the kernels are compiled. Every choice gives the same bits.

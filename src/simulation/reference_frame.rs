@@ -130,8 +130,20 @@ impl ReferenceFrame {
         colliders: &[Collider],
         act: impl FnOnce(&[Collider]) -> T,
     ) -> T {
+        let Some(seen) = self.colliders(room, colliders) else { return act(colliders) };
+        let result = act(&seen);
+        *room = ColliderRoom::keep(seen);
+        result
+    }
+
+    /// The colliders as the cloth meets them, in the memory of `room`, which may be given back; `None` where it meets them as they are.
+    pub fn colliders<'a>(
+        &self,
+        room: &mut ColliderRoom,
+        colliders: &[Collider<'a>],
+    ) -> Option<Vec<Collider<'a>>> {
         if self.ride.is_none() && !self.jumped {
-            return act(colliders);
+            return None;
         }
         let back = self.ride.map(|ride| ride.inverse());
         let mut seen = core::mem::take(room).reuse();
@@ -141,9 +153,12 @@ impl ReferenceFrame {
             let end = back.map_or(end, |back| back.apply_to_pose(&end));
             collider.between(start, end)
         }));
-        let result = act(&seen);
-        *room = ColliderRoom::keep(seen);
-        result
+        Some(seen)
+    }
+
+    /// How far the ride takes a place in the tick \[m\].
+    pub fn drift(&self, place: Vec3) -> Vec3 {
+        self.ride.map_or(Vec3::ZERO, |ride| ride.apply(place) - place)
     }
 
     /// Ends a tick: carries the cloth along with its ride, if the tick was taken.

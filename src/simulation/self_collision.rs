@@ -5,13 +5,14 @@ use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 
 use crate::cloth::ClothShape;
 use crate::cloth::self_collision::ClothSelfCollision;
+use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
-use crate::error::{ClothComponent, ClothErrorKind};
 use crate::simulation::ClothSimulation;
-use crate::simulation::setup::solver_error;
-use crate::solver::{SelfCollision, SolverError};
+use crate::simulation::setup::component_error;
+use crate::solver::SelfCollision;
 
-const BLAME: Blame = Blame::Component(ClothComponent::ClothSelfCollision);
+const COMPONENT: ClothComponent = ClothComponent::ClothSelfCollision;
+const BLAME: Blame = Blame::Component(COMPONENT);
 
 /// Lets cloths collide with themselves as their components say. Numbers out of range are refused, the last good ones stay.
 pub(crate) fn apply_self_collision(
@@ -31,7 +32,11 @@ pub(crate) fn apply_self_collision(
         }
         let cloth = &mut *cloth;
         let outcome = cloth.solver.set_self_collision(asked);
-        failures.tell(entity, BLAME, outcome.map_err(self_collision_error));
+        failures.tell(
+            entity,
+            BLAME,
+            outcome.map_err(|problem| component_error(COMPONENT, problem)),
+        );
         if outcome.is_err() || was == asked {
             continue;
         }
@@ -63,13 +68,4 @@ fn tell_tangled(entity: Entity, cloth: &ClothSimulation) {
         }
     };
     AsyncComputeTaskPool::get_or_init(TaskPool::default).spawn(look).detach();
-}
-
-/// The solver's complaint about how a cloth is to collide with itself.
-fn self_collision_error(problem: SolverError) -> ClothErrorKind {
-    let component = ClothComponent::ClothSelfCollision;
-    match problem {
-        SolverError::Parameter(problem) => ClothErrorKind::Parameter { component, problem },
-        problem => solver_error(problem),
-    }
 }

@@ -279,6 +279,14 @@ fn build(
     })
 }
 
+/// The solver's complaint about a component.
+pub(crate) fn component_error(component: ClothComponent, problem: SolverError) -> ClothErrorKind {
+    match problem {
+        SolverError::Parameter(problem) => ClothErrorKind::Parameter { component, problem },
+        problem => solver_error(problem),
+    }
+}
+
 /// A solver's complaint, told to the component that it is about.
 pub(crate) fn solver_error(problem: SolverError) -> ClothErrorKind {
     match problem {

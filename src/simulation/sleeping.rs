@@ -24,6 +24,8 @@ pub(crate) struct SleepState {
     disturbed: bool,
     /// The cloth took the last tick.
     stepped: bool,
+    /// In the last tick it touched a cloth that is not ready to sleep, be it by way of others.
+    kept_awake: bool,
     /// Gravity of the last tick.
     gravity: Option<Vec3>,
 }
@@ -50,6 +52,16 @@ impl SleepState {
         }
     }
 
+    /// Whether the cloth has been still for long enough to sleep.
+    pub fn is_ready(&self) -> bool {
+        self.still > 0.0 && self.still >= self.sleep.time
+    }
+
+    /// Says whether what it lies on, or what lies on it, keeps it awake.
+    pub fn keep_awake(&mut self, kept_awake: bool) {
+        self.kept_awake = kept_awake;
+    }
+
     /// Whether it could be that of any cloth.
     pub fn is_sound(&self) -> bool {
         let time = (0.0..f32::INFINITY).contains(&self.still);
@@ -72,7 +84,7 @@ impl SleepState {
             self.still = 0.0;
             self.asleep = false;
         } else {
-            self.asleep |= self.still > 0.0 && self.still >= self.sleep.time;
+            self.asleep |= self.is_ready() && !self.kept_awake;
         }
     }
 }
@@ -131,6 +143,7 @@ pub(crate) fn choose_steps(
         }
         cloth.pushing.forget();
         cloth.tick.step.runs = steps;
+        cloth.tick.step.begins = steps && !cloth.sleep.stepped;
         cloth.sleep.stepped = steps;
     }
 }

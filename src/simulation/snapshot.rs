@@ -3,6 +3,7 @@
 use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
+use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::self_collision::ClothSelfCollision;
 use crate::error::ClothErrorKind;
@@ -174,14 +175,20 @@ impl Content {
 
 /// Puts states back, where cloths are set up by now.
 pub(crate) fn restore_cloths(
-    mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation, Option<&ClothSelfCollision>)>,
+    mut cloths: Query<(
+        Entity,
+        &ClothSnapshot,
+        &mut ClothSimulation,
+        Option<&ClothSelfCollision>,
+        Option<&ClothInterCollision>,
+    )>,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, state, mut cloth, layers) in &mut cloths {
+    for (entity, state, mut cloth, own, others) in &mut cloths {
         commands.entity(entity).try_remove::<ClothSnapshot>();
-        match restore(entity, &mut cloth, &state.content, layers, &mut cache) {
+        match restore(entity, &mut cloth, &state.content, (own, others), &mut cache) {
             Ok(()) => {
                 for blame in [Blame::Snapshot, Blame::Motion] {
                     failures.clear(entity, blame);
@@ -196,7 +203,7 @@ fn restore(
     entity: Entity,
     cloth: &mut ClothSimulation,
     state: &Content,
-    layers: Option<&ClothSelfCollision>,
+    (own, others): (Option<&ClothSelfCollision>, Option<&ClothInterCollision>),
     cache: &mut RestCache,
 ) -> Result<(), ClothErrorKind> {
     let damaged = ClothErrorKind::Snapshot;
@@ -210,7 +217,8 @@ fn restore(
     } else {
         let mut solver = scaled(cloth, state.placed.scale, cache)?;
         // What a cloth of this size does not allow is told with its other changes.
-        let _ = solver.set_self_collision(layers.map(|layers| (*layers).into()));
+        let _ = solver.set_self_collision(own.map(|own| (*own).into()));
+        let _ = solver.set_inter_collision(others.map(|others| (*others).into()));
         solver
     };
     solver.restore(&state.solver).map_err(damaged)?;

@@ -27,20 +27,20 @@ impl StageTimes {
         solver: &mut ClothSolver,
         input: &StepInput<'_>,
     ) -> Result<TickReport, SolverError> {
+        let mut timing = Timing::new();
+        solver.tick_observed(input, |stage| self.note(stage, timing.lap()))
+    }
+
+    /// Notes the time of a stage.
+    pub(crate) fn note(&mut self, stage: Stage, spent: Duration) {
         use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
-        let mut begun = Instant::now();
-        solver.tick_observed(input, |stage| {
-            let now = Instant::now();
-            let spent = now - begun;
-            begun = now;
-            match stage {
-                Stage::Begin => {}
-                Stage::Forces => self.add_to(Forces, spent),
-                Stage::Integrate => self.add_to(Integrate, spent),
-                Stage::Correct => self.add_to(Correct, spent),
-                Stage::Collide => self.add_to(Collide, spent),
-            }
-        })
+        match stage {
+            Stage::Begin => {}
+            Stage::Forces => self.add_to(Forces, spent),
+            Stage::Integrate => self.add_to(Integrate, spent),
+            Stage::Correct => self.add_to(Correct, spent),
+            Stage::Collide => self.add_to(Collide, spent),
+        }
     }
 
     fn time(&mut self, stage: ClothSubstepSystems, act: impl FnOnce()) {
@@ -51,6 +51,20 @@ impl StageTimes {
 
     fn add_to(&mut self, stage: ClothSubstepSystems, time: Duration) {
         self.0[stage as usize] += time;
+    }
+}
+
+/// A clock that tells the time from one look at it to the next.
+pub(crate) struct Timing(Instant);
+
+impl Timing {
+    pub(crate) fn new() -> Self {
+        Self(Instant::now())
+    }
+
+    pub(crate) fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        now - core::mem::replace(&mut self.0, now)
     }
 }
 

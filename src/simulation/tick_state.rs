@@ -19,6 +19,12 @@ pub(crate) struct TickState {
 }
 
 impl TickState {
+    /// How far any particle is led in the tick, at most \[m\].
+    pub fn way_of_pins(&self) -> f32 {
+        let ways = self.motions.iter().map(|motion| motion.start.distance_squared(motion.end));
+        ways.fold(0.0, f32::max).sqrt()
+    }
+
     /// Whether the tick was taken, until its result has been looked at.
     pub fn ran(&self) -> bool {
         matches!(self.outcome, Some(Ok(_)))
@@ -37,6 +43,10 @@ pub(crate) struct ClothStep {
     pub(crate) rounds: u32,
     /// The cloth takes this tick.
     pub(crate) runs: bool,
+    /// It did not take the last one.
+    pub(crate) begins: bool,
+    /// The island that it is stepped in, where another cloth is near that it collides with.
+    pub(crate) island: Option<u32>,
 }
 
 impl ClothStep {

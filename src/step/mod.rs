@@ -1,6 +1,7 @@
 //! One tick: gather -> solve -> finish. The solver does the work; here it meets the world.
 
 pub(crate) mod impulses;
+pub(crate) mod islands;
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -19,6 +20,7 @@ use crate::simulation::setup::solver_error;
 use crate::simulation::stage_times::{self, StageTimes};
 use crate::simulation::tick_state::{ClothStep, TickState, input};
 use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
+use crate::step::islands::Islands;
 use crate::wind::zone::WindZones;
 
 /// Which form of the substeps runs. Both give the same bits.
@@ -173,22 +175,23 @@ pub(crate) fn gather_step(
 }
 
 /// A cloth in its substeps, and its times where they are asked for.
-type Stepped = (&'static mut ClothSimulation, Option<&'static mut StageTimes>);
+type Stepped = (Entity, &'static mut ClothSimulation, Option<&'static mut StageTimes>);
 
 /// The fused form: all cloths in parallel, each all its substeps.
 pub(crate) fn solve_fused(
     mut cloths: Query<Stepped>,
     mut surroundings: Surroundings,
+    mut islands: ResMut<Islands>,
     zones: Res<WindZones>,
 ) {
-    if !cloths.iter().any(|(cloth, _)| cloth.tick.step.runs) {
+    if !cloths.iter().any(|(_, cloth, _)| cloth.tick.step.runs) {
         return;
     }
     surroundings.with_colliders(|colliders| {
-        cloths.par_iter_mut().for_each(|(mut cloth, times)| {
+        cloths.par_iter_mut().for_each(|(_, mut cloth, times)| {
             let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
             let TickState { step, motions, room, outcome } = tick;
-            if step.runs {
+            if step.runs && step.island.is_none() {
                 *outcome = Some(frame.with_colliders(room, colliders, |colliders| {
                     let input = input(*step, motions, colliders, zones.get());
                     stage_times::tick(times, solver, &input)
@@ -196,22 +199,24 @@ pub(crate) fn solve_fused(
                 frame.end_ride(solver, outcome);
             }
         });
+        islands.tick(&mut cloths, colliders, zones.get());
     });
 }
 
 /// The staged form: begins the tick of every cloth.
 pub(crate) fn begin_staged(
-    mut cloths: Query<&mut ClothSimulation>,
+    mut cloths: Query<Stepped>,
     mut surroundings: Surroundings,
+    mut islands: ResMut<Islands>,
     zones: Res<WindZones>,
     mut runner: ResMut<Runner>,
 ) {
     runner.rounds = 0;
     surroundings.with_colliders(|colliders| {
-        for mut cloth in &mut cloths {
+        for (_, mut cloth, _) in &mut cloths {
             let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
             let TickState { step, motions, room, outcome } = tick;
-            if !step.runs {
+            if !step.runs || step.island.is_some() {
                 continue;
             }
             let begun = frame.with_colliders(room, colliders, |colliders| {
@@ -223,6 +228,8 @@ pub(crate) fn begin_staged(
             }
             runner.rounds = runner.rounds.max(step.rounds);
         }
+        let rounds = islands.begin(&mut cloths, colliders, zones.get());
+        runner.rounds = runner.rounds.max(rounds);
     });
 }
 
@@ -240,27 +247,32 @@ pub(crate) fn run_substeps(world: &mut World) {
 /// Stage 1: springs, bending, damping, gravity, air.
 pub(crate) fn accumulate_forces(mut cloths: Query<Stepped>) {
     let stage = ClothSubstepSystems::Forces;
-    for_each_stepping(&mut cloths, stage, ClothSolver::accumulate_forces);
+    for_each_stepping(&mut cloths, stage, |_| true, ClothSolver::accumulate_forces);
 }
 
 /// Stage 2: Verlet; pins go their way.
 pub(crate) fn integrate(mut cloths: Query<Stepped>) {
-    for_each_stepping(&mut cloths, ClothSubstepSystems::Integrate, ClothSolver::integrate);
+    let stage = ClothSubstepSystems::Integrate;
+    for_each_stepping(&mut cloths, stage, |_| true, ClothSolver::integrate);
 }
 
 /// Stage 3: threads or Provot's correction, tethers.
-pub(crate) fn correct(mut cloths: Query<Stepped>) {
-    for_each_stepping(&mut cloths, ClothSubstepSystems::Correct, |solver, _| solver.correct());
+pub(crate) fn correct(mut cloths: Query<Stepped>, mut islands: ResMut<Islands>) {
+    let is_alone = |step: &ClothStep| step.island.is_none();
+    let stage = ClothSubstepSystems::Correct;
+    for_each_stepping(&mut cloths, stage, is_alone, |solver, _| solver.correct());
+    islands.correct(&mut cloths);
 }
 
 fn for_each_stepping(
     cloths: &mut Query<Stepped>,
     stage: ClothSubstepSystems,
+    takes_part: impl Fn(&ClothStep) -> bool,
     act: impl Fn(&mut ClothSolver, &StepInput),
 ) {
-    for (mut cloth, times) in cloths {
+    for (_, mut cloth, times) in cloths {
         let ClothSimulation { solver, tick, .. } = &mut *cloth;
-        if tick.step.rounds > 0 {
+        if tick.step.rounds > 0 && takes_part(&tick.step) {
             let input = input(tick.step, &tick.motions, &[], &[]);
             stage_times::stage(times, stage, || act(solver, &input));
         }
@@ -270,7 +282,7 @@ fn for_each_stepping(
 /// Stage 4: out of the colliders, friction. Ends the substep.
 pub(crate) fn collide(mut cloths: Query<Stepped>, mut surroundings: Surroundings) {
     surroundings.with_colliders(|colliders| {
-        for (mut cloth, times) in &mut cloths {
+        for (_, mut cloth, times) in &mut cloths {
             let ClothSimulation { solver, frame, tick, .. } = &mut *cloth;
             let TickState { step, motions, room, outcome } = tick;
             if step.rounds > 0 {

@@ -106,6 +106,7 @@ fn components_are_registered() {
         "ClothInterpolation",
         "ClothAir",
         "ClothSelfCollision",
+        "ClothInterCollision",
         "ClothWindOverride",
         "WindZone",
         "ClothGravityOverride",

@@ -16,6 +16,7 @@ mod fields;
 mod grab;
 mod hung;
 mod intake;
+mod inter_collision;
 mod mesh;
 mod pins;
 mod push;

@@ -19,6 +19,7 @@ mod graph_determinism;
 mod graph_refusals;
 mod hanging;
 mod integrators;
+mod inter_collision;
 mod limit;
 mod loads;
 mod momentum;

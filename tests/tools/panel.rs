@@ -4,8 +4,9 @@
 use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothGravityOverride, ClothPanel, ClothPanelModelPlugin, ClothSelfCollision, ClothWindOverride,
-    PanelAction, PanelFacts, PanelHistory, explain, load_material, prelude::*, save_material,
+    ClothGravityOverride, ClothInterCollision, ClothPanel, ClothPanelModelPlugin,
+    ClothSelfCollision, ClothWindOverride, PanelAction, PanelFacts, PanelHistory, explain,
+    load_material, prelude::*, save_material,
 };
 use std::{fs, path::Path};
 
@@ -64,6 +65,7 @@ fn it_changes_the_components() {
     let pins = ClothPins::from(PinSelection::Corners);
     let air = ClothAir { lift: 2.0, ..default() };
     let own = ClothSelfCollision { friction: 0.2, ..default() };
+    let others = ClothInterCollision { friction: 0.3, ..default() };
     let wind = ClothWind::steady(Vec3::X * 3.0);
     for action in [
         PanelAction::SetMaterial(ClothMaterial::WOOL),
@@ -71,6 +73,7 @@ fn it_changes_the_components() {
         PanelAction::SetPins(pins.clone()),
         PanelAction::SetAir(Some(air)),
         PanelAction::SetSelfCollision(Some(own)),
+        PanelAction::SetInterCollision(Some(others)),
         PanelAction::SetWind(wind),
         PanelAction::SetGravity(Vec3::NEG_Y),
     ] {
@@ -81,22 +84,25 @@ fn it_changes_the_components() {
     assert_eq!(has::<ClothPins>(&app, cloth), Some(pins.clone()));
     assert_eq!(has::<ClothAir>(&app, cloth), Some(air));
     assert_eq!(has::<ClothSelfCollision>(&app, cloth), Some(own));
+    assert_eq!(has::<ClothInterCollision>(&app, cloth), Some(others));
     assert_eq!(*app.world().resource::<ClothWind>(), wind);
     assert_eq!(app.world().resource::<ClothGravity>().0, Vec3::NEG_Y);
     // In the frame that asked, so that a slider that is dragged goes on from there.
     let it = facts(&app);
     assert_eq!((it.material, it.settings, &it.pins), (ClothMaterial::WOOL, settings, &pins));
     assert_eq!((it.air, it.wind, it.gravity), (Some(air), wind, Vec3::NEG_Y));
-    assert_eq!(it.self_collision, Some(own));
+    assert_eq!((it.self_collision, it.inter_collision), (Some(own), Some(others)));
     assert!((it.spacing - 1.0 / 7.0).abs() < 1e-6);
     // And the running cloth follows.
     updates(&mut app, 2);
     assert_eq!(simulation(&app, cloth).pinned(), [0, 7, 56, 63]);
     assert_eq!(simulation(&app, cloth).plan().substeps, 32);
     let said = explain(simulation(&app, cloth).plan(), &ClothMaterial::WOOL);
-    assert!(said.iter().any(|line| line.contains("own layers")), "{said:?}");
+    assert!(said.iter().any(|line| line.contains("Layers of cloth")), "{said:?}");
     ask(&mut app, PanelAction::SetSelfCollision(None));
     assert_eq!(has::<ClothSelfCollision>(&app, cloth), None);
+    ask(&mut app, PanelAction::SetInterCollision(None));
+    assert_eq!(has::<ClothInterCollision>(&app, cloth), None);
     ask(&mut app, PanelAction::SetAir(None));
     assert_eq!(has::<ClothAir>(&app, cloth), None);
 }

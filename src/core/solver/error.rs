@@ -44,6 +44,11 @@ pub enum SolverError {
         /// Masses of the settings.
         asked: MassLumping,
     },
+    /// Cloths that are stepped together are given ticks of different lengths.
+    #[error(
+        "the tick of a cloth that is stepped together with others has another length than theirs"
+    )]
+    OtherTick,
     /// A cloth is to go on over a rest shape of other particles.
     #[error("the rest shape has other particles than the cloth, or other rows: make a new solver")]
     OtherParticles,

@@ -37,6 +37,8 @@ pub struct TickReport {
     pub contact_count: u32,
     /// Pairs of the cloth's particles that touched each other in the last substep.
     pub self_contact_count: u32,
+    /// Pairs of the cloth's particles and those of other cloths that touched each other in the last substep.
+    pub inter_contact_count: u32,
 }
 
 impl StepInput<'_> {

@@ -27,7 +27,7 @@
 //! | `topology` | the rest shape, immutable and shared by equal cloths: lattice or graph, geodesic distances, wide hinges |
 //! | `error` | why a solver refuses |
 //! | `contact` | colliders; broad phase, response of particles, swept contact, friction, active set; edges and faces |
-//! | `self_contact` | balls of particles, pairs that may touch, what moves them apart; crossings |
+//! | `cloth_contact` | contact of cloth with cloth: balls of particles, pairs that may touch, what moves them apart; crossings |
 //! | `forces` | springs, bending, friction of bending, damping, external loads, aerodynamics, wind |
 //! | `plan` | stability bounds; substeps, springs or threads, clamped constants |
 //! | `integrate` | Verlet, Houbolt's filter of corrections; explicit integrators to compare with |
@@ -66,18 +66,19 @@
 //!   `pause_pulls` and `go_on_pulling`;
 //! - what it derives from pins, material or settings is made again in `setup` (`set_pins`, `replan`).
 
+mod cloth_contact;
 mod constraints;
 mod contact;
 mod error;
 mod forces;
 mod input;
 mod integrate;
+mod island;
 mod model;
 mod particles;
 mod plan;
 mod rest_detection;
 mod rigid_motion;
-mod self_contact;
 mod settings;
 mod setup;
 mod simd;
@@ -88,6 +89,7 @@ mod topology;
 
 use bevy_math::Vec3;
 
+pub use crate::solver::cloth_contact::{InterCollision, SelfCollision};
 pub use crate::solver::constraints::pin_motion::PinMotion;
 pub use crate::solver::constraints::soft_pins::SoftPin;
 pub use crate::solver::contact::{Collider, ColliderMotion, Pose};
@@ -96,9 +98,9 @@ pub use crate::solver::forces::aerodynamics::Air;
 pub use crate::solver::forces::external::{PushOn, PushWith};
 pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
 pub use crate::solver::input::{StepInput, TickReport};
+pub use crate::solver::island::{Island, Member};
 pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
-pub use crate::solver::self_contact::SelfCollision;
 pub use crate::solver::settings::{
     Bending, DampingForm, Integrator, MassLumping, Material, ParameterError, Settings,
     StretchMethod, Stretching, Substeps,
@@ -111,12 +113,12 @@ pub use crate::solver::topology::Topology;
 pub use crate::solver::topology::graph::{Graph, GraphError, Weights};
 pub use crate::solver::topology::lattice::{Lattice, LatticeError};
 
+use crate::solver::cloth_contact::{OthersContact, SelfContact};
 use crate::solver::constraints::pins::Pins;
 use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
 use crate::solver::model::Model;
 use crate::solver::plan::stability::Bound;
-use crate::solver::self_contact::SelfContact;
 use crate::solver::settings::is_near;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::state::measure::Survey;
@@ -158,6 +160,14 @@ pub struct ClothSolver {
     contact_count: u32,
     /// Pairs of particles that touched in this substep.
     touching_itself: u32,
+    /// Contact with other cloths, where it collides with others.
+    others_contact: Option<Box<OthersContact>>,
+    /// Pairs of its particles and others' that touched in the last substep.
+    touching_others: u32,
+    /// Substeps of its tick at least, as it is stepped together with others; 0 where it is not.
+    lockstep: u32,
+    /// How far its coordinates are moved in the tick that it is stepped in together with others \[m\].
+    drift: Vec3,
     survey: Survey,
     /// Particles were put elsewhere since the survey was taken.
     surveyed_before: bool,
@@ -231,14 +241,37 @@ impl ClothSolver {
     /// # Errors
     /// As [`ClothSolver::tick`]; the tick has not begun then.
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
+        self.check_input(input)?;
+        self.lockstep = 0;
+        self.plan_tick(input.dt, false);
+        Ok(self.begin_planned_tick(input))
+    }
+
+    fn check_input(&self, input: &StepInput<'_>) -> Result<(), SolverError> {
         input.check(self.pins.slots.len() + self.soft.len())?;
         if self.air.is_some() {
             input.wind.validate()?;
         }
-        let asks_for_others = self.self_contact.as_mut().is_some_and(|own| own.begin_tick());
-        if asks_for_others || input.dt != self.plan.tick {
-            self.plan_ticks(input.dt);
+        Ok(())
+    }
+
+    /// Plans a tick, alone or in the company of cloths that it may touch. Tells how many substeps it takes where it is alone.
+    fn plan_tick(&mut self, dt: f32, is_in_company: bool) -> u32 {
+        if let Some(own) = &mut self.self_contact {
+            own.begin_tick();
         }
+        if let Some(others) = &mut self.others_contact {
+            others.begin_tick(is_in_company);
+        }
+        self.touching_others = 0;
+        if dt != self.plan.tick || self.planned_cloth() != self.plan.cloth {
+            self.plan_ticks(dt);
+        }
+        self.plan.alone
+    }
+
+    /// Begins a tick that has been planned, with input that has been checked.
+    fn begin_planned_tick(&mut self, input: &StepInput<'_>) -> u32 {
         self.share_out();
         if self.surveyed_before {
             self.survey_anew();
@@ -262,7 +295,7 @@ impl ClothSolver {
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         self.state.contacts.begin_tick(input.colliders);
         self.done = 0;
-        Ok(self.plan.substeps)
+        self.plan.substeps
     }
 
     /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
@@ -293,6 +326,7 @@ impl ClothSolver {
             max_strain: survey.max_strain,
             contact_count: self.contact_count,
             self_contact_count: self.touching_itself,
+            inter_contact_count: self.touching_others,
         })
     }
 

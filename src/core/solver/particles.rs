@@ -5,9 +5,9 @@ use std::sync::Arc;
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::cloth_contact::{crossing_edges, edges_through};
 use crate::solver::error::SolverError;
 use crate::solver::plan::Plan;
-use crate::solver::self_contact::crossing_edges;
 use crate::solver::settings::{Material, Settings, is_near};
 use crate::solver::state::measure::{StrainReport, strains};
 use crate::solver::topology::Topology;
@@ -170,6 +170,13 @@ impl ClothSolver {
     /// The particles of these edges. An edge is there once for each face that it pierces.
     pub fn crossing_edges(&self) -> Vec<[u32; 2]> {
         crossing_edges(&self.topology, &self.state.x)
+    }
+
+    /// Edges of either cloth that pierce faces of the other, each with each. Looks at all of both: for reports, not for every frame.
+    pub fn crossings_with(&self, other: &Self) -> u32 {
+        let [one, two] = [self, other].map(|it| (&it.topology, &it.state.x));
+        let shift = other.state.origin - self.state.origin;
+        (edges_through(one, two, shift).len() + edges_through(two, one, -shift).len()) as u32
     }
 
     /// Sum of their strains, and how many there are, without sorting anything.

@@ -1,8 +1,13 @@
 //! Making a solver, and changing what its cloth is made of.
 
+use std::sync::Arc;
+
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::cloth_contact::{
+    FacesAt, InterCollision, OthersContact, SelfCollision, SelfContact,
+};
 use crate::solver::constraints::pins::Pins;
 use crate::solver::constraints::threads::geometric_stiffness::steady;
 use crate::solver::contact::Edges;
@@ -11,7 +16,6 @@ use crate::solver::forces::aerodynamics::{Air, Surface};
 use crate::solver::model::Model;
 use crate::solver::plan::{Plan, PlannedCloth};
 use crate::solver::rest_detection::Mark;
-use crate::solver::self_contact::{SelfCollision, SelfContact};
 use crate::solver::settings::{Material, ParameterError, Settings, is_near};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;
@@ -53,7 +57,7 @@ impl ClothSolver {
         let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: {
-                let cloth = PlannedCloth { hung: pins.hung, layers: 0 };
+                let cloth = PlannedCloth { hung: pins.hung, layers: 0, at_least: 0 };
                 Plan::new(&bound, &material, &settings, cloth, USUAL_TICK)
             },
             workspace: Workspace::new(topology.layout(), settings.edges.then_some(edges.count())),
@@ -65,6 +69,10 @@ impl ClothSolver {
             edges,
             self_contact: None,
             touching_itself: 0,
+            others_contact: None,
+            touching_others: 0,
+            lockstep: 0,
+            drift: Vec3::ZERO,
             steady: steady(topology.structural_springs().map(|(_, _, rest)| rest)),
             air: None,
             done: 0,
@@ -112,6 +120,7 @@ impl ClothSolver {
         solver.limit_soft_pins_as(self);
         solver.set_air(self.air().copied())?;
         solver.set_self_collision(self.self_collision())?;
+        solver.set_inter_collision(self.inter_collision())?;
         solver.plan_ticks(self.plan.tick);
         solver.survey_anew();
         Ok(solver)
@@ -161,7 +170,10 @@ impl ClothSolver {
         if let Some(asked) = &asked {
             asked.validate(&self.topology)?;
         }
-        self.self_contact = asked.map(|asked| Box::new(SelfContact::new(&self.topology, asked)));
+        let faces = asked.map(|_| self.faces());
+        self.self_contact = asked
+            .zip(faces)
+            .map(|(asked, faces)| Box::new(SelfContact::new(&self.topology, faces, asked)));
         self.touching_itself = 0;
         self.plan_ticks(self.plan.tick);
         Ok(())
@@ -170,6 +182,41 @@ impl ClothSolver {
     /// How the cloth collides with itself, `None` where it does not.
     pub fn self_collision(&self) -> Option<SelfCollision> {
         self.self_contact.as_ref().map(|own| own.settings)
+    }
+
+    /// Lets the cloth collide with others that collide with it, or not. They do where they are stepped together, see
+    /// [`Island`](crate::solver::Island).
+    ///
+    /// # Errors
+    /// [`SolverError::Parameter`]; what was in force then stays.
+    pub fn set_inter_collision(
+        &mut self,
+        asked: Option<InterCollision>,
+    ) -> Result<(), SolverError> {
+        if asked == self.inter_collision() {
+            return Ok(());
+        }
+        if let Some(asked) = &asked {
+            asked.validate(&self.topology)?;
+        }
+        let faces = asked.map(|_| self.faces());
+        self.others_contact = asked
+            .zip(faces)
+            .map(|(asked, faces)| Box::new(OthersContact::new(&self.topology, faces, asked)));
+        self.touching_others = 0;
+        Ok(())
+    }
+
+    /// How the cloth collides with others, `None` where it does not.
+    pub fn inter_collision(&self) -> Option<InterCollision> {
+        self.others_contact.as_ref().map(|others| others.settings)
+    }
+
+    /// The faces at its particles, which contact with itself and with others share.
+    fn faces(&self) -> Arc<FacesAt> {
+        let own = self.self_contact.as_ref().map(|own| own.faces());
+        own.or_else(|| self.others_contact.as_ref().map(|others| others.faces()))
+            .unwrap_or_else(|| Arc::new(FacesAt::new(&self.topology)))
     }
 
     /// Changes the settings.
@@ -266,10 +313,16 @@ impl ClothSolver {
 
     /// Makes the plan for ticks of another length \[s\].
     pub(crate) fn plan_ticks(&mut self, tick: f32) {
-        let layers = self.self_contact.as_mut().map_or(0, |own| own.plan());
-        let cloth = PlannedCloth { hung: self.pins.hung, layers };
+        let cloth = self.planned_cloth();
         self.plan = Plan::new(&self.bound, &self.material, &self.settings, cloth, tick);
         self.model.stages_mut().follow(&self.plan, &self.bound);
+    }
+
+    /// What a plan is to be made for.
+    pub(crate) fn planned_cloth(&self) -> PlannedCloth {
+        let own = self.self_contact.as_ref().map_or(0, |own| own.substeps());
+        let others = self.others_contact.as_ref().map_or(0, |others| others.substeps());
+        PlannedCloth { hung: self.pins.hung, layers: own.max(others), at_least: self.lockstep }
     }
 }
 

@@ -5,8 +5,8 @@ use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
-    ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride, ColorChannel,
-    PinProblem,
+    ClothInterCollision, ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride,
+    ColorChannel, PinProblem,
     prelude::*,
     solver::{Gusts, MassLumping, SolverError, Substeps},
 };
@@ -103,6 +103,16 @@ pub fn rows_of_numbers() -> Vec<Row> {
         distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
         friction: wild;
     });
+    let before = rows.len();
+    numbers!(rows, ClothInterCollision, [GoesOn; 2], {
+        layers: [0.into()];
+        distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
+        friction: wild;
+    });
+    // Mended by being taken away: all of these cloths are in one place.
+    for row in &mut rows[before..] {
+        row.mend = Box::new(|entity| _ = entity.remove::<ClothInterCollision>());
+    }
     numbers!(rows, ClothSleepThreshold, [GoesOn; 2], {
         distance: [NAN, INF, -INF, -1.0];
         time: [NAN, INF, -INF, -1.0];

@@ -54,6 +54,7 @@ pub(super) use crate::solver::contact::active_set::{
 pub(super) use crate::solver::contact::broad_phase::BroadPhase;
 pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
 pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
+pub(super) use crate::solver::contact::response::FurthestWay;
 
 use crate::solver::contact::broad_phase::Awake;
 use crate::solver::contact::collider::Motion;
@@ -63,7 +64,7 @@ use crate::solver::contact::hold::Held;
 use crate::solver::contact::impulses::Share;
 use crate::solver::contact::let_go::LetGo;
 use crate::solver::contact::push_out::Tally;
-use crate::solver::contact::response::{FurthestWay, MeetCollider};
+use crate::solver::contact::response::MeetCollider;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;

@@ -15,7 +15,7 @@ use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, Soa};
 
 /// The square of how far any particle goes in a substep \[m2\].
-pub(super) struct FurthestWay<'a> {
+pub(in crate::solver) struct FurthestWay<'a> {
     pub band: Band,
     pub d: &'a Soa,
 }

@@ -63,7 +63,7 @@ pub struct Plan {
     pub margin: f32,
     /// Which constants are lower than asked for.
     pub clamped: Clamped,
-    /// Substeps that the layers of a cloth need which collides with itself; more where they touch. An automatic number of substeps
+    /// Substeps that the layers of a cloth need which collides with itself or others; more where they touch. An automatic number of substeps
     /// is not below it.
     pub layers: u32,
     /// Constant of the threads in use \[N/m\].
@@ -76,8 +76,11 @@ pub struct Plan {
     pub damping: f32,
     /// Whether the limit of strain carries the cloth, as its springs stretch beyond it.
     pub(crate) gives: bool,
-    /// The tick it was made for \[s\].
+    /// Substeps that it would have if the cloth were not stepped together with others.
+    pub(crate) alone: u32,
+    /// The tick and the cloth that it was made for \[s\].
     pub(crate) tick: f32,
+    pub(crate) cloth: PlannedCloth,
     /// Constants of the explicit forces. Either of hinges and flexion springs stands in for the other.
     pub(crate) explicit: Constants,
     /// The demand that a graph makes the constants of its springs from.
@@ -85,12 +88,14 @@ pub struct Plan {
 }
 
 /// Facts of a cloth that a plan depends on, besides its material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlannedCloth {
     /// Mass for each metre of its width \[kg/m\].
     pub hung: f32,
-    /// Substeps in 1/60 s that its layers need, where it collides with itself.
+    /// Substeps in 1/60 s that its layers need, where it touches itself or others.
     pub layers: u32,
+    /// Substeps of the tick at least, where it is stepped together with others.
+    pub at_least: u32,
 }
 
 impl fmt::Display for Plan {
@@ -169,11 +174,15 @@ impl Plan {
             }
             _ => budget,
         };
+        let alone = substeps;
+        let substeps = substeps.max(cloth.at_least);
         let layers = in_proportion(cloth.layers as f32, tick);
         let layers = if cloth.layers > 0 { layers } else { 0 };
         Self {
             gives,
             layers,
+            alone,
+            cloth,
             ..Self::with(bound, material, asked, stretching, reason, substeps, tick)
         }
     }
@@ -236,7 +245,9 @@ impl Plan {
             damping,
             gives: false,
             layers: 0,
+            alone: substeps,
             tick,
+            cloth: PlannedCloth { hung: 0.0, layers: 0, at_least: 0 },
             explicit: used,
             demand: Demand {
                 asked: explicit,

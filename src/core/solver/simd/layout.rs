@@ -78,6 +78,18 @@ impl Layout {
         all.take(self.particles).map(move |(r, c)| layout.slot(r, c))
     }
 
+    /// The slots above, below, before and after a particle's in a lattice; its own where there is none.
+    #[inline(always)]
+    pub fn around(&self, slot: usize) -> [usize; 4] {
+        let (row, column) = ((slot - self.first) / self.stride, (slot - self.first) % self.stride);
+        [
+            if row > 0 { slot - self.stride } else { slot },
+            if row + 1 < self.rows { slot + self.stride } else { slot },
+            if column > 0 { slot - 1 } else { slot },
+            if column + 1 < self.columns { slot + 1 } else { slot },
+        ]
+    }
+
     /// Blocks of a row.
     #[inline(always)]
     pub fn blocks_across(&self) -> usize {

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::self_contact::Memory;
+use crate::solver::cloth_contact::Memory;
 use crate::solver::settings::is_near;
 use crate::solver::snapshot::{by_particle, by_slot};
 use crate::solver::topology::Topology;

@@ -52,6 +52,8 @@ pub struct SolverState {
     mark: Vec<Vec3>,
     /// Contact with itself, where the cloth collides with itself.
     layers: Option<SavedLayers>,
+    /// Contact with other cloths, where the cloth collides with others.
+    others: Option<SavedLayers>,
     /// Forces that wait for the next tick, and their strength \[N\].
     pushes: Option<(Vec<Vec3>, f32)>,
 }
@@ -110,7 +112,8 @@ impl SolverState {
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
-        good(self.layers.as_ref().is_none_or(|layers| layers.is_good(expected)), "layers")?;
+        let layers = [&self.layers, &self.others].into_iter().flatten();
+        good(layers.into_iter().all(|layers| layers.is_good(expected)), "layers")?;
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
@@ -139,6 +142,7 @@ impl ClothSolver {
             bands: _,
             edges: _,
             self_contact,
+            others_contact,
             shares: _,
             material: _,
             settings: _,
@@ -159,6 +163,9 @@ impl ClothSolver {
             tether_ease: _,
             contact_count: _,
             touching_itself: _,
+            touching_others: _,
+            lockstep: _,
+            drift: _,
             pushes,
             tethered_under,
             state,
@@ -187,6 +194,9 @@ impl ClothSolver {
             mark_origin: *mark_origin,
             mark: by_particle(mark),
             layers: self_contact.as_ref().map(|own| SavedLayers::of(topology, own.memory())),
+            others: others_contact
+                .as_ref()
+                .map(|others| SavedLayers::of(topology, others.memory())),
             pushes: pushes.as_ref().filter(|pushes| pushes.strength > 0.0).map(|pushes| {
                 let Pushes { forces, strength } = &**pushes;
                 (by_particle(forces), *strength)
@@ -226,6 +236,7 @@ impl ClothSolver {
             mark_origin,
             mark,
             layers,
+            others,
             pushes,
         } = saved;
         self.set_pins(pins)?;
@@ -238,6 +249,9 @@ impl ClothSolver {
         match (&mut self.self_contact, layers) {
             (Some(own), Some(layers)) => own.remember(self.isa, layers.memory(&self.topology)),
             _ => self.forget_pairs(),
+        }
+        if let (Some(own), Some(others)) = (&mut self.others_contact, others) {
+            own.remember(&others.memory(&self.topology));
         }
         self.plan_ticks(*tick);
         // After all that makes the tethers forget it.

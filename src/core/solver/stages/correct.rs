@@ -13,28 +13,39 @@ use crate::solver::state::State;
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers.
     pub fn correct(&mut self) {
+        let exceeds = self.pull_threads();
+        self.hold_threads(exceeds);
+    }
+
+    /// First part of the third stage: threads are solved, layers of the cloth that touch are moved apart. Tells whether any spring may
+    /// be beyond its limit.
+    pub(crate) fn pull_threads(&mut self) -> bool {
         self.weigh_soft_pins();
         self.hold_onto_colliders();
         self.begin_corrections();
-        // Springs that carry the cloth, and what was asked of them, need no tethers.
-        let mut tethered = self.plan.clamped.thread || self.plan.gives;
         match self.plan.stretching {
             Stretching::ImplicitThreads => {
                 self.correct_shear();
                 let exceeds = self.solve_threads();
                 // What the cloth's layers push apart may be beyond the limit as well.
-                if self.meet_itself() || exceeds {
-                    self.limit_strain();
-                }
-                tethered = true;
+                self.meet_itself() || exceeds
             }
             Stretching::ExplicitSprings => {
                 self.meet_itself();
-                self.limit_strain();
+                true
             }
         }
+    }
+
+    /// Second part of the third stage: springs are held to their limit, then tethers pull.
+    pub(crate) fn hold_threads(&mut self, exceeds: bool) {
+        if exceeds {
+            self.limit_strain();
+        }
         self.end_corrections();
-        if tethered {
+        // Springs that carry the cloth, and what was asked of them, need no tethers.
+        let is_woven = self.plan.stretching == Stretching::ImplicitThreads;
+        if is_woven || self.plan.clamped.thread || self.plan.gives {
             self.pull_tethers();
         }
         self.note_unfollowed(true);

@@ -4,12 +4,13 @@
 //! | --- | --- | --- |
 //! | 1 | `forces` | `external`, `bending_friction` |
 //! | 2 | `integrate` | `houbolt`, `explicit` |
-//! | 3 | `correct` | `self_contact`, `soft_pins` |
+//! | 3 | `correct` | `cloth_contact`, `soft_pins` |
 //! | 4 | `collide` | |
 //!
 //! The parts of stages that differ between a sheet and a mesh are in `model`.
 
 mod bending_friction;
+mod cloth_contact;
 mod collide;
 mod correct;
 mod explicit;
@@ -17,5 +18,5 @@ mod external;
 mod forces;
 mod houbolt;
 mod integrate;
-mod self_contact;
+
 mod soft_pins;

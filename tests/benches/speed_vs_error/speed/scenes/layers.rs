@@ -14,6 +14,7 @@ use bevy_drape::solver::{
 use super::super::run::{FRAME, GRAVITY, dice};
 use super::super::{Extent, Job, Measured, Metric, Outcome, Scene};
 use super::contact::peers;
+use super::piles;
 
 /// The fate of a cloth.
 #[derive(Clone, Copy, PartialEq)]
@@ -197,6 +198,7 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
             }
         }
     }
+    jobs.extend(piles::jobs());
     let columns = ["crossings", "at_end", "p99", ""];
     jobs.extend(peers::jobs("peer_layers.csv", "layers", 64, &columns)?);
     Ok(Scene {
@@ -204,8 +206,9 @@ pub fn scene(extent: Extent) -> Outcome<Scene<'static>> {
         title: "P14 LAYERS: cloths that fall together, are wound up and twisted",
         about: "The usual material. EDGE: 1 m x 1 m falls almost on its edge. DRAPE: 2 m x 2 m falls over a ball of radius 0.5 m, its corners onto \
                 a floor. SPIN: 1 m x 1 m on a ball of radius 0.15 m, which turns by 180 degrees a second from the first second on. TWIST k: a \
-                strip of 1 m x 0.3 m, both ends turned against each other by k turns in 6 s while they come nearer by a quarter. Crossings: edges \
-                that pierce faces, the most of every fourth frame in 4 s (TWIST: 7 s), and at the end; p99 and largest strain: of all frames. \
+                strip of 1 m x 0.3 m, both ends turned against each other by k turns in 6 s while they come nearer by a quarter. Five sheets, 10 mm \
+                apart, fall over a ball of a quarter of their size; ten of 2 m, 0.1 m apart, onto the ground, where a ball dents them. Crossings: edges \
+                that pierce faces, of the same cloth or, of several cloths, of another, the most of every fourth frame in 4 s (TWIST: 7 s), and at the end; p99 and largest strain: of all frames. \
                 Times are the median frame's, of the substeps that the plan takes."
             .into(),
         errors: vec![

@@ -8,6 +8,7 @@ mod incline;
 mod irregular;
 mod layers;
 mod parts;
+mod piles;
 pub mod scaling;
 mod statics;
 mod survival;

@@ -1,5 +1,9 @@
 //! The triangles of a cloth, by its particles.
 
+use bevy_math::Vec3;
+
+use crate::solver::simd::block::larger;
+use crate::solver::simd::layout::Layout;
 use crate::solver::topology::Topology;
 
 /// The triangles of a mesh, or two for each cell of a lattice.
@@ -23,7 +27,9 @@ pub(super) fn faces(topology: &Topology) -> Vec<[usize; 3]> {
 
 /// The faces at each particle, by slots.
 #[derive(Clone, Debug)]
-pub(super) struct FacesAt {
+pub(in crate::solver) struct FacesAt {
+    /// The rows and columns of a lattice.
+    grid: Option<Layout>,
     /// Corners of faces.
     faces: Vec<[u32; 3]>,
     /// Faces at slot i are from `first[i]` to `first[i + 1]` of `at`.
@@ -54,12 +60,30 @@ impl FacesAt {
                 *next += 1;
             }
         }
-        Self { faces, first, at }
+        let grid = topology.as_lattice().map(|lattice| lattice.layout);
+        Self { grid, faces, first, at }
     }
 
     /// The corners of the faces at a slot.
     pub fn of(&self, slot: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
         let faces = self.first[slot] as usize..self.first[slot + 1] as usize;
         self.at[faces].iter().map(|&face| self.faces[face as usize])
+    }
+
+    /// The normal of the surface at a slot, of length one; either of both. `at` says where particles are.
+    pub fn normal(&self, slot: usize, at: impl Fn(u32) -> Vec3) -> Vec3 {
+        let sum = match self.grid {
+            Some(layout) => {
+                let [above, below, before, after] = layout.around(slot).map(|slot| at(slot as u32));
+                (below - above).cross(after - before)
+            }
+            None => self.of(slot).fold(Vec3::ZERO, |sum, corners| {
+                let [a, b, c] = corners.map(&at);
+                let normal = (b - a).cross(c - a);
+                // Which way each goes round does not matter.
+                sum + if normal.dot(sum) < 0.0 { -normal } else { normal }
+            }),
+        };
+        sum * (1.0 / larger(sum.dot(sum).sqrt(), f32::MIN_POSITIVE))
     }
 }

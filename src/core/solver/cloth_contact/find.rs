@@ -2,14 +2,15 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::self_contact::grid::{Grid, ROWS};
+use crate::solver::cloth_contact::grid::{Grid, ROWS};
+use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::soa::Soa;
 
 /// Distance at rest, in distances at which two particles touch, up to which they are neighbours that are left alone.
 const NEIGHBOURS: f32 = 1.2;
 /// Particles that are looked at together. Runs are short, so that wider blocks would be half empty.
-const WIDE: usize = 8;
+pub(super) const WIDE: usize = 8;
 
 /// Two particles that may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,15 +22,48 @@ pub(super) struct Pair {
     pub gap: f32,
 }
 
+/// Radii of the larger of two balls that their centres are apart at least where they touch: the smaller ones of a finer cloth are
+/// to find no way between those of a coarser one.
+const UNEVEN: f32 = 1.7;
+
+/// The particles that may be pairs, and where pairs go.
+pub(super) trait Company {
+    /// Of the particles of a group that begins at `at`, a bit each, those that may meet the one at a place.
+    fn among(&self, lanes: u32, at: usize, place: usize) -> u32;
+    /// Takes in a pair of particles, by their places in the grid.
+    fn take(&mut self, places: [usize; 2], pair: Pair);
+}
+
 /// Finds pairs: of each particle with those that come after it in its cell, in the next one, and in the rows of three cells after
 /// these.
-pub(super) struct FindPairs<'a> {
+pub(super) struct FindPairs<'a, C> {
     pub grid: &'a Grid,
     pub margin: f32,
+    pub company: C,
+}
+
+/// The particles of one cloth. Those that are neighbours at rest are left alone.
+pub(super) struct OneCloth<'a> {
+    /// Rest positions by place \[m\].
+    pub rest: &'a Soa,
+    pub radius: &'a [f32],
     pub pairs: &'a mut Vec<Pair>,
 }
 
-impl Kernel for FindPairs<'_> {
+impl Company for OneCloth<'_> {
+    #[inline(always)]
+    fn among(&self, lanes: u32, at: usize, place: usize) -> u32 {
+        let at_rest = Group::load(self.rest, self.radius, at);
+        lanes & !at_rest.near(self.rest.get(place), self.radius[place], NEIGHBOURS, 0.0)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _: [usize; 2], pair: Pair) {
+        self.pairs.push(pair);
+    }
+}
+
+impl<C: Company> Kernel for FindPairs<'_, C> {
     type Output = ();
 
     #[inline(always)]
@@ -69,18 +103,24 @@ impl Group {
         Self { x: [take(&x.x, at), take(&x.y, at), take(&x.z, at)], radius: take(radius, at) }
     }
 
-    /// The particles that are nearer to a point than `factor` times the sum of both radii, and something more: a bit each.
+    /// The particles that are nearer to a point than `factor` times the distance at which they touch, and something more: a bit each.
     #[inline(always)]
     fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
         let [x, y, z] = &self.x;
         let mut bits = [0_u32; WIDE];
         for i in 0..WIDE {
             let apart = Vec3::new(x[i], y[i], z[i]) - point;
-            let most = (self.radius[i] + radius) * factor + more;
+            let most = reach(self.radius[i], radius) * factor + more;
             bits[i] = if apart.dot(apart) < most * most { 1 << i } else { 0 };
         }
         bits.into_iter().fold(0, |all, bit| all | bit)
     }
+}
+
+/// Distance at which two balls touch \[m\].
+#[inline(always)]
+fn reach(a: f32, b: f32) -> f32 {
+    larger(a + b, UNEVEN * larger(a, b))
 }
 
 #[inline(always)]
@@ -90,14 +130,13 @@ fn take(values: &[f32], at: usize) -> [f32; WIDE] {
     out
 }
 
-impl FindPairs<'_> {
+impl<C: Company> FindPairs<'_, C> {
     /// Looks at the particles of a cell and some others, by their places: at all of them, or at those that come after.
     #[inline(always)]
     fn look(&mut self, cell: [usize; 2], first: usize, end: usize, after: bool) {
         let grid = self.grid;
         for at in (first..end).step_by(WIDE) {
             let others = Group::load(&grid.x, &grid.radius, at);
-            let at_rest = Group::load(&grid.rest, &grid.radius, at);
             // Lanes before the end.
             let inside = if end - at < WIDE { (1 << (end - at)) - 1 } else { (1 << WIDE) - 1 };
             for place in cell[0]..cell[1] {
@@ -110,15 +149,15 @@ impl FindPairs<'_> {
                 if lanes == 0 {
                     continue;
                 }
-                lanes &= !at_rest.near(grid.rest.get(place), r, NEIGHBOURS, 0.0);
+                lanes = self.company.among(lanes, at, place);
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
                     let apart = grid.x.get(at + lane) - p;
-                    let reach = others.radius[lane] + r;
+                    let reach = reach(others.radius[lane], r);
                     let gap = apart.dot(apart).sqrt() - reach;
                     let slots = [grid.slots[place], grid.slots[at + lane]];
-                    self.pairs.push(Pair { slots, reach, gap });
+                    self.company.take([place, at + lane], Pair { slots, reach, gap });
                 }
             }
         }

@@ -2,12 +2,9 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::self_contact::balls::Balls;
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::{Array, Soa};
-use crate::solver::topology::Topology;
 
 /// Bits of a cell's coordinate along an axis. Coordinates are from 1 to 1022, so that each cell has neighbours.
 const BITS: u32 = 10;
@@ -18,11 +15,8 @@ const END: u32 = u32::MAX;
 const NOWHERE: f32 = 1e18;
 
 /// Particles in the order of their cells, row by row along x.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Grid {
-    pub layout: Layout,
-    /// Rest positions by slot \[m\].
-    rest_of: Soa,
     /// Least width of a cell \[m\].
     wide: f32,
     /// Keys of cells, and below them slots.
@@ -30,10 +24,9 @@ pub(super) struct Grid {
     spare: Vec<u64>,
     /// The cells that hold any, ascending, then two ends.
     pub cells: Vec<Cell>,
-    /// Slots, positions, rest positions and radii, in order.
+    /// Slots, positions and radii, in order.
     pub slots: Vec<u32>,
     pub x: Soa,
-    pub rest: Soa,
     pub radius: Array,
 }
 
@@ -52,24 +45,20 @@ pub(super) const ROWS: [u32; 4] = {
 };
 
 impl Grid {
-    pub fn new(topology: &Topology) -> Self {
-        let count = topology.particle_count();
-        let mut rest_of = Soa::zeros(topology.layout().len());
-        for (particle, &rest) in topology.rest_positions().iter().enumerate() {
-            rest_of.set(topology.slot(particle), rest);
-        }
-        let room = count.next_multiple_of(LANES) + LANES;
-        Self {
-            layout: topology.layout(),
-            rest_of,
-            wide: 0.0,
-            keys: Vec::with_capacity(count),
-            spare: vec![0; count],
-            cells: Vec::with_capacity(count + 2),
-            slots: Vec::with_capacity(count),
-            x: Soa::zeros(room),
-            rest: Soa::zeros(room),
-            radius: Array::zeros(room),
+    /// With room for so many particles.
+    pub fn with_room(count: usize) -> Self {
+        let mut grid = Self::default();
+        grid.make_room(count);
+        grid
+    }
+
+    /// Makes room for so many particles, where there is less.
+    pub fn make_room(&mut self, count: usize) {
+        if self.spare.len() < count {
+            self.spare.resize(count, 0);
+            self.keys.reserve(count - self.keys.len());
+            let room = room_for(count);
+            (self.x, self.radius) = (Soa::zeros(room), Array::zeros(room));
         }
     }
 
@@ -95,10 +84,10 @@ impl Grid {
         }
     }
 
-    /// Sorts the particles that were taken in.
-    pub fn sort(&mut self, isa: Isa, balls: &Balls, at: &Soa) {
+    /// Sorts the particles that were taken in, of these positions and radii by slot.
+    pub fn sort(&mut self, isa: Isa, at: &Soa, radius: &[f32]) {
         self.order_keys();
-        isa.run(Place { grid: self, at, radius: &balls.radius });
+        isa.run(Place { grid: self, at, radius });
     }
 
     /// Sorts keys by the digits of their cells; what is in one cell keeps its order.
@@ -126,6 +115,11 @@ impl Grid {
     }
 }
 
+/// Places of so many particles, with a block to look beyond the last.
+pub(super) fn room_for(count: usize) -> usize {
+    count.next_multiple_of(LANES) + LANES
+}
+
 /// Lists cells, and writes what pairs are found by, in the order of the keys.
 struct Place<'a> {
     grid: &'a mut Grid,
@@ -138,7 +132,7 @@ impl Kernel for Place<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Grid { rest_of, keys, cells, slots, x, rest, radius, .. } = self.grid;
+        let Grid { keys, cells, slots, x, radius, .. } = self.grid;
         cells.clear();
         slots.clear();
         let mut last = END;
@@ -151,7 +145,6 @@ impl Kernel for Place<'_> {
             slots.push(slot);
             let slot = slot as usize;
             x.set(place, self.at.get(slot));
-            rest.set(place, rest_of.get(slot));
             radius[place] = self.radius[slot];
         }
         let count = keys.len();

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::self_contact::faces::faces;
+use crate::solver::cloth_contact::faces::faces;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::Topology;
 
@@ -18,6 +18,12 @@ pub(super) struct Balls {
 }
 
 impl Balls {
+    /// With this distance between their centres where they touch \[m\], or as small as holds.
+    pub fn of(topology: &Topology, distance: Option<f32>) -> Self {
+        distance
+            .map_or_else(|| Self::automatic(topology), |distance| Self::uniform(topology, distance))
+    }
+
     /// As small as holds: of each particle by the largest of its triangles.
     pub fn automatic(topology: &Topology) -> Self {
         let rest = topology.rest_positions();
@@ -33,7 +39,7 @@ impl Balls {
     }
 
     /// All alike, with that distance between their centres where they touch \[m\].
-    pub fn uniform(topology: &Topology, distance: f32) -> Self {
+    fn uniform(topology: &Topology, distance: f32) -> Self {
         let mut radius = Array::zeros(topology.layout().len());
         for particle in 0..topology.particle_count() {
             radius[topology.slot(particle)] = 0.5 * distance;

@@ -1,0 +1,127 @@
+//! Pairs in batches, of which no two share a particle: the pairs of a batch are met side by side, as the lanes of blocks.
+//!
+//! Pairs that were nearest when they were found come first. Batches are made of no more of them than are awake.
+
+use crate::solver::cloth_contact::find::Pair;
+use crate::solver::simd::block::{Block, smaller};
+use crate::solver::simd::lanes::LANES;
+
+/// Steps in which pairs are sorted by their gaps.
+const STEPS: usize = 16;
+
+/// Pairs that share no particle. A lane without a pair has a reach of zero.
+#[derive(Clone, Debug)]
+pub(super) struct Batch {
+    /// Slots of the first particles, and of the second ones.
+    pub slots: [[u32; LANES]; 2],
+    /// Distances at which they touch \[m\].
+    pub reach: Block,
+    /// How many lanes hold a pair.
+    count: usize,
+    /// Least gap of any pair \[m\].
+    gap: f32,
+}
+
+/// Pairs of one cloth, or of two.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Batches {
+    all: Vec<Batch>,
+    /// Batches before this one are full.
+    first_free: usize,
+    /// Pairs by their gaps, and where each step of them ends.
+    order: Vec<u32>,
+    ends: [usize; STEPS + 1],
+    /// How many of them are in batches.
+    made: usize,
+    /// Gap up to which there are pairs \[m\].
+    margin: f32,
+    /// By particle, the batch after the last one that it is in. Those of a second cloth come after those of the first.
+    next: Vec<u32>,
+    /// Where those of a second cloth begin.
+    second: usize,
+}
+
+impl Batches {
+    /// Begins anew with pairs that have gaps of up to `margin`, of cloths that have so many slots; none where both are the same cloth.
+    pub fn begin(&mut self, pairs: &[Pair], margin: f32, [slots, others]: [usize; 2]) {
+        self.all.clear();
+        (self.first_free, self.made, self.margin) = (0, 0, margin);
+        self.next.clear();
+        self.next.resize(slots + others, 0);
+        self.second = if others > 0 { slots } else { 0 };
+        self.sort(pairs);
+    }
+
+    /// Sorts pairs by their gaps, in steps; within a step they keep their order.
+    fn sort(&mut self, pairs: &[Pair]) {
+        let Self { order, ends, margin, .. } = self;
+        ends.fill(0);
+        for pair in pairs {
+            ends[step(pair.gap, *margin)] += 1;
+        }
+        let mut before = 0;
+        for end in ends.iter_mut() {
+            (*end, before) = (before, before + *end);
+        }
+        order.clear();
+        order.resize(pairs.len(), 0);
+        for (at, pair) in pairs.iter().enumerate() {
+            let end = &mut ends[step(pair.gap, *margin)];
+            order[*end] = at as u32;
+            *end += 1;
+        }
+    }
+
+    /// The batches of pairs that may touch, where particles have moved so far relative to each other.
+    pub fn awake(&mut self, pairs: &[Pair], travelled: f32) -> impl Iterator<Item = &Batch> {
+        let end = self.ends[step(travelled, self.margin)];
+        for at in self.made..end {
+            self.put(&pairs[self.order[at] as usize]);
+        }
+        self.made = self.made.max(end);
+        self.all.iter().filter(move |batch| batch.gap < travelled)
+    }
+
+    /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
+    fn put(&mut self, pair: &Pair) {
+        let Self { all, first_free, next, second, .. } = self;
+        let particles = [pair.slots[0] as usize, *second + pair.slots[1] as usize];
+        let [a, b] = particles.map(|particle| next[particle] as usize);
+        let is_full = |batch: &Batch| batch.count == LANES;
+        let mut at = (*first_free).max(a).max(b);
+        while all.get(at).is_some_and(is_full) {
+            at += 1;
+        }
+        if at == all.len() {
+            all.push(Batch::EMPTY);
+        }
+        all[at].push(pair);
+        for particle in particles {
+            next[particle] = at as u32 + 1;
+        }
+        while all.get(*first_free).is_some_and(is_full) {
+            *first_free += 1;
+        }
+    }
+}
+
+/// The step of a gap; the first one is of pairs that touch.
+#[inline(always)]
+fn step(gap: f32, margin: f32) -> usize {
+    let part = gap / margin * STEPS as f32;
+    if part > 0.0 { (part as usize + 1).min(STEPS) } else { 0 }
+}
+
+impl Batch {
+    const EMPTY: Self =
+        Self { slots: [[0; LANES]; 2], reach: Block::ZERO, count: 0, gap: f32::INFINITY };
+
+    fn push(&mut self, pair: &Pair) {
+        for (slots, slot) in self.slots.iter_mut().zip(pair.slots) {
+            slots[self.count] = slot;
+        }
+        self.reach.0[self.count] = pair.reach;
+        self.gap = smaller(pair.gap, self.gap);
+        self.count += 1;
+    }
+}

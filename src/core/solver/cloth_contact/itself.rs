@@ -1,0 +1,246 @@
+//! Contact of a cloth with itself.
+
+use std::sync::Arc;
+
+use bevy_math::Vec3;
+
+use crate::solver::cloth_contact::balls::Balls;
+use crate::solver::cloth_contact::batches::Batches;
+use crate::solver::cloth_contact::faces::FacesAt;
+use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
+use crate::solver::cloth_contact::grid::{Grid, room_for};
+use crate::solver::cloth_contact::normals::Normals;
+use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
+use crate::solver::cloth_contact::respond::Respond;
+use crate::solver::cloth_contact::side::{Lying, Side};
+use crate::solver::cloth_contact::tangles::Tangles;
+use crate::solver::cloth_contact::travel::{AddUp, Travel, Travelled};
+use crate::solver::cloth_contact::{CALM, MARGIN, Memory, check_numbers, substeps_for};
+use crate::solver::settings::ParameterError;
+use crate::solver::simd::isa::Isa;
+use crate::solver::simd::layout::Layout;
+use crate::solver::simd::soa::Soa;
+use crate::solver::topology::Topology;
+
+/// Pairs that there is room for from the start, for each particle.
+const ROOM: usize = 4;
+
+/// How a cloth collides with itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct SelfCollision {
+    /// Distance at which particles are kept from each other \[m\]; `None` is the least at which no layer passes through another,
+    /// 0.92 of the particle spacing on a square sheet. Smaller is thinner and lets layers pass.
+    pub distance: Option<f32>,
+    /// Coulomb's coefficient between layers \[1\]. Higher slides less.
+    pub friction: f32,
+}
+
+impl Default for SelfCollision {
+    fn default() -> Self {
+        Self { distance: None, friction: 0.5 }
+    }
+}
+
+impl SelfCollision {
+    /// Checks every number, for a cloth.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for the first number that is not finite or out of its range. A distance may be at most the automatic one
+    /// over 0.92, which is the particle spacing of a square sheet.
+    pub fn validate(&self, topology: &Topology) -> Result<(), ParameterError> {
+        check_numbers(topology, self.distance, self.friction)
+    }
+}
+
+/// A cloth's contact with itself: its balls, and the pairs of them that may touch. All but the balls follows from where the particles
+/// were when pairs were found last.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct SelfContact {
+    pub settings: SelfCollision,
+    balls: Balls,
+    /// Patches of a sheet, by which smooth parts are passed over.
+    patches: Option<Patches>,
+    layout: Layout,
+    grid: Grid,
+    /// Rest positions by slot \[m\].
+    rest_of: Soa,
+    /// The same by place in the grid.
+    rest: Soa,
+    travel: Travel,
+    tangles: Tangles,
+    batches: Batches,
+    normals: Normals,
+    /// Positions when pairs were found last \[m\].
+    found_at: Soa,
+    /// Whether they were found, and no particle has been put elsewhere since.
+    is_found: bool,
+    /// Ticks since pairs touched, up to [`CALM`].
+    since_touch: u32,
+    pairs: Vec<Pair>,
+    /// Gap up to which pairs are kept \[m\].
+    margin: f32,
+}
+
+/// A substep of a cloth, as its contact with itself takes it.
+pub(in crate::solver) struct Substep<'a> {
+    pub isa: Isa,
+    pub inverse_mass: &'a [f32],
+    pub x: &'a mut Soa,
+    pub d: &'a mut Soa,
+    /// Where its particles lie on colliders, if any do.
+    pub lying: Option<Lying<'a>>,
+    /// How far a pair is moved apart in the substep at most, without speed \[m\].
+    pub most_push: f32,
+}
+
+impl SelfContact {
+    /// For a cloth with settings that have been checked.
+    pub fn new(topology: &Topology, faces: Arc<FacesAt>, settings: SelfCollision) -> Self {
+        let balls = Balls::of(topology, settings.distance);
+        let (layout, count) = (topology.layout(), topology.particle_count());
+        let mut rest_of = Soa::zeros(layout.len());
+        for (particle, &rest) in topology.rest_positions().iter().enumerate() {
+            rest_of.set(topology.slot(particle), rest);
+        }
+        Self {
+            settings,
+            patches: topology.as_lattice().map(|lattice| Patches::new(lattice.layout)),
+            layout,
+            grid: Grid::with_room(count),
+            rest_of,
+            rest: Soa::zeros(room_for(count)),
+            travel: Travel::new(layout),
+            tangles: Tangles::new(topology, faces),
+            batches: Batches::default(),
+            normals: Normals::new(layout.len()),
+            found_at: Soa::zeros(layout.len()),
+            is_found: false,
+            since_touch: CALM,
+            pairs: Vec::with_capacity(ROOM * count),
+            margin: balls.widest() * MARGIN,
+            balls,
+        }
+    }
+
+    /// Begins a tick.
+    pub fn begin_tick(&mut self) {
+        self.since_touch = (self.since_touch + 1).min(CALM);
+        self.tangles.begin_tick();
+    }
+
+    /// Substeps in 1/60 s that it asks for.
+    pub fn substeps(&self) -> u32 {
+        substeps_for(self.balls.widest(), self.since_touch)
+    }
+
+    /// The cloth's faces.
+    pub fn faces(&self) -> Arc<FacesAt> {
+        self.tangles.faces.clone()
+    }
+
+    /// Takes out all that its later bits depend on.
+    pub fn memory(&self) -> Memory {
+        self.tangles.memory(self.is_found.then(|| self.found_at.clone()), self.since_touch)
+    }
+
+    /// Takes over another's memory.
+    pub fn remember(&mut self, isa: Isa, memory: Memory) {
+        self.since_touch = memory.since_touch.min(CALM);
+        self.tangles.remember(&memory);
+        self.is_found = false;
+        if let Some(found_at) = memory.found_at {
+            self.found_at = found_at;
+            self.find(isa);
+        }
+    }
+
+    /// Forgets which pairs there are: particles have been put elsewhere.
+    pub fn forget(&mut self) {
+        self.is_found = false;
+        self.tangles.suspect();
+    }
+
+    /// Moves apart what touches. Tells how many pairs do.
+    pub fn meet(&mut self, on: Substep<'_>) -> u32 {
+        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
+        let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
+        if self.is_found {
+            travelled = self.travel.measure(isa, x, d, &self.found_at, self.margin);
+        }
+        if travelled.is_too_far {
+            isa.run(AddUp { x, d, shift: Vec3::ZERO, to: &mut self.found_at, first: 0 });
+            self.find(isa);
+            travelled.most = 0.0;
+        }
+        if self.tangles.is_due() {
+            self.tangles.begin_search();
+            let at = |slot: u32| x.get(slot as usize) + d.get(slot as usize);
+            for pair in &self.pairs {
+                self.tangles.search(pair, at);
+            }
+        }
+        let side = Side {
+            normals: &mut self.normals,
+            faces: &self.tangles.faces,
+            found_at: &self.found_at,
+            first: 0,
+            inverse_mass,
+            x,
+            d,
+            lying,
+            is_down: self.tangles.any.then_some(&*self.tangles.is_down),
+        };
+        let respond = Respond {
+            pairs: &self.pairs,
+            batches: &mut self.batches,
+            sides: &mut [side],
+            shift: Vec3::ZERO,
+            drift: Vec3::ZERO,
+            travelled: travelled.most,
+            friction: self.settings.friction,
+            most_push,
+        };
+        let touched = isa.run(respond);
+        self.since_touch = if touched.count > 0 { 0 } else { self.since_touch };
+        self.tangles.is_suspected |= touched.is_deep;
+        touched.count
+    }
+
+    /// Finds the pairs of particles that are at `found_at`.
+    fn find(&mut self, isa: Isa) {
+        let Self {
+            patches,
+            grid,
+            travel,
+            found_at: at,
+            pairs,
+            margin,
+            balls,
+            batches,
+            normals,
+            ..
+        } = self;
+        let reach = balls.widest() + *margin;
+        travel.begin(isa, at, *margin, reach);
+        grid.begin(reach);
+        match patches {
+            Some(patches) => {
+                isa.run(LookAtPatches { patches, at });
+                patches.find_busy(reach);
+                grid.take(at, patches.busy_slots());
+            }
+            None => grid.take(at, self.layout.slots()),
+        }
+        grid.sort(isa, at, &balls.radius);
+        for (place, &slot) in grid.slots.iter().enumerate() {
+            self.rest.set(place, self.rest_of.get(slot as usize));
+        }
+        pairs.clear();
+        let company = OneCloth { rest: &self.rest, radius: &grid.radius, pairs };
+        isa.run(FindPairs { grid, margin: *margin, company });
+        normals.forget();
+        batches.begin(pairs, *margin, [self.layout.len(), 0]);
+        self.is_found = true;
+    }
+}

@@ -1,0 +1,114 @@
+//! What a cloth has for its contact with other cloths.
+
+use std::sync::Arc;
+
+use crate::solver::cloth_contact::balls::Balls;
+use crate::solver::cloth_contact::faces::FacesAt;
+use crate::solver::cloth_contact::normals::Normals;
+use crate::solver::cloth_contact::tangles::Tangles;
+use crate::solver::cloth_contact::travel::Regions;
+use crate::solver::cloth_contact::{CALM, Memory, check_numbers, substeps_for};
+use crate::solver::settings::ParameterError;
+use crate::solver::topology::Topology;
+
+/// How a cloth collides with other cloths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub struct InterCollision {
+    /// Layers, a bit each. Two cloths collide where they share one.
+    pub layers: u32,
+    /// Distance at which particles are kept from those of a cloth like it \[m\]: each cloth gives half of it. `None` is the least at which
+    /// no layer passes through another, 0.92 of the particle spacing on a square sheet. Smaller is thinner and lets layers pass.
+    pub distance: Option<f32>,
+    /// Coulomb's coefficient \[1\]. Between two cloths it is the geometric mean of both. Higher slides less.
+    pub friction: f32,
+}
+
+impl Default for InterCollision {
+    fn default() -> Self {
+        Self { layers: u32::MAX, distance: None, friction: 0.5 }
+    }
+}
+
+impl InterCollision {
+    /// Checks every number, for a cloth.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for layers of which there are none, or for the first number that is not finite or out of its range. A distance may be at most the automatic one
+    /// over 0.92, which is the particle spacing of a square sheet.
+    pub fn validate(&self, topology: &Topology) -> Result<(), ParameterError> {
+        if self.layers == 0 {
+            let range = "at least one: a cloth without layers meets none; let it not collide with others instead";
+            return Err(ParameterError { name: "layers", value: 0.0, range });
+        }
+        check_numbers(topology, self.distance, self.friction)
+    }
+}
+
+/// A cloth's part in contact with others.
+#[derive(Clone, Debug)]
+pub(in crate::solver) struct OthersContact {
+    pub settings: InterCollision,
+    pub(super) balls: Balls,
+    pub(super) regions: Regions,
+    pub(super) tangles: Tangles,
+    pub(super) normals: Normals,
+    /// Ticks since it touched another cloth, up to [`CALM`].
+    pub(super) since_touch: u32,
+    /// Whether it may touch others in this tick.
+    is_in_company: bool,
+}
+
+impl OthersContact {
+    /// For a cloth with settings that have been checked.
+    pub fn new(topology: &Topology, faces: Arc<FacesAt>, settings: InterCollision) -> Self {
+        let layout = topology.layout();
+        Self {
+            settings,
+            balls: Balls::of(topology, settings.distance),
+            regions: Regions::new(layout),
+            tangles: Tangles::new(topology, faces),
+            normals: Normals::new(layout.len()),
+            since_touch: CALM,
+            is_in_company: false,
+        }
+    }
+
+    /// Begins a tick in which it may touch others, or not.
+    pub fn begin_tick(&mut self, is_in_company: bool) {
+        self.since_touch = (self.since_touch + 1).min(CALM);
+        self.tangles.begin_tick();
+        self.is_in_company = is_in_company;
+    }
+
+    /// Substeps in 1/60 s that it asks for.
+    pub fn substeps(&self) -> u32 {
+        if self.is_in_company { substeps_for(self.balls.widest(), self.since_touch) } else { 0 }
+    }
+
+    /// Largest distance at which a particle is kept from one of a cloth like it \[m\].
+    pub fn widest(&self) -> f32 {
+        self.balls.widest()
+    }
+
+    /// The cloth's faces.
+    pub fn faces(&self) -> Arc<FacesAt> {
+        self.tangles.faces.clone()
+    }
+
+    /// Takes out all that its later bits depend on.
+    pub fn memory(&self) -> Memory {
+        self.tangles.memory(None, self.since_touch)
+    }
+
+    /// Takes over another's memory.
+    pub fn remember(&mut self, memory: &Memory) {
+        self.since_touch = memory.since_touch.min(CALM);
+        self.tangles.remember(memory);
+    }
+
+    /// Particles have been put elsewhere.
+    pub fn forget(&mut self) {
+        self.tangles.suspect();
+    }
+}

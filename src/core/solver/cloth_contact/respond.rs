@@ -1,0 +1,201 @@
+//! Pairs that touch are moved apart, with friction.
+
+use bevy_math::Vec3;
+
+use crate::solver::cloth_contact::batches::{Batch, Batches};
+use crate::solver::cloth_contact::find::Pair;
+use crate::solver::cloth_contact::normals::direction;
+use crate::solver::cloth_contact::side::Side;
+use crate::solver::cloth_contact::tangles::DEEP;
+use crate::solver::contact::LEAST_MOBILITY;
+use crate::solver::simd::block::{Block, Block3, larger, smaller};
+use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::lanes::LANES;
+
+/// Least distance between two particles that has a direction, in distances at which they touch.
+const LEAST_DISTANCE: f32 = 1e-6;
+
+/// Moves apart what touches, one batch after the other.
+///
+/// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
+/// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
+///
+/// Its change of the displacements is a correction like those of the threads: a particle that lies on a collider follows it along the
+/// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
+/// apart that they press together, and do not stretch for it.
+pub(super) struct Respond<'a, 'b> {
+    pub pairs: &'a [Pair],
+    pub batches: &'a mut Batches,
+    /// The cloth of the first particles, and that of the second ones if it is another.
+    pub sides: &'a mut [Side<'b>],
+    /// From the origin of the second cloth to that of the first \[m\].
+    pub shift: Vec3,
+    /// How much further the first cloth's frame moves in the substep than the second one's \[m\].
+    pub drift: Vec3,
+    /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
+    pub travelled: f32,
+    pub friction: f32,
+    /// How far a pair is moved apart without speed, at most \[m\].
+    pub most_push: f32,
+}
+
+/// The pairs that touched in a substep.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Touched {
+    /// Pairs that touched.
+    pub count: u32,
+    /// Whether any of them was so deep that there may be a tangle.
+    pub is_deep: bool,
+}
+
+impl Kernel for Respond<'_, '_> {
+    type Output = Touched;
+
+    #[inline(always)]
+    fn run(self) -> Touched {
+        let Self { pairs, batches, sides, shift, drift, travelled, friction, most_push } = self;
+        let second = sides.len() - 1;
+        let mut touched = Touched::default();
+        for batch in batches.awake(pairs, larger(travelled, f32::MIN_POSITIVE)) {
+            let mut met = Met::NOTHING;
+            met.measure(batch, &sides[0], &sides[second], shift, drift);
+            if !met.touches.contains(&1) {
+                continue;
+            }
+            let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
+            let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
+            met.respond(&a, &b, &batch.reach, friction, most_push);
+            for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
+                let [a, b] = batch.slots.map(|slots| slots[i] as usize);
+                if sides[0].is_down(a) && sides[second].is_down(b) {
+                    continue;
+                }
+                touched.count += 1;
+                touched.is_deep |= met.depth.0[i] > DEEP * batch.reach.0[i];
+                let (momentum, pushed) = (met.momentum.at(i), met.pushed.at(i));
+                sides[0].give(a, momentum, pushed);
+                sides[second].give(b, -momentum, -pushed);
+            }
+        }
+        touched
+    }
+}
+
+/// What the response depends on of the particles of one side of a batch, where they touch.
+struct Grains {
+    normal: Block3,
+    onto: Block3,
+    /// Inverse mass, all of it, and what is left of it along a collider \[1/kg\].
+    inverse_mass: Block,
+    slipping: Block,
+}
+
+impl Grains {
+    #[inline(always)]
+    fn load(side: &mut Side<'_>, slots: &[u32; LANES], touches: &[u32; LANES]) -> Self {
+        let mut grains = Self {
+            normal: Block3::ZERO,
+            onto: Block3::ZERO,
+            inverse_mass: Block::ZERO,
+            slipping: Block::ZERO,
+        };
+        for i in (0..LANES).filter(|&i| touches[i] != 0) {
+            let slot = slots[i] as usize;
+            let ((onto, slip), w) = (side.lies_on(slot), side.inverse_mass[slot]);
+            grains.normal.set(i, side.normal(slot));
+            grains.onto.set(i, onto);
+            grains.inverse_mass.0[i] = w;
+            grains.slipping.0[i] = w * slip;
+        }
+        grains
+    }
+
+    /// How far momentum of one along a direction of some length moves a particle \[1/kg\].
+    #[inline(always)]
+    fn mobility(&self, lane: usize, direction: Vec3, square: f32) -> f32 {
+        let onto = self.onto.at(lane).dot(direction);
+        self.slipping.0[lane] * (1.0 - onto * onto / square)
+    }
+}
+
+/// The outcome of a batch.
+struct Met {
+    /// From the second particle to the first \[m\], and its square.
+    apart: Block3,
+    square: Block,
+    /// How much further the first one moves \[m\].
+    relative: Block3,
+    /// One where a pair touches.
+    touches: [u32; LANES],
+    /// How much nearer they are than they touch \[m\].
+    depth: Block,
+    /// What the first particle is given, and the second one is given back, and what moves them without speed \[kg m\].
+    momentum: Block3,
+    pushed: Block3,
+}
+
+impl Met {
+    const NOTHING: Self = Self {
+        apart: Block3::ZERO,
+        square: Block::ZERO,
+        relative: Block3::ZERO,
+        touches: [0; LANES],
+        depth: Block::ZERO,
+        momentum: Block3::ZERO,
+        pushed: Block3::ZERO,
+    };
+
+    /// Finds out which pairs touch. What is no number touches nothing.
+    #[inline(always)]
+    fn measure(
+        &mut self,
+        batch: &Batch,
+        first: &Side<'_>,
+        second: &Side<'_>,
+        shift: Vec3,
+        drift: Vec3,
+    ) {
+        for i in 0..LANES {
+            let [a, b] = batch.slots.map(|slots| slots[i] as usize);
+            let relative = first.d.get(a) - second.d.get(b);
+            self.relative.set(i, relative + drift);
+            self.apart.set(i, first.x.get(a) - second.x.get(b) + shift + relative);
+        }
+        for i in 0..LANES {
+            let apart = self.apart.at(i);
+            let square = apart.dot(apart);
+            self.square.0[i] = square;
+            self.touches[i] = u32::from(square < batch.reach.0[i] * batch.reach.0[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn respond(&mut self, a: &Grains, b: &Grains, reach: &Block, friction: f32, most_push: f32) {
+        for i in 0..LANES {
+            let (apart, square, reach) = (self.apart.at(i), self.square.0[i], reach.0[i]);
+            let distance = square.sqrt();
+            let normal = direction([a.normal.at(i), b.normal.at(i)], apart, distance);
+            let normal = if distance > LEAST_DISTANCE * reach { normal } else { Vec3::Y };
+            // As far along the normal as they are to be apart.
+            let above = apart.dot(normal);
+            let depth = (above * above + (reach * reach - square)).sqrt() - above;
+            let relative = self.relative.at(i);
+            let along = relative.dot(normal);
+            let undone = smaller(larger(-along, 0.0), depth);
+            let least = (a.inverse_mass.0[i] + b.inverse_mass.0[i]) * LEAST_MOBILITY;
+            let least = larger(least, f32::MIN_POSITIVE);
+            let share = a.mobility(i, normal, 1.0) + b.mobility(i, normal, 1.0);
+            let share = 1.0 / larger(share, least);
+            let pressed = undone * share;
+            let sliding = relative - normal * along;
+            let way = larger(sliding.dot(sliding), f32::MIN_POSITIVE);
+            let yields = a.mobility(i, sliding, way) + b.mobility(i, sliding, way);
+            let yields = larger(yields, least);
+            let held = friction * pressed * yields / way.sqrt();
+            let braked = smaller(held, 1.0) / yields;
+            self.depth.0[i] = reach - distance;
+            self.momentum.set(i, normal * pressed - sliding * braked);
+            self.pushed.set(i, normal * (smaller(depth - undone, most_push) * share));
+        }
+    }
+}

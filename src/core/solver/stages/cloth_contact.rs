@@ -1,0 +1,66 @@
+//! Contact of a cloth with itself and with others, in the third stage: after the threads, before the strain limit.
+
+use crate::solver::ClothSolver;
+use crate::solver::cloth_contact::{Lying, Parts, Substep};
+use crate::solver::contact::ActiveSet;
+use crate::solver::state::State;
+
+impl ClothSolver {
+    /// Forgets which particles may touch: some have been put elsewhere.
+    pub(crate) fn forget_pairs(&mut self) {
+        if let Some(own) = &mut self.self_contact {
+            own.forget();
+        }
+        if let Some(others) = &mut self.others_contact {
+            others.forget();
+        }
+    }
+
+    /// Moves apart particles that touch, where the cloth collides with itself. Tells whether any did.
+    pub(crate) fn meet_itself(&mut self) -> bool {
+        if self.self_contact.is_none() {
+            return false;
+        }
+        self.end_corrections();
+        let Self { self_contact, isa, pins, state, plan, settings, .. } = self;
+        let State { x, d, contacts, .. } = state;
+        let touching = self_contact.as_mut().map_or(0, |own| {
+            own.meet(Substep {
+                isa: *isa,
+                inverse_mass: &pins.inverse_mass,
+                x,
+                d,
+                lying: lying(contacts),
+                most_push: settings.max_depenetration_speed * plan.step,
+            })
+        });
+        self.touching_itself = touching;
+        self.begin_corrections();
+        touching > 0
+    }
+
+    /// What contact with other cloths takes of it in a substep, where it collides with others.
+    pub(in crate::solver) fn parts(&mut self, moves: bool) -> Option<Parts<'_>> {
+        let part = self.span();
+        let Self { others_contact, isa, pins, state, plan, settings, drift, .. } = self;
+        let State { x, d, contacts, origin, .. } = state;
+        Some(Parts {
+            isa: *isa,
+            moves,
+            origin: *origin + *drift * part.to,
+            drift: *drift * (part.to - part.from),
+            inverse_mass: &pins.inverse_mass,
+            x,
+            d,
+            lying: lying(contacts),
+            most_push: settings.max_depenetration_speed * plan.step,
+            others: others_contact.as_mut()?,
+        })
+    }
+}
+
+/// Where particles lie on colliders, if any do.
+fn lying(contacts: &mut ActiveSet) -> Option<Lying<'_>> {
+    let ActiveSet { now, load, .. } = contacts;
+    now.any.then_some(Lying { normal: &now.normal, slip: &now.slip, load })
+}
