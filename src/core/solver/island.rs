@@ -190,10 +190,10 @@ fn moving<'a, 'b>(
 
 impl ClothSolver {
     /// How far from its [`bounds`](ClothSolver::bounds) the cloth may touch another in a tick of `dt` seconds, if nothing new
-    /// moves it but a gravity; `None` where it collides with no others \[m\].
+    /// moves it but a gravity; `None` where it collides with no others \[m\]. One that takes no tick has a tick of 0 s.
     pub fn reach_of_tick(&self, dt: f32, gravity: Vec3) -> Option<f32> {
         let others = self.others_contact.as_ref()?;
-        let speed = self.fastest();
+        let speed = if dt > 0.0 { self.fastest() } else { 0.0 };
         Some(others.widest() + HASTE * speed * dt + gravity.length() * dt * dt)
     }
 

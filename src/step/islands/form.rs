@@ -27,6 +27,9 @@ pub(super) struct Candidate {
 impl Candidate {
     pub fn new(entity: Entity, cloth: &ClothSimulation) -> Option<Self> {
         let layers = cloth.solver.inter_collision()?.layers;
+        if cloth.is_hanging() {
+            return None;
+        }
         let (low, high) = cloth.solver.bounds();
         let ClothStep { runs, begins, .. } = cloth.tick.step;
         Some(Self { entity, layers, low, high, reach: 0.0, runs, begins, root: 0 })
@@ -59,12 +62,14 @@ pub(crate) fn form_islands(
     let Islands { islands, members, count, near, left } = &mut *islands;
     near.clear();
     for (entity, cloth) in &cloths {
-        if let Some(found) = Candidate::new(entity, cloth).filter(|_| !cloth.is_hanging()) {
-            let step = &cloth.tick.step;
-            let reach = cloth.solver.reach_of_tick(step.dt, step.gravity).unwrap_or_default();
-            let reach = if found.runs { reach + cloth.tick.way_of_pins() } else { 0.0 };
+        if let Some(found) = Candidate::new(entity, cloth) {
+            let ClothStep { dt, gravity, .. } = cloth.tick.step;
+            // What stands still has its balls alone.
+            let dt = if found.runs { dt } else { 0.0 };
+            let reach = cloth.solver.reach_of_tick(dt, gravity).unwrap_or_default();
+            let led = if found.runs { cloth.tick.way_of_pins() } else { 0.0 };
             let ride = cloth.frame.drift(0.5 * (found.low + found.high)).length();
-            near.push(Candidate { reach: reach + ride, ..found });
+            near.push(Candidate { reach: reach + led + ride, ..found });
         }
     }
     members.clear();
@@ -75,13 +80,9 @@ pub(crate) fn form_islands(
     }
     wake_neighbours(&mut cloths, near, left);
     join(near);
-    for cloth in &*near {
-        if let Some(mates) = is_of_island(near, cloth) {
-            members.push((mates as u32, cloth.entity));
-        }
-    }
+    members.extend(near.iter().map(|cloth| (cloth.root as u32, cloth.entity)));
     members.sort_unstable();
-    number(members, count);
+    *count = number(members);
     if islands.len() < *count as usize {
         islands.resize_with(*count as usize, Island::default);
     }
@@ -124,21 +125,23 @@ pub(super) fn root(near: &[Candidate], mut place: usize) -> usize {
     place
 }
 
-/// The root of the island that a cloth is of, if it is not alone.
-fn is_of_island(near: &[Candidate], cloth: &Candidate) -> Option<usize> {
-    let mates = near.iter().filter(|other| other.root == cloth.root).count();
-    (mates > 1).then_some(cloth.root)
-}
-
-/// Numbers islands in the order in which they come.
-fn number(members: &mut [(u32, Entity)], count: &mut u32) {
-    let mut last = None;
-    for (island, _) in members {
-        if last.replace(*island) != Some(*island) {
-            *count += 1;
+/// Numbers islands in the order of their roots, and leaves out cloths that are alone. Tells how many islands there are.
+fn number(members: &mut Vec<(u32, Entity)>) -> u32 {
+    let (mut count, mut kept, mut begin) = (0, 0, 0);
+    while begin < members.len() {
+        let root = members[begin].0;
+        let end = begin + members[begin..].partition_point(|&(of, _)| of == root);
+        if end - begin > 1 {
+            for at in begin..end {
+                members[kept] = (count, members[at].1);
+                kept += 1;
+            }
+            count += 1;
         }
-        *island = *count - 1;
+        begin = end;
     }
+    members.truncate(kept);
+    count
 }
 
 /// Wakes cloths that sleep near where another has come or gone without a tick, or begins to take ticks.

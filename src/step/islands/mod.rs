@@ -39,20 +39,13 @@ impl Islands {
             return;
         }
         let mut cloths = in_islands(cloths);
-        let mut rest = &mut *cloths;
-        let mut tasks = Vec::with_capacity(*count as usize);
-        for (index, island) in islands[..*count as usize].iter_mut().enumerate() {
-            let mates = rest.partition_point(|mate| mate.island as usize <= index);
-            let (members, others) = core::mem::take(&mut rest).split_at_mut(mates);
-            rest = others;
-            tasks.push((island, members));
-        }
-        if let [(island, members)] = &mut *tasks {
-            return tick(island, members, colliders, zones);
+        let mut islands = with_mates(&mut islands[..*count as usize], &mut cloths);
+        if let [island] = &mut *islands {
+            return tick(island.0, island.1, colliders, zones);
         }
         ComputeTaskPool::get().scope(|scope| {
-            for (island, members) in tasks {
-                scope.spawn(async move { tick(island, members, colliders, zones) });
+            for (island, mates) in islands {
+                scope.spawn(async move { tick(island, mates, colliders, zones) });
             }
         });
     }
@@ -67,12 +60,8 @@ impl Islands {
             return;
         }
         let mut cloths = in_islands(cloths);
-        let mut rest = &mut *cloths;
-        for (index, island) in self.islands[..self.count as usize].iter_mut().enumerate() {
-            let mates = rest.partition_point(|mate| mate.island as usize <= index);
-            let (members, others) = core::mem::take(&mut rest).split_at_mut(mates);
-            rest = others;
-            act(island, members);
+        for (island, mates) in with_mates(&mut self.islands[..self.count as usize], &mut cloths) {
+            act(island, mates);
         }
     }
 
@@ -136,6 +125,14 @@ fn in_islands<'w>(cloths: &'w mut Query<Stepped>) -> Vec<Mate<'w>> {
         .collect();
     mates.sort_unstable_by_key(|mate| (mate.island, mate.entity));
     mates
+}
+
+/// Each island with its cloths.
+fn with_mates<'a, 'w>(
+    islands: &'a mut [Island],
+    mates: &'a mut [Mate<'w>],
+) -> Vec<(&'a mut Island, &'a mut [Mate<'w>])> {
+    islands.iter_mut().zip(mates.chunk_by_mut(|a, b| a.island == b.island)).collect()
 }
 
 /// Takes the tick of an island.

@@ -66,8 +66,9 @@ impl Kernel for Respond<'_, '_> {
             let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
             met.respond(&a, &b, &batch.reach, friction, most_push);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
+                let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
-                if sides[0].is_down(a) && sides[second].is_down(b) {
+                if are_held || sides[0].is_down(a) && sides[second].is_down(b) {
                     continue;
                 }
                 touched.count += 1;
