@@ -433,6 +433,29 @@ fn cloths_that_start_within_each_other_stay_calm() {
     assert!(4 * after <= 5 * before, "{after} of {before}");
 }
 
+/// Pinned particles go where they are led, and push each other nowhere.
+#[test]
+fn held_particles_do_not_touch() {
+    let mut cloths = [0.0, 0.01].map(|height| cloth(&square(1.0, 12), |p| p + Vec3::Y * height));
+    let all: Vec<u32> = (0..12 * 12).collect();
+    for cloth in &mut cloths {
+        cloth.set_pins(&all).unwrap();
+        cloth.set_inter_collision(Some(InterCollision::default())).unwrap();
+    }
+    let pins = cloths.each_ref().map(still);
+    let before = cloths.each_ref().map(positions);
+    let mut island = Island::default();
+    let input = StepInput { dt: TICK, gravity: GRAVITY, ..StepInput::default() };
+    let mut members: Vec<_> = cloths
+        .iter_mut()
+        .zip(&pins)
+        .map(|(cloth, pins)| Member::new(cloth, StepInput { pins, ..input }))
+        .collect();
+    island.tick(&mut members);
+    assert_eq!(island.touched().count(), 0);
+    assert!(cloths.each_ref().map(positions) == before);
+}
+
 #[test]
 fn bad_numbers_are_refused() {
     let mut cloth = cloth(&square(1.0, 11), |p| p);
