@@ -172,6 +172,10 @@ impl Island {
             member.solver.touching_others = touching;
             member.solver.begin_corrections();
             member.solver.hold_threads(member.exceeds || touching > 0);
+        }
+        self.couples.keep_apart(members);
+        for (place, member) in moving(members) {
+            member.solver.keep_layers_apart();
             ended(place, Stage::Correct);
         }
     }

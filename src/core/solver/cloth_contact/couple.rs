@@ -1,5 +1,6 @@
 //! Two cloths that may touch.
 
+use crate::solver::cloth_contact::AT_LEAST;
 use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::parts::Body;
@@ -24,17 +25,44 @@ pub(super) struct Couple {
     pub touched: Touched,
 }
 
+/// Cloths as they were when pairs were found.
+pub(super) struct Found<'a> {
+    pub at: &'a Soa,
+    /// Where each cloth's first slot is there.
+    pub first: &'a [u32],
+    /// Displacements and inverse masses of cloths that do not move.
+    pub still: &'a mut (Soa, Array),
+}
+
 impl Couple {
-    /// Moves apart what touches, of cloths that were at `found_at`, where their first slots are given.
-    pub fn meet(
-        &mut self,
-        bodies: &mut [impl Body],
-        found_at: &Soa,
-        first: &[u32],
-        still: &mut (Soa, Array),
-    ) {
-        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
-        let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return };
+    /// Moves apart what touches.
+    pub fn meet(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
+        self.touched = self.respond(bodies, found, 1.0);
+        if self.touched.count == 0 {
+            return;
+        }
+        self.has_touched = true;
+        for of in self.of {
+            if let Some(parts) = bodies[of].parts() {
+                parts.others.since_touch = 0;
+                parts.others.tangles.is_suspected |= self.touched.is_deep();
+            }
+        }
+    }
+
+    /// Keeps apart what the strain limit has pulled together, after it met in the same substep.
+    pub fn keep_apart(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
+        if self.touched.is_pressed() {
+            self.respond(bodies, found, AT_LEAST);
+        }
+    }
+
+    /// Moves pairs apart to a part of the distance at which they touch.
+    fn respond(&mut self, bodies: &mut [impl Body], found: Found<'_>, part: f32) -> Touched {
+        let Found { at, first, still } = found;
+        let nothing = Touched::default();
+        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return nothing };
+        let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return nothing };
         let (isa, shift) = (one.isa, one.origin - other.origin);
         let drift = one.drift - other.drift;
         let most_push = smaller(one.most_push, other.most_push);
@@ -45,24 +73,17 @@ impl Couple {
             _ => [None, None],
         };
         let [a, b] = self.of.map(|of| first[of]);
-        let respond = Respond {
+        isa.run(Respond {
             pairs: &self.pairs,
             batches: &mut self.batches,
-            sides: &mut [one.side(a, found_at, ones), other.side(b, found_at, others)],
+            sides: &mut [one.side(a, at, ones), other.side(b, at, others)],
             shift,
             drift,
             travelled: self.travelled,
             friction: self.friction,
             most_push,
-        };
-        self.touched = isa.run(respond);
-        if self.touched.count > 0 {
-            self.has_touched = true;
-            for others in [one.others, other.others] {
-                others.since_touch = 0;
-                others.tangles.is_suspected |= self.touched.is_deep;
-            }
-        }
+            part,
+        })
     }
 
     pub fn search_tangles(&self, bodies: &mut [impl Body]) {

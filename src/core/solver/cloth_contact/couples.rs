@@ -5,7 +5,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::MARGIN;
-use crate::solver::cloth_contact::couple::Couple;
+use crate::solver::cloth_contact::couple::{Couple, Found};
 use crate::solver::cloth_contact::find::{Company, FindPairs, Pair, WIDE};
 use crate::solver::cloth_contact::grid::Grid;
 use crate::solver::cloth_contact::parts::Body;
@@ -160,8 +160,16 @@ impl Couples {
         let Self { couples, at, first, still, .. } = self;
         for couple in &mut couples[..self.count] {
             if !couple.pairs.is_empty() {
-                couple.meet(bodies, at, first, still);
+                couple.meet(bodies, Found { at, first, still });
             }
+        }
+    }
+
+    /// Keeps apart what the strain limits have pulled together, after it met in the same substep.
+    pub fn keep_apart(&mut self, bodies: &mut [impl Body]) {
+        let Self { couples, at, first, still, .. } = self;
+        for couple in &mut couples[..self.count] {
+            couple.keep_apart(bodies, Found { at, first, still });
         }
     }
 

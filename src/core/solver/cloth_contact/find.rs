@@ -8,7 +8,7 @@ use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::soa::Soa;
 
 /// Distance at rest, in distances at which two particles touch, up to which they are neighbours that are left alone.
-const NEIGHBOURS: f32 = 1.2;
+pub(super) const NEIGHBOURS: f32 = 1.2;
 /// Particles that are looked at together. Runs are short, so that wider blocks would be half empty.
 pub(super) const WIDE: usize = 8;
 

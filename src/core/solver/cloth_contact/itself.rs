@@ -9,13 +9,14 @@ use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
+use crate::solver::cloth_contact::kin::find_kin;
 use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
-use crate::solver::cloth_contact::respond::Respond;
+use crate::solver::cloth_contact::respond::{Respond, Touched};
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{AddUp, Travel, Travelled};
-use crate::solver::cloth_contact::{CALM, MARGIN, Memory, check_numbers, substeps_for};
+use crate::solver::cloth_contact::{AT_LEAST, CALM, MARGIN, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::layout::Layout;
@@ -77,7 +78,13 @@ pub(in crate::solver) struct SelfContact {
     is_found: bool,
     /// Ticks since pairs touched, up to [`CALM`].
     since_touch: u32,
+    /// How far particles had moved relative to each other in the last substep, at most \[m\].
+    travelled: f32,
+    /// What touched in it.
+    touched: Touched,
     pairs: Vec<Pair>,
+    /// Those that are near at rest.
+    kin: Vec<Pair>,
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
 }
@@ -103,11 +110,15 @@ impl SelfContact {
         for (particle, &rest) in topology.rest_positions().iter().enumerate() {
             rest_of.set(topology.slot(particle), rest);
         }
+        let (mut grid, widest) = (Grid::with_room(count), balls.widest());
+        let slots = layout.slots();
+        let kin =
+            find_kin(Isa::detect(), &mut grid, (&rest_of, &balls.radius), widest, &faces, slots);
         Self {
             settings,
             patches: topology.as_lattice().map(|lattice| Patches::new(lattice.layout)),
             layout,
-            grid: Grid::with_room(count),
+            grid,
             rest_of,
             rest: Soa::zeros(room_for(count)),
             travel: Travel::new(layout),
@@ -117,8 +128,11 @@ impl SelfContact {
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
+            travelled: 0.0,
+            touched: Touched::default(),
             pairs: Vec::with_capacity(ROOM * count),
-            margin: balls.widest() * MARGIN,
+            kin,
+            margin: widest * MARGIN,
             balls,
         }
     }
@@ -180,6 +194,26 @@ impl SelfContact {
                 self.tangles.search(pair, at);
             }
         }
+        self.travelled = travelled.most;
+        self.touched = self.respond(Substep { isa, inverse_mass, x, d, lying, most_push }, 1.0);
+        self.since_touch = if self.touched.count > 0 { 0 } else { self.since_touch };
+        self.tangles.is_suspected |= self.touched.is_deep();
+        self.touched.count
+    }
+
+    /// Whether layers met that are pressed into each other, which are to be kept apart after the strain limit.
+    pub fn is_pressed(&self) -> bool {
+        self.touched.is_pressed()
+    }
+
+    /// Keeps layers apart that the strain limit has pulled together, after they were met in the same substep.
+    pub fn keep_apart(&mut self, on: Substep<'_>) {
+        self.respond(on, AT_LEAST);
+    }
+
+    /// Moves pairs apart to a part of the distance at which they touch.
+    fn respond(&mut self, on: Substep<'_>, part: f32) -> Touched {
+        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let side = Side {
             normals: &mut self.normals,
             faces: &self.tangles.faces,
@@ -191,20 +225,17 @@ impl SelfContact {
             lying,
             is_down: self.tangles.any.then_some(&*self.tangles.is_down),
         };
-        let respond = Respond {
+        isa.run(Respond {
             pairs: &self.pairs,
             batches: &mut self.batches,
             sides: &mut [side],
             shift: Vec3::ZERO,
             drift: Vec3::ZERO,
-            travelled: travelled.most,
+            travelled: self.travelled,
             friction: self.settings.friction,
             most_push,
-        };
-        let touched = isa.run(respond);
-        self.since_touch = if touched.count > 0 { 0 } else { self.since_touch };
-        self.tangles.is_suspected |= touched.is_deep;
-        touched.count
+            part,
+        })
     }
 
     /// Finds the pairs of particles that are at `found_at`.
@@ -215,6 +246,7 @@ impl SelfContact {
             travel,
             found_at: at,
             pairs,
+            kin,
             margin,
             balls,
             batches,
@@ -239,6 +271,13 @@ impl SelfContact {
         pairs.clear();
         let company = OneCloth { rest: &self.rest, radius: &grid.radius, pairs };
         isa.run(FindPairs { grid, margin: *margin, company });
+        for pair in kin.iter() {
+            let [a, b] = pair.slots.map(|slot| at.get(slot as usize));
+            let gap = a.distance(b) - pair.reach;
+            if gap < *margin {
+                pairs.push(Pair { gap, ..*pair });
+            }
+        }
         normals.forget();
         batches.begin(pairs, *margin, [self.layout.len(), 0]);
         self.is_found = true;

@@ -15,6 +15,9 @@ use crate::solver::simd::lanes::LANES;
 /// Least distance between two particles that has a direction, in distances at which they touch.
 const LEAST_DISTANCE: f32 = 1e-6;
 
+/// Depth of a pair, in distances at which it touches, from which on layers are pressed into each other.
+const PRESSED: f32 = 0.25;
+
 /// Moves apart what touches, one batch after the other.
 ///
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
@@ -37,6 +40,8 @@ pub(super) struct Respond<'a, 'b> {
     pub friction: f32,
     /// How far a pair is moved apart without speed, at most \[m\].
     pub most_push: f32,
+    /// Part of the distance at which pairs touch, to which they are moved apart.
+    pub part: f32,
 }
 
 /// The pairs that touched in a substep.
@@ -44,8 +49,20 @@ pub(super) struct Respond<'a, 'b> {
 pub(super) struct Touched {
     /// Pairs that touched.
     pub count: u32,
-    /// Whether any of them was so deep that there may be a tangle.
-    pub is_deep: bool,
+    /// Depth of the deepest of them, in distances at which they touch.
+    pub deepest: f32,
+}
+
+impl Touched {
+    /// Whether faces may pierce each other.
+    pub fn is_deep(&self) -> bool {
+        self.deepest > DEEP
+    }
+
+    /// Whether layers are pressed into each other.
+    pub fn is_pressed(&self) -> bool {
+        self.deepest > PRESSED
+    }
 }
 
 impl Kernel for Respond<'_, '_> {
@@ -53,18 +70,20 @@ impl Kernel for Respond<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Touched {
-        let Self { pairs, batches, sides, shift, drift, travelled, friction, most_push } = self;
+        let Self { pairs, batches, sides, shift, drift, travelled, friction, most_push, part } =
+            self;
         let second = sides.len() - 1;
         let mut touched = Touched::default();
         for batch in batches.awake(pairs, larger(travelled, f32::MIN_POSITIVE)) {
             let mut met = Met::NOTHING;
-            met.measure(batch, &sides[0], &sides[second], shift, drift);
+            let reach = batch.reach.times(part);
+            met.measure(batch, &reach, &sides[0], &sides[second], shift, drift);
             if !met.touches.contains(&1) {
                 continue;
             }
             let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
             let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
-            met.respond(&a, &b, &batch.reach, friction, most_push);
+            met.respond(&a, &b, &reach, friction, most_push);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
@@ -72,7 +91,7 @@ impl Kernel for Respond<'_, '_> {
                     continue;
                 }
                 touched.count += 1;
-                touched.is_deep |= met.depth.0[i] > DEEP * batch.reach.0[i];
+                touched.deepest = larger(touched.deepest, met.depth.0[i] / reach.0[i]);
                 let (momentum, pushed) = (met.momentum.at(i), met.pushed.at(i));
                 sides[0].give(a, momentum, pushed);
                 sides[second].give(b, -momentum, -pushed);
@@ -151,6 +170,7 @@ impl Met {
     fn measure(
         &mut self,
         batch: &Batch,
+        reach: &Block,
         first: &Side<'_>,
         second: &Side<'_>,
         shift: Vec3,
@@ -166,7 +186,7 @@ impl Met {
             let apart = self.apart.at(i);
             let square = apart.dot(apart);
             self.square.0[i] = square;
-            self.touches[i] = u32::from(square < batch.reach.0[i] * batch.reach.0[i]);
+            self.touches[i] = u32::from(square < reach.0[i] * reach.0[i]);
         }
     }
 

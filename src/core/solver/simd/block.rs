@@ -53,6 +53,15 @@ impl Block {
         self
     }
 
+    /// Each lane, multiplied.
+    #[inline(always)]
+    pub fn times(mut self, factor: f32) -> Self {
+        for lane in &mut self.0 {
+            *lane *= factor;
+        }
+        self
+    }
+
     /// Each lane with its sign changed.
     #[inline(always)]
     pub fn negated(mut self) -> Self {

@@ -1,7 +1,7 @@
 //! Contact of a cloth with itself and with others, in the third stage: after the threads, before the strain limit.
 
 use crate::solver::ClothSolver;
-use crate::solver::cloth_contact::{Lying, Parts, Substep};
+use crate::solver::cloth_contact::{Lying, Parts, SelfContact, Substep};
 use crate::solver::contact::ActiveSet;
 use crate::solver::state::State;
 
@@ -22,21 +22,34 @@ impl ClothSolver {
             return false;
         }
         self.end_corrections();
+        self.touching_itself = self.with_itself(SelfContact::meet).unwrap_or(0);
+        self.begin_corrections();
+        self.touching_itself > 0
+    }
+
+    /// Keeps layers apart that the strain limit has pulled together, where they are pressed into each other.
+    pub(crate) fn keep_layers_apart(&mut self) {
+        if self.self_contact.as_ref().is_some_and(|own| own.is_pressed()) {
+            self.with_itself(SelfContact::keep_apart);
+        }
+    }
+
+    /// What contact with itself does in a substep, if it has any.
+    fn with_itself<T>(
+        &mut self,
+        act: impl FnOnce(&mut SelfContact, Substep<'_>) -> T,
+    ) -> Option<T> {
         let Self { self_contact, isa, pins, state, plan, settings, .. } = self;
         let State { x, d, contacts, .. } = state;
-        let touching = self_contact.as_mut().map_or(0, |own| {
-            own.meet(Substep {
-                isa: *isa,
-                inverse_mass: &pins.inverse_mass,
-                x,
-                d,
-                lying: lying(contacts),
-                most_push: settings.max_depenetration_speed * plan.step,
-            })
-        });
-        self.touching_itself = touching;
-        self.begin_corrections();
-        touching > 0
+        let on = Substep {
+            isa: *isa,
+            inverse_mass: &pins.inverse_mass,
+            x,
+            d,
+            lying: lying(contacts),
+            most_push: settings.max_depenetration_speed * plan.step,
+        };
+        self_contact.as_mut().map(|own| act(own, on))
     }
 
     /// What contact with other cloths takes of it in a substep, where it collides with others.

@@ -15,6 +15,7 @@ impl ClothSolver {
     pub fn correct(&mut self) {
         let exceeds = self.pull_threads();
         self.hold_threads(exceeds);
+        self.keep_layers_apart();
     }
 
     /// First part of the third stage: threads are solved, layers of the cloth that touch are moved apart. Tells whether any spring may
