@@ -1,6 +1,7 @@
 //! Pairs in batches, of which no two share a particle: the pairs of a batch are met side by side, as the lanes of blocks.
 //!
-//! Pairs that were nearest when they were found come first. Batches are made of no more of them than are awake.
+//! Pairs that were nearest when they were found come first. Batches are made of no more of them than are awake. A batch that was
+//! looked at, and did not touch, sleeps until the path that particles have come since is as long as its least gap was.
 
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::simd::block::{Block, smaller};
@@ -17,9 +18,20 @@ pub(super) struct Batch {
     /// Distances at which they touch \[m\].
     pub reach: Block,
     /// How many lanes hold a pair.
-    count: usize,
-    /// Least gap of any pair \[m\].
-    gap: f32,
+    pub count: usize,
+    /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.
+    until: f32,
+}
+
+/// Where a batch touches.
+const TOUCHES: f32 = f32::NEG_INFINITY;
+/// How much longer a path becomes in each step, in the gaps up to which there are pairs: more than rounding loses of it.
+const LOST: f32 = 1e-7;
+
+/// A batch that may touch.
+pub(super) struct Awake<'a> {
+    pub batch: &'a mut Batch,
+    path: f32,
 }
 
 /// Pairs of one cloth, or of two.
@@ -35,6 +47,8 @@ pub(super) struct Batches {
     made: usize,
     /// Gap up to which there are pairs \[m\].
     margin: f32,
+    /// Length of the path that particles have come relative to each other, since a moment before the last batch was looked at \[m\].
+    path: f32,
     /// By particle, the batch after the last one that it is in. Those of a second cloth come after those of the first.
     next: Vec<u32>,
     /// Where those of a second cloth begin.
@@ -45,7 +59,7 @@ impl Batches {
     /// Begins anew with pairs that have gaps of up to `margin`, of cloths that have so many slots; none where both are the same cloth.
     pub fn begin(&mut self, pairs: &[Pair], margin: f32, [slots, others]: [usize; 2]) {
         self.all.clear();
-        (self.first_free, self.made, self.margin) = (0, 0, margin);
+        (self.first_free, self.made, self.margin, self.path) = (0, 0, margin, 0.0);
         self.next.clear();
         self.next.resize(slots + others, 0);
         self.second = if others > 0 { slots } else { 0 };
@@ -57,7 +71,7 @@ impl Batches {
         let Self { order, ends, margin, .. } = self;
         ends.fill(0);
         for pair in pairs {
-            ends[step(pair.gap, *margin)] += 1;
+            ends[step_of(pair.gap, *margin)] += 1;
         }
         let mut before = 0;
         for end in ends.iter_mut() {
@@ -66,20 +80,41 @@ impl Batches {
         order.clear();
         order.resize(pairs.len(), 0);
         for (at, pair) in pairs.iter().enumerate() {
-            let end = &mut ends[step(pair.gap, *margin)];
+            let end = &mut ends[step_of(pair.gap, *margin)];
             order[*end] = at as u32;
             *end += 1;
         }
     }
 
-    /// The batches of pairs that may touch, where particles have moved so far relative to each other.
-    pub fn awake(&mut self, pairs: &[Pair], travelled: f32) -> impl Iterator<Item = &Batch> {
-        let end = self.ends[step(travelled, self.margin)];
+    /// The batches of pairs that may touch, where particles have moved so far relative to each other since pairs were found, and since
+    /// this was asked before. Each is to be told whether it touches.
+    pub fn awake(
+        &mut self,
+        pairs: &[Pair],
+        travelled: f32,
+        step: f32,
+    ) -> impl Iterator<Item = Awake<'_>> {
+        let end = self.ends[step_of(travelled, self.margin)];
         for at in self.made..end {
             self.put(&pairs[self.order[at] as usize]);
         }
         self.made = self.made.max(end);
-        self.all.iter().filter(move |batch| batch.gap < travelled)
+        self.path += step + self.margin * LOST;
+        if self.path > 2.0 * self.margin {
+            // A short path is an exact one.
+            for batch in &mut self.all {
+                batch.until -= self.path;
+            }
+            self.path = 0.0;
+        }
+        let path = self.path;
+        let may_touch = self.all.iter_mut().filter(move |batch| batch.until <= path);
+        may_touch.map(move |batch| Awake { batch, path })
+    }
+
+    /// The batches that touched when they were looked at last.
+    pub fn touching(&self) -> impl Iterator<Item = &Batch> {
+        self.all.iter().filter(|batch| batch.until == TOUCHES)
     }
 
     /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
@@ -95,7 +130,7 @@ impl Batches {
         if at == all.len() {
             all.push(Batch::EMPTY);
         }
-        all[at].push(pair);
+        all[at].push(pair, self.path);
         for particle in particles {
             next[particle] = at as u32 + 1;
         }
@@ -107,21 +142,36 @@ impl Batches {
 
 /// The step of a gap; the first one is of pairs that touch.
 #[inline(always)]
-fn step(gap: f32, margin: f32) -> usize {
+fn step_of(gap: f32, margin: f32) -> usize {
     let part = gap / margin * STEPS as f32;
     if part > 0.0 { (part as usize + 1).min(STEPS) } else { 0 }
 }
 
+impl Awake<'_> {
+    /// It touches, and is awake in the next substep.
+    #[inline(always)]
+    pub fn touches(self) {
+        self.batch.until = TOUCHES;
+    }
+
+    /// None of its pairs touches before particles have come by a gap further.
+    #[inline(always)]
+    pub fn sleeps(self, gap: f32) {
+        self.batch.until = self.path + gap;
+    }
+}
+
 impl Batch {
     const EMPTY: Self =
-        Self { slots: [[0; LANES]; 2], reach: Block::ZERO, count: 0, gap: f32::INFINITY };
+        Self { slots: [[0; LANES]; 2], reach: Block::ZERO, count: 0, until: f32::INFINITY };
 
-    fn push(&mut self, pair: &Pair) {
+    /// Takes in a pair, and wakes.
+    fn push(&mut self, pair: &Pair, path: f32) {
         for (slots, slot) in self.slots.iter_mut().zip(pair.slots) {
             slots[self.count] = slot;
         }
         self.reach.0[self.count] = pair.reach;
-        self.gap = smaller(pair.gap, self.gap);
+        self.until = smaller(path, self.until);
         self.count += 1;
     }
 }

@@ -4,7 +4,8 @@ use crate::solver::cloth_contact::AT_LEAST;
 use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::parts::Body;
-use crate::solver::cloth_contact::respond::{Respond, Touched};
+use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
+use crate::solver::cloth_contact::travel::Travelled;
 use crate::solver::simd::block::smaller;
 use crate::solver::simd::soa::{Array, Soa};
 
@@ -18,7 +19,7 @@ pub(super) struct Couple {
     pub batches: Batches,
     /// How far each region of the one may move relative to each of the other \[m\].
     pub allowed: Vec<f32>,
-    pub travelled: f32,
+    pub travelled: Travelled,
     /// Whether any pair has touched in the tick.
     pub has_touched: bool,
     /// What touched in the last substep.
@@ -35,6 +36,20 @@ pub(super) struct Found<'a> {
 }
 
 impl Couple {
+    /// Looks what touches, before anything is moved apart in a substep.
+    pub fn look(&mut self, bodies: &mut [impl Body], still: &Soa) {
+        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
+        let (Some(one), Some(other)) = (one.parts(), other.parts()) else { return };
+        one.isa.run(LookAtPairs {
+            pairs: &self.pairs,
+            batches: &mut self.batches,
+            of: [one.moving(still), other.moving(still)],
+            shift: one.origin - other.origin,
+            travelled: self.travelled.most,
+            step: self.travelled.step,
+        });
+    }
+
     /// Moves apart what touches.
     pub fn meet(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
         self.touched = self.respond(bodies, found, 1.0);
@@ -74,12 +89,10 @@ impl Couple {
         };
         let [a, b] = self.of.map(|of| first[of]);
         isa.run(Respond {
-            pairs: &self.pairs,
             batches: &mut self.batches,
             sides: &mut [one.side(a, at, ones), other.side(b, at, others)],
             shift,
             drift,
-            travelled: self.travelled,
             friction: self.friction,
             most_push,
             part,

@@ -10,7 +10,7 @@ use crate::solver::cloth_contact::find::{Company, FindPairs, Pair, WIDE};
 use crate::solver::cloth_contact::grid::Grid;
 use crate::solver::cloth_contact::parts::Body;
 use crate::solver::cloth_contact::respond::Touched;
-use crate::solver::cloth_contact::travel::{AddUp, Extent, Travelled, allowed};
+use crate::solver::cloth_contact::travel::{AddUp, Extent, Since, Travelled, allowed};
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
@@ -38,6 +38,8 @@ pub(in crate::solver) struct Couples {
     first: Vec<u32>,
     /// Positions of all particles when pairs were found, relative to the first cloth's origin \[m\].
     at: Soa,
+    /// The same in the last substep.
+    last: Soa,
     radius: Array,
     base: Vec3,
     /// Largest distance at which two particles touch \[m\].
@@ -121,7 +123,8 @@ impl Couples {
 
     fn make_room(&mut self, slots: usize, longest: usize) {
         if self.radius.len() < slots {
-            (self.at, self.radius) = (Soa::zeros(slots), Array::zeros(slots));
+            (self.at, self.last) = (Soa::zeros(slots), Soa::zeros(slots));
+            self.radius = Array::zeros(slots);
         }
         if self.still.1.len() < longest {
             self.still = (Soa::zeros(longest), Array::zeros(longest));
@@ -160,6 +163,11 @@ impl Couples {
         let Self { couples, at, first, still, .. } = self;
         for couple in &mut couples[..self.count] {
             if !couple.pairs.is_empty() {
+                couple.look(bodies, &still.0);
+            }
+        }
+        for couple in &mut couples[..self.count] {
+            if !couple.pairs.is_empty() {
                 couple.meet(bodies, Found { at, first, still });
             }
         }
@@ -180,28 +188,33 @@ impl Couples {
     /// Measures how far particles have moved since pairs were found. Tells whether some may touch that are no pair.
     fn measure(&mut self, bodies: &mut [impl Body]) -> bool {
         self.boxes.clear();
+        self.moved.clear();
         for (body, &first) in bodies.iter_mut().zip(&self.first) {
             let Some(parts) = body.parts() else { continue };
             let (regions, shift) = (&mut parts.others.regions, parts.origin - self.base);
             if parts.moves {
-                regions.measure(parts.isa, parts.x, parts.d, &self.at, first as usize);
-                self.boxes.extend(regions.extents.iter().map(|moved| moved.shifted(shift)));
+                let since = Since { from: &self.at, last: &mut self.last, first: first as usize };
+                regions.measure(parts.isa, (parts.x, parts.d, shift), since);
+                self.boxes.extend(&regions.extents);
+                self.moved.extend(&regions.steps);
             } else {
-                self.boxes.extend(regions.extents.iter().map(|_| Extent::ZERO));
+                let none = regions.extents.iter().map(|_| Extent::ZERO);
+                self.boxes.extend(none.clone());
+                self.moved.extend(none);
             }
         }
         let mut is_too_far = false;
         for couple in &mut self.couples[..self.count] {
-            let [some, others] =
-                couple.of.map(|of| &self.boxes[self.first_box[of]..self.first_box[of + 1]]);
+            let [some, others] = couple.of.map(|of| self.first_box[of]..self.first_box[of + 1]);
             let mut travelled = Travelled::NOTHING;
             let mut allowed = couple.allowed.iter();
             for a in some {
-                for (b, &allowed) in others.iter().zip(&mut allowed) {
-                    travelled.add(a.difference(b), allowed, self.margin);
+                for (b, &allowed) in others.clone().zip(&mut allowed) {
+                    let moved = [&self.boxes, &self.moved].map(|of| of[a].difference(&of[b]));
+                    travelled.add(moved, allowed, self.margin);
                 }
             }
-            couple.travelled = travelled.most.sqrt();
+            couple.travelled = travelled.finished();
             is_too_far |= travelled.is_too_far;
         }
         is_too_far
@@ -225,7 +238,7 @@ impl Couples {
         let couples = &mut self.couples[..self.count];
         for couple in couples.iter_mut() {
             couple.pairs.clear();
-            couple.travelled = 0.0;
+            couple.travelled = Travelled::NOTHING;
         }
         let members = first.len() - 1;
         let some_do_not_meet = couples.len() < members * (members - 1) / 2;
@@ -261,6 +274,7 @@ impl Couples {
             self.boxes.extend(&regions.extents);
         }
         self.first_box.push(self.boxes.len());
+        self.last.copy_from(&self.at);
     }
 
     /// Chooses a margin by how far particles are to move in some substeps, and how far they may move before pairs are found anew.

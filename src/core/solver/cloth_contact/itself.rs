@@ -12,10 +12,10 @@ use crate::solver::cloth_contact::grid::{Grid, room_for};
 use crate::solver::cloth_contact::kin::find_kin;
 use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
-use crate::solver::cloth_contact::respond::{Respond, Touched};
+use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
-use crate::solver::cloth_contact::travel::{AddUp, Travel, Travelled};
+use crate::solver::cloth_contact::travel::{AddUp, Since, Travel, Travelled};
 use crate::solver::cloth_contact::{AT_LEAST, CALM, MARGIN, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
 use crate::solver::simd::isa::Isa;
@@ -78,8 +78,8 @@ pub(in crate::solver) struct SelfContact {
     is_found: bool,
     /// Ticks since pairs touched, up to [`CALM`].
     since_touch: u32,
-    /// How far particles had moved relative to each other in the last substep, at most \[m\].
-    travelled: f32,
+    /// Positions in the last substep \[m\].
+    last: Soa,
     /// What touched in it.
     touched: Touched,
     pairs: Vec<Pair>,
@@ -128,7 +128,7 @@ impl SelfContact {
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
-            travelled: 0.0,
+            last: Soa::zeros(layout.len()),
             touched: Touched::default(),
             pairs: Vec::with_capacity(ROOM * count),
             kin,
@@ -180,12 +180,13 @@ impl SelfContact {
         let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
-            travelled = self.travel.measure(isa, x, d, &self.found_at, self.margin);
+            let since = Since { from: &self.found_at, last: &mut self.last, first: 0 };
+            travelled = self.travel.measure(isa, (x, d), since, self.margin);
         }
         if travelled.is_too_far {
             isa.run(AddUp { x, d, shift: Vec3::ZERO, to: &mut self.found_at, first: 0 });
             self.find(isa);
-            travelled.most = 0.0;
+            travelled = Travelled::NOTHING;
         }
         if self.tangles.is_due() {
             self.tangles.begin_search();
@@ -194,7 +195,10 @@ impl SelfContact {
                 self.tangles.search(pair, at);
             }
         }
-        self.travelled = travelled.most;
+        let Self { pairs, batches, .. } = self;
+        let Travelled { most: travelled, step, .. } = travelled;
+        let (of, shift) = ([(&*x, &*d); 2], Vec3::ZERO);
+        isa.run(LookAtPairs { pairs, batches, of, shift, travelled, step });
         self.touched = self.respond(Substep { isa, inverse_mass, x, d, lying, most_push }, 1.0);
         self.since_touch = if self.touched.count > 0 { 0 } else { self.since_touch };
         self.tangles.is_suspected |= self.touched.is_deep();
@@ -226,12 +230,10 @@ impl SelfContact {
             is_down: self.tangles.any.then_some(&*self.tangles.is_down),
         };
         isa.run(Respond {
-            pairs: &self.pairs,
             batches: &mut self.batches,
             sides: &mut [side],
             shift: Vec3::ZERO,
             drift: Vec3::ZERO,
-            travelled: self.travelled,
             friction: self.settings.friction,
             most_push,
             part,
@@ -245,6 +247,7 @@ impl SelfContact {
             grid,
             travel,
             found_at: at,
+            last,
             pairs,
             kin,
             margin,
@@ -255,6 +258,7 @@ impl SelfContact {
         } = self;
         let reach = balls.widest() + *margin;
         travel.begin(isa, at, *margin, reach);
+        last.copy_from(at);
         grid.begin(reach);
         match patches {
             Some(patches) => {

@@ -11,9 +11,42 @@ use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::soa::Soa;
 
+/// Part of the distance at which pairs touch, by which batches wake earlier than they need to: more than rounding is worth.
+const EARLY: f32 = 1e-3;
 /// Least distance between two particles that has a direction, in distances at which they touch.
 const LEAST_DISTANCE: f32 = 1e-6;
+
+/// Looks which batches touch before anything is moved apart in a substep. The others sleep.
+pub(super) struct LookAtPairs<'a> {
+    pub pairs: &'a [Pair],
+    pub batches: &'a mut Batches,
+    /// Positions and displacements of the first particles, and of the second ones.
+    pub of: [(&'a Soa, &'a Soa); 2],
+    /// From the origin of the second cloth to that of the first \[m\].
+    pub shift: Vec3,
+    /// How far particles have moved relative to each other since the pairs were found, and in the last step, at most \[m\].
+    pub travelled: f32,
+    pub step: f32,
+}
+
+impl Kernel for LookAtPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { pairs, batches, of, shift, travelled, step } = self;
+        let travelled = larger(travelled, f32::MIN_POSITIVE);
+        for awake in batches.awake(pairs, travelled, step) {
+            let mut met = Met::NOTHING;
+            let reach = &awake.batch.reach;
+            met.measure(awake.batch, reach, of, shift);
+            let gap = met.least_gap(reach) - EARLY * reach.largest();
+            if gap <= 0.0 { awake.touches() } else { awake.sleeps(gap) }
+        }
+    }
+}
 
 /// Depth of a pair, in distances at which it touches, from which on layers are pressed into each other.
 const PRESSED: f32 = 0.25;
@@ -27,7 +60,6 @@ const PRESSED: f32 = 0.25;
 /// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
 /// apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a, 'b> {
-    pub pairs: &'a [Pair],
     pub batches: &'a mut Batches,
     /// The cloth of the first particles, and that of the second ones if it is another.
     pub sides: &'a mut [Side<'b>],
@@ -35,8 +67,6 @@ pub(super) struct Respond<'a, 'b> {
     pub shift: Vec3,
     /// How much further the first cloth's frame moves in the substep than the second one's \[m\].
     pub drift: Vec3,
-    /// How far particles have moved relative to each other since the pairs were found, at most \[m\].
-    pub travelled: f32,
     pub friction: f32,
     /// How far a pair is moved apart without speed, at most \[m\].
     pub most_push: f32,
@@ -70,20 +100,20 @@ impl Kernel for Respond<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Touched {
-        let Self { pairs, batches, sides, shift, drift, travelled, friction, most_push, part } =
-            self;
+        let Self { batches, sides, shift, drift, friction, most_push, part } = self;
         let second = sides.len() - 1;
         let mut touched = Touched::default();
-        for batch in batches.awake(pairs, larger(travelled, f32::MIN_POSITIVE)) {
+        for batch in batches.touching() {
             let mut met = Met::NOTHING;
             let reach = batch.reach.times(part);
-            met.measure(batch, &reach, &sides[0], &sides[second], shift, drift);
+            let of = [&sides[0], &sides[second]].map(|side| (&*side.x, &*side.d));
+            met.measure(batch, &reach, of, shift);
             if !met.touches.contains(&1) {
                 continue;
             }
             let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
             let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
-            met.respond(&a, &b, &reach, friction, most_push);
+            met.respond(&a, &b, &reach, drift, friction, most_push);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
@@ -143,7 +173,7 @@ struct Met {
     /// From the second particle to the first \[m\], and its square.
     apart: Block3,
     square: Block,
-    /// How much further the first one moves \[m\].
+    /// How much further the first one moves in its own cloth's frame \[m\].
     relative: Block3,
     /// One where a pair touches.
     touches: [u32; LANES],
@@ -171,16 +201,14 @@ impl Met {
         &mut self,
         batch: &Batch,
         reach: &Block,
-        first: &Side<'_>,
-        second: &Side<'_>,
+        [first, second]: [(&Soa, &Soa); 2],
         shift: Vec3,
-        drift: Vec3,
     ) {
         for i in 0..LANES {
             let [a, b] = batch.slots.map(|slots| slots[i] as usize);
-            let relative = first.d.get(a) - second.d.get(b);
-            self.relative.set(i, relative + drift);
-            self.apart.set(i, first.x.get(a) - second.x.get(b) + shift + relative);
+            let relative = first.1.get(a) - second.1.get(b);
+            self.relative.set(i, relative);
+            self.apart.set(i, first.0.get(a) - second.0.get(b) + shift + relative);
         }
         for i in 0..LANES {
             let apart = self.apart.at(i);
@@ -190,8 +218,27 @@ impl Met {
         }
     }
 
+    /// Least gap of any pair that was measured \[m\].
     #[inline(always)]
-    fn respond(&mut self, a: &Grains, b: &Grains, reach: &Block, friction: f32, most_push: f32) {
+    fn least_gap(&self, reach: &Block) -> f32 {
+        let mut gaps = Block::splat(f32::INFINITY);
+        for i in 0..LANES {
+            let gap = self.square.0[i].sqrt() - reach.0[i];
+            gaps.0[i] = if reach.0[i] > 0.0 { gap } else { f32::INFINITY };
+        }
+        gaps.smallest()
+    }
+
+    #[inline(always)]
+    fn respond(
+        &mut self,
+        a: &Grains,
+        b: &Grains,
+        reach: &Block,
+        drift: Vec3,
+        friction: f32,
+        most_push: f32,
+    ) {
         for i in 0..LANES {
             let (apart, square, reach) = (self.apart.at(i), self.square.0[i], reach.0[i]);
             let distance = square.sqrt();
@@ -200,7 +247,7 @@ impl Met {
             // As far along the normal as they are to be apart.
             let above = apart.dot(normal);
             let depth = (above * above + (reach * reach - square)).sqrt() - above;
-            let relative = self.relative.at(i);
+            let relative = self.relative.at(i) + drift;
             let along = relative.dot(normal);
             let undone = smaller(larger(-along, 0.0), depth);
             let least = (a.inverse_mass.0[i] + b.inverse_mass.0[i]) * LEAST_MOBILITY;

@@ -4,6 +4,9 @@
 //! a cloth has some regions, each with the box of its displacements. No two particles of two regions have moved relative to each
 //! other by more than their boxes are wide together. Regions that were far from each other may move further than those that were
 //! near before one of their particles can touch.
+//!
+//! The same is measured from substep to substep. Summed up, it is the length of a path, by which pairs sleep that were not near
+//! enough when they were looked at last.
 
 use bevy_math::Vec3;
 
@@ -57,10 +60,6 @@ impl Extent {
         (self.low - other.high).max(other.low - self.high).max_element()
     }
 
-    /// All of it, moved.
-    pub fn shifted(&self, shift: Vec3) -> Self {
-        Self { low: self.low + shift, high: self.high + shift }
-    }
 }
 
 /// The regions of a cloth.
@@ -71,13 +70,16 @@ pub(super) struct Regions {
     each: usize,
     /// Boxes of what was measured last, region by region.
     pub extents: Vec<Extent>,
+    /// Boxes of how far particles had moved then since they were measured before.
+    pub steps: Vec<Extent>,
 }
 
 impl Regions {
     pub fn new(layout: Layout) -> Self {
         let each = layout.rows.div_ceil(MOST);
         let count = layout.rows.div_ceil(each);
-        Self { layout, each, extents: Vec::with_capacity(count) }
+        let [extents, steps] = [Vec::with_capacity(count), Vec::with_capacity(count)];
+        Self { layout, each, extents, steps }
     }
 
     /// The slots of a region's particles.
@@ -93,13 +95,21 @@ impl Regions {
 
     /// Measures where particles are. Those of a cloth follow each other, from some place on.
     pub fn look(&mut self, isa: Isa, at: &Soa, first: usize) {
-        isa.run(Measure { regions: self, at, first, from: None });
+        isa.run(Look { regions: self, at, first });
     }
 
-    /// Measures how far particles at `x + d` have moved since they were at `from`, from some place on.
-    pub fn measure(&mut self, isa: Isa, x: &Soa, d: &Soa, from: &Soa, first: usize) {
-        isa.run(Measure { regions: self, at: x, first: 0, from: Some((d, from, first)) });
+    /// Measures how far particles at `x + d`, and a shift further, have moved since they were at `from`, and since they were at `last`,
+    /// from some place on. Then writes where they are to `last`.
+    pub fn measure(&mut self, isa: Isa, (x, d, shift): (&Soa, &Soa, Vec3), since: Since<'_>) {
+        isa.run(Measure { regions: self, x, d, shift, since });
     }
+}
+
+/// Where particles were, those of a cloth from some place on.
+pub(super) struct Since<'a> {
+    pub from: &'a Soa,
+    pub last: &'a mut Soa,
+    pub first: usize,
 }
 
 /// How far the regions of a cloth may move.
@@ -112,28 +122,32 @@ pub(super) struct Travel {
 }
 
 /// How far particles have moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Travelled {
     /// Relative to each other, of regions that were near each other when pairs were found \[m\].
     pub most: f32,
+    /// The same since they were measured before \[m\].
+    pub step: f32,
     /// Whether particles may touch that are no pair.
     pub is_too_far: bool,
 }
 
 impl Travelled {
-    pub const NOTHING: Self = Self { most: 0.0, is_too_far: false };
+    pub const NOTHING: Self = Self { most: 0.0, step: 0.0, is_too_far: false };
 
-    /// Takes in two regions that have moved relative to each other by the square root of `moved`, and were allowed to move so far.
+    /// Takes in two regions that have moved relative to each other by the square root of `moved`, in the last step by that of `step`, and
+    /// were allowed to move so far.
     #[inline(always)]
-    pub fn add(&mut self, moved: f32, allowed: f32, margin: f32) {
+    pub fn add(&mut self, [moved, step]: [f32; 2], allowed: f32, margin: f32) {
         self.is_too_far |= moved >= allowed * allowed;
-        let near = if allowed <= margin { moved } else { 0.0 };
-        self.most = larger(near, self.most);
+        let are_near = allowed <= margin;
+        self.most = larger(if are_near { moved } else { 0.0 }, self.most);
+        self.step = larger(if are_near { step } else { 0.0 }, self.step);
     }
 
     /// All regions have been taken in.
     pub fn finished(self) -> Self {
-        Self { most: self.most.sqrt(), ..self }
+        Self { most: self.most.sqrt(), step: self.step.sqrt(), ..self }
     }
 }
 
@@ -161,29 +175,98 @@ impl Travel {
         }
     }
 
-    /// Measures how far particles at `x + d` have moved since they were at `from`.
-    pub fn measure(&mut self, isa: Isa, x: &Soa, d: &Soa, from: &Soa, margin: f32) -> Travelled {
-        self.regions.measure(isa, x, d, from, 0);
+    /// Measures how far particles at `x + d` have moved.
+    pub fn measure(
+        &mut self,
+        isa: Isa,
+        (x, d): (&Soa, &Soa),
+        since: Since<'_>,
+        margin: f32,
+    ) -> Travelled {
+        self.regions.measure(isa, (x, d, Vec3::ZERO), since);
         let mut travelled = Travelled::NOTHING;
-        let extents = &self.regions.extents;
+        let Regions { extents, steps, .. } = &self.regions;
         let mut allowed = self.allowed.iter();
         for (i, a) in extents.iter().enumerate() {
-            for (b, &allowed) in extents[..=i].iter().zip(&mut allowed) {
-                travelled.add(a.difference(b), allowed, margin);
+            for (j, &allowed) in (0..=i).zip(&mut allowed) {
+                let moved = [a.difference(&extents[j]), steps[i].difference(&steps[j])];
+                travelled.add(moved, allowed, margin);
             }
         }
         travelled.finished()
     }
 }
 
-/// Makes the boxes of the regions: of positions, or of how far `at + d` is from where particles were.
-struct Measure<'a> {
+/// A box of vectors in lanes.
+struct Wide {
+    low: Block3,
+    high: Block3,
+}
+
+impl Wide {
+    #[inline(always)]
+    fn nothing() -> Self {
+        Self { low: Block3::splat(Vec3::INFINITY), high: Block3::splat(Vec3::NEG_INFINITY) }
+    }
+
+    /// Takes in the lanes that are inside a cloth.
+    #[inline(always)]
+    fn take(&mut self, p: &Block3, inside: usize) {
+        for i in 0..LANES {
+            let (p, a, b) = (p.at(i), self.low.at(i), self.high.at(i));
+            let least = Vec3::new(smaller(p.x, a.x), smaller(p.y, a.y), smaller(p.z, a.z));
+            let most = Vec3::new(larger(p.x, b.x), larger(p.y, b.y), larger(p.z, b.z));
+            self.low.set(i, if i < inside { least } else { a });
+            self.high.set(i, if i < inside { most } else { b });
+        }
+    }
+
+    #[inline(always)]
+    fn extent(&self) -> Extent {
+        let Self { low, high } = self;
+        Extent {
+            low: Vec3::new(low.x.smallest(), low.y.smallest(), low.z.smallest()),
+            high: Vec3::new(high.x.largest(), high.y.largest(), high.z.largest()),
+        }
+    }
+}
+
+/// Makes the boxes of the regions, of positions.
+struct Look<'a> {
     regions: &'a mut Regions,
     at: &'a Soa,
     /// Place of the first particle in `at`.
     first: usize,
-    /// Displacements, where particles were, and the place of the first there.
-    from: Option<(&'a Soa, &'a Soa, usize)>,
+}
+
+impl Kernel for Look<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Regions { layout, each, extents, .. } = self.regions;
+        let blocks = layout.blocks_across();
+        extents.clear();
+        for first in (0..layout.rows).step_by(*each) {
+            let mut all = Wide::nothing();
+            for row in first..layout.rows.min(first + *each) {
+                let at = Blocks3::new(self.at, self.first + layout.slot(row, 0), blocks);
+                for block in 0..blocks {
+                    all.take(&at.at(block), layout.inside(row, block * LANES));
+                }
+            }
+            extents.push(all.extent());
+        }
+    }
+}
+
+/// Makes the boxes of how far the particles of the regions have moved.
+struct Measure<'a> {
+    regions: &'a mut Regions,
+    x: &'a Soa,
+    d: &'a Soa,
+    shift: Vec3,
+    since: Since<'a>,
 }
 
 impl Kernel for Measure<'_> {
@@ -191,50 +274,35 @@ impl Kernel for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { regions, at, first: first_at, from } = self;
-        let Regions { layout, each, extents } = regions;
+        let Self { regions, x, d, shift, since: Since { from, last, first: start } } = self;
+        let Regions { layout, each, extents, steps } = regions;
         let blocks = layout.blocks_across();
         extents.clear();
+        steps.clear();
         for first in (0..layout.rows).step_by(*each) {
-            let (mut low, mut high) =
-                (Block3::splat(Vec3::INFINITY), Block3::splat(Vec3::NEG_INFINITY));
+            let (mut all, mut step) = (Wide::nothing(), Wide::nothing());
             for row in first..layout.rows.min(first + *each) {
                 let slot = layout.slot(row, 0);
-                let x = Blocks3::new(at, first_at + slot, blocks);
-                #[expect(
-                    clippy::manual_map,
-                    reason = "a closure that is not inlined keeps the baseline's instructions"
-                )]
-                let moved = match from {
-                    Some((d, from, first)) => Some((
-                        Blocks3::new(d, slot, blocks),
-                        Blocks3::new(from, first + slot, blocks),
-                    )),
-                    None => None,
-                };
+                let (x, d) = (Blocks3::new(x, slot, blocks), Blocks3::new(d, slot, blocks));
+                let from = Blocks3::new(from, start + slot, blocks);
                 for block in 0..blocks {
                     let inside = layout.inside(row, block * LANES);
-                    let mut p = x.at(block);
-                    if let Some((d, from)) = &moved {
-                        let (d, from) = (d.at(block), from.at(block));
-                        for i in 0..LANES {
-                            p.set(i, p.at(i) + d.at(i) - from.at(i));
-                        }
-                    }
+                    let before = Block3::load(last, start + slot + block * LANES);
+                    let (x, d, from) = (x.at(block), d.at(block), from.at(block));
+                    let [mut now, mut moved, mut stepped] = [Block3::ZERO; 3];
                     for i in 0..LANES {
-                        let (p, a, b) = (p.at(i), low.at(i), high.at(i));
-                        let least =
-                            Vec3::new(smaller(p.x, a.x), smaller(p.y, a.y), smaller(p.z, a.z));
-                        let most = Vec3::new(larger(p.x, b.x), larger(p.y, b.y), larger(p.z, b.z));
-                        low.set(i, if i < inside { least } else { a });
-                        high.set(i, if i < inside { most } else { b });
+                        let p = x.at(i) + d.at(i) + shift;
+                        now.set(i, p);
+                        moved.set(i, p - from.at(i));
+                        stepped.set(i, p - before.at(i));
                     }
+                    now.store(last, start + slot + block * LANES);
+                    all.take(&moved, inside);
+                    step.take(&stepped, inside);
                 }
             }
-            extents.push(Extent {
-                low: Vec3::new(low.x.smallest(), low.y.smallest(), low.z.smallest()),
-                high: Vec3::new(high.x.largest(), high.y.largest(), high.z.largest()),
-            });
+            extents.push(all.extent());
+            steps.push(step.extent());
         }
     }
 }
