@@ -59,7 +59,6 @@ impl Extent {
     pub fn gap(&self, other: &Self) -> f32 {
         (self.low - other.high).max(other.low - self.high).max_element()
     }
-
 }
 
 /// The regions of a cloth.
