@@ -3,8 +3,6 @@
 //! Springs of a batch share no particle, so that the order within it does not matter. Corrections in
 //! this coloured order are stable where the order of the particles explodes.
 
-use bevy_math::Vec3;
-
 use crate::solver::contact::{Contacts, LEAST_MOBILITY, divide};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
@@ -318,21 +316,32 @@ impl CorrectBatch<'_> {
         }
     }
 
+    /// The particles to the left of those of a block. Loads them from memory: shifted in registers, they would pass through memory
+    /// all the same, and wait for what was stored.
+    #[inline(always)]
+    fn left_of(&self, row: usize, column: usize) -> Block3 {
+        let slot = self.lattice.layout.slot(row, column);
+        if column > 0 || row > self.band.rows.start {
+            return Block3::load_sum(self.x, &self.d, slot - 1);
+        }
+        let x = Block3::load_sum(self.x, &self.d, slot);
+        let mut left = Block3::ZERO;
+        for i in 1..LANES {
+            left.set(i, x.at(i - 1));
+        }
+        left
+    }
+
     #[inline(always)]
     fn weft_row(&mut self, row: usize, parity: usize, limit: f32) {
         let rests = &self.lattice.weft.rest;
-        // The block before has been corrected by now: its last particle is needed as it was.
-        let mut before = Vec3::ZERO;
-        for column in (0..self.lattice.layout.columns).step_by(LANES) {
+        let columns = self.lattice.layout.columns;
+        // No particle is to the left of the first one.
+        let mut left = self.left_of(row, 0);
+        for column in (0..columns).step_by(LANES) {
             let slot = self.lattice.layout.slot(row, column);
             let x = Block3::load_sum(self.x, &self.d, slot);
             let mut d = Block3::load(&self.d, slot);
-            let mut left = Block3::ZERO;
-            left.set(0, before);
-            for i in 1..LANES {
-                left.set(i, x.at(i - 1));
-            }
-            before = x.at(LANES - 1);
             let right = Block3::load_sum(self.x, &self.d, slot + 1);
             let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
             let w = self.mobile(slot);
@@ -371,7 +380,11 @@ impl CorrectBatch<'_> {
                     d.set(i, d.at(i) + pulls.at(i) * w.0[i]);
                 }
             }
+            // The next block's last neighbour is needed as it was, before this one is stored.
+            let is_last = column + LANES >= columns;
+            let next = if is_last { Block3::ZERO } else { self.left_of(row, column + LANES) };
             d.store(&mut self.d, slot);
+            left = next;
         }
     }
 }
