@@ -192,19 +192,6 @@ pub(crate) fn mobility_without(all: f32, taken: f32, length: f32) -> f32 {
 }
 
 impl CorrectBatch<'_> {
-    /// Normals of what a block of particles lies on, where any particle lies on anything.
-    #[expect(
-        clippy::manual_map,
-        reason = "a closure that is not inlined keeps the baseline's instructions"
-    )]
-    #[inline(always)]
-    fn normals(&self, slot: usize) -> Option<Block3> {
-        match &self.contacts {
-            Some(contacts) => Some(Block3::load(&contacts.normals.normal, slot)),
-            None => None,
-        }
-    }
-
     /// Inverse masses of a block of particles, as far as friction lets them go.
     #[inline(always)]
     fn mobile(&self, slot: usize) -> Block {
@@ -273,26 +260,35 @@ impl CorrectBatch<'_> {
         let (xp, xq) = (Block3::load(self.x, p), Block3::load(self.x, q));
         let (mut dp, mut dq) = (Block3::load(&self.d, p), Block3::load(&self.d, q));
         let (wp, wq) = (self.mobile(p), self.mobile(q));
-        let (np, nq) = (self.normals(p), self.normals(q));
-        let mut pulls = Block3::ZERO;
+        let (mut span, mut length, mut both) = (Block3::ZERO, Block::ZERO, Block::ZERO);
         for i in 0..LANES {
-            let span = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
-            let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
-            let all = wp.0[i] + wq.0[i];
-            let both = match (&np, &nq) {
-                (Some(np), Some(nq)) => {
-                    let across = [np.at(i).dot(span), nq.at(i).dot(span)];
-                    mobility(all, across, length, [wp.0[i], wq.0[i]])
-                }
-                _ => all,
-            };
-            let inverse_masses = larger(both, LEAST_DIVISOR);
+            let apart = (xq.at(i) + dq.at(i)) - (xp.at(i) + dp.at(i));
+            span.set(i, apart);
+            length.0[i] = larger(apart.dot(apart).sqrt(), LEAST_LENGTH);
+            both.0[i] = wp.0[i] + wq.0[i];
+        }
+        let (mut np, mut nq) = (Block3::ZERO, Block3::ZERO);
+        if let Some(contacts) = &self.contacts {
+            let normals = &contacts.normals.normal;
+            (np, nq) = (Block3::load(normals, p), Block3::load(normals, q));
+            for i in 0..LANES {
+                let across = [np.at(i).dot(span.at(i)), nq.at(i).dot(span.at(i))];
+                both.0[i] = mobility(both.0[i], across, length.0[i], [wp.0[i], wq.0[i]]);
+            }
+        }
+        let (mut pulls, mut pull) = (Block3::ZERO, Block::ZERO);
+        for i in 0..LANES {
+            let (length, inverse_masses) = (length.0[i], larger(both.0[i], LEAST_DIVISOR));
             let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
-            pulls.set(i, span * (law(spring) / length));
+            pull.0[i] = law(spring);
+            pulls.set(i, span.at(i) * (pull.0[i] / length));
+        }
+        if !pull.is_any() {
+            return;
         }
         let (mut pull_p, mut pull_q) = (pulls, pulls);
-        if let (Some(np), Some(nq), Some(contacts)) = (&np, &nq, &mut self.contacts) {
-            let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, np), divide(&pulls, nq));
+        if let Some(contacts) = &mut self.contacts {
+            let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, &np), divide(&pulls, &nq));
             contacts.add(p, &load_p);
             contacts.add(q, &load_q.negated());
             (pull_p, pull_q) = (along_p, along_q);
@@ -309,10 +305,11 @@ impl CorrectBatch<'_> {
     /// particle works out its own half of the correction from its partner's place.
     #[inline(always)]
     fn weft(&mut self, limit: f32) {
-        for parity in 0..2 {
-            for row in self.band.rows.clone() {
-                self.weft_row(row, parity, limit);
-            }
+        for row in self.band.rows.clone() {
+            self.weft_row::<0>(row, limit);
+        }
+        for row in self.band.rows.clone() {
+            self.weft_row::<1>(row, limit);
         }
     }
 
@@ -333,7 +330,7 @@ impl CorrectBatch<'_> {
     }
 
     #[inline(always)]
-    fn weft_row(&mut self, row: usize, parity: usize, limit: f32) {
+    fn weft_row<const PARITY: usize>(&mut self, row: usize, limit: f32) {
         let rests = &self.lattice.weft.rest;
         let columns = self.lattice.layout.columns;
         // No particle is to the left of the first one.
@@ -341,50 +338,90 @@ impl CorrectBatch<'_> {
         for column in (0..columns).step_by(LANES) {
             let slot = self.lattice.layout.slot(row, column);
             let x = Block3::load_sum(self.x, &self.d, slot);
-            let mut d = Block3::load(&self.d, slot);
             let right = Block3::load_sum(self.x, &self.d, slot + 1);
-            let rest = (Block::load(rests, slot - 1), Block::load(rests, slot));
-            let w = self.mobile(slot);
-            let other = (self.mobile(slot - 1), self.mobile(slot + 1));
-            let normals = [self.normals(slot), self.normals(slot - 1), self.normals(slot + 1)];
-            let mut pulls = Block3::ZERO;
+            let partner = alternate3::<PARITY>(&right, &left);
+            let rest = [Block::load(rests, slot), Block::load(rests, slot - 1)];
+            let rest = alternate::<PARITY>(&rest[0], &rest[1]);
+            let (mut span, mut length, mut excess) = (Block3::ZERO, Block::ZERO, Block::ZERO);
             for i in 0..LANES {
-                let is_first = i % 2 == parity;
-                let partner = if is_first { right.at(i) } else { left.at(i) };
-                let rest = if is_first { rest.1.0[i] } else { rest.0.0[i] };
-                let other = if is_first { other.1.0[i] } else { other.0.0[i] };
-                let span = partner - x.at(i);
-                let length = larger(span.dot(span).sqrt(), LEAST_LENGTH);
+                let apart = partner.at(i) - x.at(i);
+                span.set(i, apart);
+                length.0[i] = larger(apart.dot(apart).sqrt(), LEAST_LENGTH);
+                let beyond = larger(length.0[i] - rest.0[i] * limit, 0.0);
                 // No spring has the rest length zero: beside the sheet there is nothing to correct.
-                let excess = if rest > 0.0 { larger(length - rest * limit, 0.0) } else { 0.0 };
-                let mut both = w.0[i] + other;
-                if let [Some(n), Some(left), Some(right)] = &normals {
-                    let partner = if is_first { right.at(i) } else { left.at(i) };
-                    let across = [n.at(i).dot(span), partner.dot(span)];
-                    both = mobility(both, across, length, [w.0[i], other]);
-                }
-                let divisor = larger(both, LEAST_DIVISOR) * length;
-                if self.contacts.is_some() {
-                    pulls.set(i, span * (excess / divisor));
-                } else {
-                    d.set(i, d.at(i) + span * (excess * w.0[i] / divisor));
-                }
-            }
-            if let ([Some(n), ..], Some(contacts)) = (&normals, &mut self.contacts) {
-                let (along, load) = divide(&pulls, n);
-                contacts.add(slot, &load);
-                pulls = along;
-            }
-            if self.contacts.is_some() {
-                for i in 0..LANES {
-                    d.set(i, d.at(i) + pulls.at(i) * w.0[i]);
-                }
+                excess.0[i] = if rest.0[i] > 0.0 { beyond } else { 0.0 };
             }
             // The next block's last neighbour is needed as it was, before this one is stored.
             let is_last = column + LANES >= columns;
-            let next = if is_last { Block3::ZERO } else { self.left_of(row, column + LANES) };
-            d.store(&mut self.d, slot);
-            left = next;
+            left = if is_last { Block3::ZERO } else { self.left_of(row, column + LANES) };
+            if excess.is_any() {
+                self.shorten::<PARITY>(slot, &span, &length, &excess);
+            }
         }
+    }
+
+    /// Moves a block of particles by their part of what the weft springs to their partners are too long.
+    #[inline(always)]
+    fn shorten<const PARITY: usize>(
+        &mut self,
+        slot: usize,
+        span: &Block3,
+        length: &Block,
+        excess: &Block,
+    ) {
+        let w = self.mobile(slot);
+        let other = alternate::<PARITY>(&self.mobile(slot + 1), &self.mobile(slot - 1));
+        let mut d = Block3::load(&self.d, slot);
+        match &mut self.contacts {
+            None => {
+                for i in 0..LANES {
+                    let divisor = larger(w.0[i] + other.0[i], LEAST_DIVISOR) * length.0[i];
+                    d.set(i, d.at(i) + span.at(i) * (excess.0[i] * w.0[i] / divisor));
+                }
+            }
+            Some(contacts) => {
+                let normals = &contacts.normals.normal;
+                let n = Block3::load(normals, slot);
+                let partner = [Block3::load(normals, slot + 1), Block3::load(normals, slot - 1)];
+                let partner = alternate3::<PARITY>(&partner[0], &partner[1]);
+                let mut pulls = Block3::ZERO;
+                for i in 0..LANES {
+                    let across = [n.at(i).dot(span.at(i)), partner.at(i).dot(span.at(i))];
+                    let (w, other) = (w.0[i], other.0[i]);
+                    let both = mobility(w + other, across, length.0[i], [w, other]);
+                    let divisor = larger(both, LEAST_DIVISOR) * length.0[i];
+                    pulls.set(i, span.at(i) * (excess.0[i] / divisor));
+                }
+                let (along, load) = divide(&pulls, &n);
+                contacts.add(slot, &load);
+                for i in 0..LANES {
+                    d.set(i, d.at(i) + along.at(i) * w.0[i]);
+                }
+            }
+        }
+        d.store(&mut self.d, slot);
+    }
+}
+
+/// Every other lane of the one, from the lane `PARITY` on, and those between of the other. Without a condition: of two places in
+/// memory, the compiler would choose before it loads, lane by lane.
+#[inline(always)]
+fn alternate<const PARITY: usize>(one: &Block, other: &Block) -> Block {
+    let mut out = Block::ZERO;
+    for i in 0..LANES {
+        let mask = if i % 2 == PARITY { u32::MAX } else { 0 };
+        let bits = (one.0[i].to_bits() & mask) | (other.0[i].to_bits() & !mask);
+        out.0[i] = f32::from_bits(bits);
+    }
+    out
+}
+
+/// The same of vectors.
+#[inline(always)]
+fn alternate3<const PARITY: usize>(one: &Block3, other: &Block3) -> Block3 {
+    Block3 {
+        x: alternate::<PARITY>(&one.x, &other.x),
+        y: alternate::<PARITY>(&one.y, &other.y),
+        z: alternate::<PARITY>(&one.z, &other.z),
     }
 }
