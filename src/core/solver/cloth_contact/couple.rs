@@ -7,6 +7,7 @@ use crate::solver::cloth_contact::parts::Body;
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::travel::Travelled;
 use crate::solver::simd::block::smaller;
+use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::{Array, Soa};
 
 /// Two cloths that may touch.
@@ -36,15 +37,13 @@ pub(super) struct Found<'a> {
 }
 
 impl Couple {
-    /// Looks what touches, before anything is moved apart in a substep.
-    pub fn look(&mut self, bodies: &mut [impl Body], still: &Soa) {
-        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
-        let (Some(one), Some(other)) = (one.parts(), other.parts()) else { return };
-        one.isa.run(LookAtPairs {
+    /// Looks what touches, before anything is moved apart in a substep, of cloths whose particles are at some places now.
+    pub fn look(&mut self, isa: Isa, at: &Soa, first: &[u32]) {
+        isa.run(LookAtPairs {
             pairs: &self.pairs,
             batches: &mut self.batches,
-            of: [one.moving(still), other.moving(still)],
-            shift: one.origin - other.origin,
+            at,
+            first: self.of.map(|of| first[of] as usize),
             travelled: self.travelled.most,
             step: self.travelled.step,
         });

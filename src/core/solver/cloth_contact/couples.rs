@@ -160,10 +160,11 @@ impl Couples {
             return;
         }
         self.search_tangles(bodies);
-        let Self { couples, at, first, still, .. } = self;
+        let isa = self.isa();
+        let Self { couples, at, last, first, still, .. } = self;
         for couple in &mut couples[..self.count] {
             if !couple.pairs.is_empty() {
-                couple.look(bodies, &still.0);
+                couple.look(isa, last, first);
             }
         }
         for couple in &mut couples[..self.count] {

@@ -195,10 +195,9 @@ impl SelfContact {
                 self.tangles.search(pair, at);
             }
         }
-        let Self { pairs, batches, .. } = self;
+        let Self { pairs, batches, last: at, .. } = self;
         let Travelled { most: travelled, step, .. } = travelled;
-        let (of, shift) = ([(&*x, &*d); 2], Vec3::ZERO);
-        isa.run(LookAtPairs { pairs, batches, of, shift, travelled, step });
+        isa.run(LookAtPairs { pairs, batches, at, first: [0; 2], travelled, step });
         self.touched = self.respond(Substep { isa, inverse_mass, x, d, lying, most_push }, 1.0);
         self.since_touch = if self.touched.count > 0 { 0 } else { self.since_touch };
         self.tangles.is_suspected |= self.touched.is_deep();

@@ -53,11 +53,6 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Positions and displacements; those of what does not move are given.
-    pub(super) fn moving<'b>(&'b self, still: &'b Soa) -> (&'b Soa, &'b Soa) {
-        (self.x, if self.moves { self.d } else { still })
-    }
-
     /// Where its particles are at the substep's end, and which of them stand down.
     pub(super) fn places(self) -> (Places<'a>, &'a mut Tangles) {
         let Self { x, d, moves, others, .. } = self;

@@ -22,10 +22,10 @@ const LEAST_DISTANCE: f32 = 1e-6;
 pub(super) struct LookAtPairs<'a> {
     pub pairs: &'a [Pair],
     pub batches: &'a mut Batches,
-    /// Positions and displacements of the first particles, and of the second ones.
-    pub of: [(&'a Soa, &'a Soa); 2],
-    /// From the origin of the second cloth to that of the first \[m\].
-    pub shift: Vec3,
+    /// Where particles are at the substep's end \[m\].
+    pub at: &'a Soa,
+    /// Where the first cloth's first slot is there, and the second one's.
+    pub first: [usize; 2],
     /// How far particles have moved relative to each other since the pairs were found, and in the last step, at most \[m\].
     pub travelled: f32,
     pub step: f32,
@@ -36,13 +36,22 @@ impl Kernel for LookAtPairs<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { pairs, batches, of, shift, travelled, step } = self;
+        let Self { pairs, batches, at, first, travelled, step } = self;
         let travelled = larger(travelled, f32::MIN_POSITIVE);
         for awake in batches.awake(pairs, travelled, step) {
-            let mut met = Met::NOTHING;
-            let reach = &awake.batch.reach;
-            met.measure(awake.batch, reach, of, shift);
-            let gap = met.least_gap(reach) - EARLY * reach.largest();
+            let Batch { slots, reach, .. } = &*awake.batch;
+            let mut apart = Block3::ZERO;
+            for i in 0..LANES {
+                let [a, b] = [first[0] + slots[0][i] as usize, first[1] + slots[1][i] as usize];
+                apart.set(i, at.get(a) - at.get(b));
+            }
+            let mut gaps = Block::ZERO;
+            for i in 0..LANES {
+                let apart = apart.at(i);
+                let gap = apart.dot(apart).sqrt() - reach.0[i] * (1.0 + EARLY);
+                gaps.0[i] = if reach.0[i] > 0.0 { gap } else { f32::INFINITY };
+            }
+            let gap = gaps.smallest();
             if gap <= 0.0 { awake.touches() } else { awake.sleeps(gap) }
         }
     }
@@ -216,17 +225,6 @@ impl Met {
             self.square.0[i] = square;
             self.touches[i] = u32::from(square < reach.0[i] * reach.0[i]);
         }
-    }
-
-    /// Least gap of any pair that was measured \[m\].
-    #[inline(always)]
-    fn least_gap(&self, reach: &Block) -> f32 {
-        let mut gaps = Block::splat(f32::INFINITY);
-        for i in 0..LANES {
-            let gap = self.square.0[i].sqrt() - reach.0[i];
-            gaps.0[i] = if reach.0[i] > 0.0 { gap } else { f32::INFINITY };
-        }
-        gaps.smallest()
     }
 
     #[inline(always)]
