@@ -99,6 +99,7 @@ use crate::step::impulses::sum_impulses;
 use crate::step::islands::Islands;
 use crate::step::islands::form::form_islands;
 use crate::step::islands::settle::settle_islands;
+use crate::step::islands::tell::tell_entangled;
 use crate::step::{
     ClothExecution, Runner, accumulate_forces, begin_staged, choose_execution, collide, correct,
     finish_tick, gather_step, in_fixed_step, in_variable_step, integrate, is_staged, note_poses,
@@ -216,6 +217,7 @@ impl Plugin for ClothPlugin {
                         gather_air,
                         choose_steps,
                         form_islands,
+                        tell_entangled,
                     )
                         .chain()
                         .in_set(Gather),

@@ -136,8 +136,14 @@ fn a_tick_and_its_stages_do_not_allocate() {
         for bending in [Bending::SecondDifference, Bending::Flexion] {
             let (mut solver, pins) = busy(topology.clone(), form, bending);
             let gravity = Vec3::NEG_Y * 9.81;
-            let input =
-                StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, colliders: &colliders, wind };
+            let input = StepInput {
+                dt: 1.0 / 64.0,
+                gravity,
+                pins: &pins,
+                colliders: &colliders,
+                wind,
+                ..StepInput::default()
+            };
             // The first tick too, another length of tick, another gravity and wind.
             assert_eq!(allocations(|| solver.tick(&input)), 0, "{form:?} {bending:?}, first tick");
             for _ in 0..20 {

@@ -17,7 +17,7 @@ use crate::solver::InterCollision;
 /// cloth that it touches, and cloths that lie on each other fall asleep together. One that sleeps, or that
 /// [`ClothPaused`](crate::ClothPaused) holds, is as a wall to others meanwhile.
 ///
-/// Cloths should not start within each other: those that do stay calm, and come apart where they can.
+/// Cloths should not start within each other: those that do are told of once in the log, stay calm, and come apart where they can.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -64,5 +64,12 @@ pub(crate) fn input<'a>(
     zones: &'a [Zone],
 ) -> StepInput<'a> {
     let wind = step.wind.at(step.time, zones);
-    StepInput { dt: step.dt, gravity: step.gravity, pins: motions, colliders, wind }
+    StepInput {
+        dt: step.dt,
+        gravity: step.gravity,
+        pins: motions,
+        colliders,
+        wind,
+        ..StepInput::default()
+    }
 }

@@ -214,8 +214,14 @@ fn take(solver: &mut ClothSolver, tick: &Tick, home: &mut [Vec3]) -> TestCaseRes
         })
         .collect();
     let wind = Wind { zones: &tick.zones, ..tick.wind };
-    let input =
-        StepInput { dt: tick.dt, gravity: tick.gravity, pins: &pins, colliders: &colliders, wind };
+    let input = StepInput {
+        dt: tick.dt,
+        gravity: tick.gravity,
+        pins: &pins,
+        colliders: &colliders,
+        wind,
+        ..StepInput::default()
+    };
     match solver.tick(&input) {
         Ok(_) => home.copy_from_slice(&ends),
         Err(error) => {

@@ -14,7 +14,14 @@ use crate::support::solver::*;
 fn blow(solver: &mut ClothSolver, ticks: usize, gravity: Vec3, wind: Wind<'_>) {
     let pins = still(solver);
     for _ in 0..ticks {
-        let input = StepInput { dt: TICK, gravity, pins: &pins, colliders: &[], wind };
+        let input = StepInput {
+            dt: TICK,
+            gravity,
+            pins: &pins,
+            colliders: &[],
+            wind,
+            ..StepInput::default()
+        };
         solver.tick(&input).unwrap();
     }
 }
@@ -387,7 +394,14 @@ fn every_form_and_instruction_set_gives_the_same_bits() {
                 time,
                 zones: &zones,
             };
-            let input = StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &[], wind };
+            let input = StepInput {
+                dt: TICK,
+                gravity: GRAVITY,
+                pins: &pins,
+                colliders: &[],
+                wind,
+                ..StepInput::default()
+            };
             if staged {
                 for _ in 0..solver.begin_tick(&input).unwrap() {
                     solver.accumulate_forces(&input);

@@ -288,8 +288,14 @@ impl Scene {
             let velocity = Vec3::new(1.0, 0.0, 3.0);
             let blowing = Wind { velocity, gusts, time: f64::from(from), zones: &zones };
             let wind = if self.windy { blowing } else { Wind::default() };
-            let input =
-                StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &colliders, wind };
+            let input = StepInput {
+                dt: TICK,
+                gravity: GRAVITY,
+                pins: &pins,
+                colliders: &colliders,
+                wind,
+                ..StepInput::default()
+            };
             if self.pushed && tick % 4 == 0 {
                 solver.push(PushOn::All, PushWith::Force(Vec3::new(0.0, 0.2, 0.3))).unwrap();
                 solver.push(PushOn::Particle(99), PushWith::Impulse(Vec3::X * 1e-3)).unwrap();

@@ -301,6 +301,34 @@ fn layers_slide_at_the_angle_of_friction() {
     assert!(slides > 0.01, "above the angle it slides by {slides} m");
 }
 
+/// What lies on a cloth that friction holds to the ground stays there. Higher layers creep, by a centimetre a second at most.
+#[test]
+fn a_pile_on_a_slope_stays() {
+    for (count, most) in [(2, [1e-5, 1e-5]), (4, [1e-3, 2e-2])] {
+        let layer = |layer: usize| {
+            let (turn, up) = (0.25 + 0.45 * layer as f32, 0.03 + 0.02 * layer as f32);
+            let place = move |p: Vec3| Quat::from_rotation_y(turn) * p + Vec3::Y * up;
+            let mut cloth = cloth(&square(0.7, 32), place);
+            cloth.set_material(Material { friction: 0.9, ..usual() }).unwrap();
+            cloth
+        };
+        let how = InterCollision { friction: 0.9, ..InterCollision::default() };
+        let mut scene = Scene::of((0..count).map(layer).collect()).meeting(how);
+        scene.ground = 0.0;
+        scene.run(60);
+        let slope = 15.0_f32.to_radians();
+        scene.gravity = Vec3::new(slope.sin(), -slope.cos(), 0.0) * 9.81;
+        scene.run(60);
+        let places = |scene: &Scene| -> Vec<DVec3> { scene.cloths.iter().map(centre).collect() };
+        let before = places(&scene);
+        scene.run(60);
+        for (layer, (now, before)) in places(&scene).into_iter().zip(before).enumerate() {
+            let (crept, most) = (now.distance(before), most[usize::from(layer > 1)]);
+            check_at_most(&format!("{layer} of {count}: crept by [m]"), crept, most);
+        }
+    }
+}
+
 #[test]
 fn bits_depend_on_neither_instructions_nor_origin_nor_restart() {
     let run = |isa: Isa, restarts: bool| {

@@ -29,6 +29,7 @@ mod refusals;
 mod seams;
 mod self_collision;
 mod shared;
+mod skin;
 mod soft;
 mod spring;
 mod stability;

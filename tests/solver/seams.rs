@@ -142,8 +142,14 @@ fn busy(topology: &Topology, form: StretchMethod, isa: Isa, staged: bool) -> Vec
             time: f64::from(tick) / 64.0,
             zones: &zones,
         };
-        let input =
-            StepInput { dt: TICK, gravity: GRAVITY, pins: &pins, colliders: &colliders, wind };
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &colliders,
+            wind,
+            ..StepInput::default()
+        };
         if staged {
             for _ in 0..solver.begin_tick(&input).unwrap() {
                 solver.accumulate_forces(&input);

@@ -68,6 +68,25 @@ pub enum SolverError {
         /// Motions given.
         motions: usize,
     },
+    /// The limits of the skin, or its places in a tick, are not one a particle.
+    #[error("the cloth has {particles} particles on the skin, but {motions} were given")]
+    WrongSkinCount {
+        /// Particles that are held to the skin.
+        particles: usize,
+        /// Limits or motions given.
+        motions: usize,
+    },
+    /// A number that holds a particle to the skin is out of its range.
+    #[error("the skin's {problem}, at particle {particle}")]
+    SkinLimit {
+        /// The particle.
+        particle: usize,
+        /// Which number.
+        problem: ParameterError,
+    },
+    /// A particle has a backstop, and its skin no normal.
+    #[error("particle {0} has a backstop, but the skin has no normal there")]
+    NoSkinNormal(usize),
     /// The tick's length is not positive and finite, or beyond a second.
     #[error("a tick of {0} s cannot be taken: it must be above 0 and at most 1 s")]
     Tick(f32),

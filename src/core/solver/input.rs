@@ -3,6 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::constraints::pin_motion::PinMotion;
+use crate::solver::constraints::skin::{Skin, SkinMotion};
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
@@ -19,6 +20,9 @@ pub struct StepInput<'a> {
     /// Motions of the pins, in the order of [`ClothSolver::pins`](crate::solver::ClothSolver::pins), then those
     /// of the targets of [`ClothSolver::soft_pins`](crate::solver::ClothSolver::soft_pins).
     pub pins: &'a [PinMotion],
+    /// Places on the skin, one a particle, of a cloth that has one ([`ClothSolver::set_skin`](crate::solver::ClothSolver::set_skin));
+    /// else none.
+    pub skin: &'a [SkinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],
     /// The wind. A cloth that has no [`Air`](crate::solver::Air) does not feel it.
@@ -42,6 +46,24 @@ pub struct TickReport {
 }
 
 impl StepInput<'_> {
+    /// Checks the places on the skin, for a cloth that has this one.
+    pub(crate) fn check_skin(&self, skin: Option<&Skin>) -> Result<(), SolverError> {
+        let (particles, motions) = (skin.map_or(0, |skin| skin.limits.len()), self.skin.len());
+        if particles != motions {
+            return Err(SolverError::WrongSkinCount { particles, motions });
+        }
+        let is_good = |motion: &SkinMotion| {
+            motion.place.into_iter().all(is_near) && motion.normal.into_iter().all(is_near)
+        };
+        if let Some(particle) = self.skin.iter().position(|motion| !is_good(motion)) {
+            return Err(SolverError::NonFinite { what: "place on the skin", particle });
+        }
+        match skin.and_then(|skin| skin.without_normal(self.skin)) {
+            Some(particle) => Err(SolverError::NoSkinNormal(particle)),
+            None => Ok(()),
+        }
+    }
+
     /// Checks every number, for a cloth with so many pins.
     pub(crate) fn check(&self, pins: usize) -> Result<(), SolverError> {
         if !(self.dt > 0.0 && self.dt <= 1.0) {

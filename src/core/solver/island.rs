@@ -176,6 +176,7 @@ impl Island {
         self.couples.keep_apart(members);
         for (place, member) in moving(members) {
             member.solver.keep_layers_apart();
+            member.solver.hold_to_skin();
             ended(place, Stage::Correct);
         }
     }

@@ -8,7 +8,7 @@
 //! 2. [`integrate`](ClothSolver::integrate): Verlet in its leapfrog form, linear drag; pins move to where
 //!    they are to be (`integrate`);
 //! 3. [`correct`](ClothSolver::correct): *threads* are solved whole, or *springs* are held to Provot's
-//!    strain limit; then tethers to the pins (`constraints`). A particle that lies on a collider is moved along its
+//!    strain limit; then tethers to the pins, and bounds around an animated pose (`constraints`). A particle that lies on a collider is moved along its
 //!    surface alone;
 //! 4. [`collide`](ClothSolver::collide): particles and edges are held outside the colliders (`contact`).
 //!
@@ -31,7 +31,7 @@
 //! | `forces` | springs, bending, friction of bending, damping, external loads, aerodynamics, wind |
 //! | `plan` | stability bounds; substeps, springs or threads, clamped constants |
 //! | `integrate` | Verlet, Houbolt's filter of corrections; explicit integrators to compare with |
-//! | `constraints` | pins, soft pins, threads, shear, strain limit, tethers |
+//! | `constraints` | pins, soft pins, threads, shear, strain limit, tethers, skin |
 //! | `input` | what a tick is given and gives back |
 //! | `state` | positions, displacements, workspace, measures |
 //! | `model` | what stages do differently on a sheet and on a mesh, with the constants and the workspace of each |
@@ -91,6 +91,7 @@ use bevy_math::Vec3;
 
 pub use crate::solver::cloth_contact::{InterCollision, SelfCollision};
 pub use crate::solver::constraints::pin_motion::PinMotion;
+pub use crate::solver::constraints::skin::{Backstop, SkinLimit, SkinMotion};
 pub use crate::solver::constraints::soft_pins::SoftPin;
 pub use crate::solver::contact::{Collider, ColliderMotion, Pose};
 pub use crate::solver::error::SolverError;
@@ -115,6 +116,7 @@ pub use crate::solver::topology::lattice::{Lattice, LatticeError};
 
 use crate::solver::cloth_contact::{OthersContact, SelfContact};
 use crate::solver::constraints::pins::Pins;
+use crate::solver::constraints::skin::Skin;
 use crate::solver::contact::Span;
 use crate::solver::forces::aerodynamics::Surface;
 use crate::solver::model::Model;
@@ -137,6 +139,8 @@ pub struct ClothSolver {
     shares: bool,
     pins: Pins,
     soft: Vec<constraints::soft_pins::Spring>,
+    /// What holds it near an animated pose, where anything does.
+    skin: Option<Box<Skin>>,
     /// Forces from outside, once there were any.
     pushes: Option<Box<forces::external::Pushes>>,
     bound: Bound,
@@ -249,6 +253,7 @@ impl ClothSolver {
 
     fn check_input(&self, input: &StepInput<'_>) -> Result<(), SolverError> {
         input.check(self.pins.slots.len() + self.soft.len())?;
+        input.check_skin(self.skin.as_deref())?;
         if self.air.is_some() {
             input.wind.validate()?;
         }
@@ -280,6 +285,9 @@ impl ClothSolver {
         let centre = (self.survey.min + self.survey.max) * 0.5;
         if self.state.follow(self.topology.layout(), centre) {
             self.forget_pairs();
+        }
+        if let Some(skin) = &mut self.skin {
+            skin.begin_tick(&self.topology, input.skin, self.state.origin);
         }
         let wind = self.take_wind(input, (low, high));
         let load = input.gravity + wind + self.load_of_pushes(input.gravity);

@@ -9,6 +9,7 @@ use crate::solver::cloth_contact::{
     FacesAt, InterCollision, OthersContact, SelfCollision, SelfContact,
 };
 use crate::solver::constraints::pins::Pins;
+use crate::solver::constraints::skin::{Skin, SkinLimit};
 use crate::solver::constraints::threads::geometric_stiffness::steady;
 use crate::solver::contact::Edges;
 use crate::solver::error::SolverError;
@@ -81,6 +82,7 @@ impl ClothSolver {
             surveyed_before: false,
             mark: Mark::new(topology.layout()),
             soft: Vec::new(),
+            skin: None,
             pushes: None,
             topology,
             model,
@@ -118,6 +120,7 @@ impl ClothSolver {
         let soft: Vec<_> = self.soft_pins().copied().collect();
         solver.set_soft_pins(&soft)?;
         solver.limit_soft_pins_as(self);
+        solver.set_skin(self.skin())?;
         solver.set_air(self.air().copied())?;
         solver.set_self_collision(self.self_collision())?;
         solver.set_inter_collision(self.inter_collision())?;
@@ -152,6 +155,32 @@ impl ClothSolver {
         // Air loads the tethers.
         self.tethered_under = None;
         Ok(())
+    }
+
+    /// Holds particles near places that each tick is given ([`StepInput::skin`](crate::solver::StepInput::skin)), as clothes are held
+    /// near a skinned body: limits, one a particle; or lets them go. Pinned particles are held by their pins alone.
+    ///
+    /// # Errors
+    /// [`SolverError::WrongSkinCount`], [`SolverError::SkinLimit`]; what was in force then stays.
+    pub fn set_skin(&mut self, limits: Option<&[SkinLimit]>) -> Result<(), SolverError> {
+        let Some(limits) = limits else {
+            self.skin = None;
+            return Ok(());
+        };
+        let (particles, motions) = (self.topology.particle_count(), limits.len());
+        if particles != motions {
+            return Err(SolverError::WrongSkinCount { particles, motions });
+        }
+        for (particle, limit) in limits.iter().enumerate() {
+            limit.validate().map_err(|problem| SolverError::SkinLimit { particle, problem })?;
+        }
+        self.skin = Some(Box::new(Skin::new(&self.topology, limits)));
+        Ok(())
+    }
+
+    /// What holds particles near their places on the skin, one a particle; `None` where nothing does.
+    pub fn skin(&self) -> Option<&[SkinLimit]> {
+        self.skin.as_ref().map(|skin| &*skin.limits)
     }
 
     /// The air around the cloth, `None` where it feels none.

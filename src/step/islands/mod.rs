@@ -1,10 +1,11 @@
 //! Cloths that may touch each other in a tick are stepped together, in *islands*.
 //!
 //! Each tick anew: who is near whom (`form`), the substeps in lockstep (here), and what followed for the sleep of those that touched
-//! (`settle`). Islands keep nothing but room from tick to tick.
+//! (`settle`). Islands keep nothing but room from tick to tick. Cloths that begin within each other are told of (`tell`).
 
 pub(crate) mod form;
 pub(crate) mod settle;
+pub(crate) mod tell;
 
 use bevy::prelude::*;
 use bevy::tasks::ComputeTaskPool;

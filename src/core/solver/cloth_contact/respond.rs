@@ -144,9 +144,13 @@ impl Kernel for Respond<'_, '_> {
 struct Grains {
     normal: Block3,
     onto: Block3,
+    /// What the collider's friction is to undo of its displacement \[m\].
+    undone: Block3,
     /// Inverse mass, all of it, and what is left of it along a collider \[1/kg\].
     inverse_mass: Block,
     slipping: Block,
+    /// The same when the collider's friction has held it.
+    loose: Block,
 }
 
 impl Grains {
@@ -155,25 +159,29 @@ impl Grains {
         let mut grains = Self {
             normal: Block3::ZERO,
             onto: Block3::ZERO,
+            undone: Block3::ZERO,
             inverse_mass: Block::ZERO,
             slipping: Block::ZERO,
+            loose: Block::ZERO,
         };
         for i in (0..LANES).filter(|&i| touches[i] != 0) {
             let slot = slots[i] as usize;
-            let ((onto, slip), w) = (side.lies_on(slot), side.inverse_mass[slot]);
+            let (lies, w) = (side.lies(slot), side.inverse_mass[slot]);
             grains.normal.set(i, side.normal(slot));
-            grains.onto.set(i, onto);
+            grains.onto.set(i, lies.onto);
+            grains.undone.set(i, lies.undone);
             grains.inverse_mass.0[i] = w;
-            grains.slipping.0[i] = w * slip;
+            grains.slipping.0[i] = w * lies.slip;
+            grains.loose.0[i] = w * lies.slip * lies.loose;
         }
         grains
     }
 
-    /// How far momentum of one along a direction of some length moves a particle \[1/kg\].
+    /// How far momentum of one along a direction of some length moves a particle that moves by `w` where it is free \[1/kg\].
     #[inline(always)]
-    fn mobility(&self, lane: usize, direction: Vec3, square: f32) -> f32 {
+    fn mobility(&self, w: &Block, lane: usize, direction: Vec3, square: f32) -> f32 {
         let onto = self.onto.at(lane).dot(direction);
-        self.slipping.0[lane] * (1.0 - onto * onto / square)
+        w.0[lane] * (1.0 - onto * onto / square)
     }
 }
 
@@ -250,12 +258,16 @@ impl Met {
             let undone = smaller(larger(-along, 0.0), depth);
             let least = (a.inverse_mass.0[i] + b.inverse_mass.0[i]) * LEAST_MOBILITY;
             let least = larger(least, f32::MIN_POSITIVE);
-            let share = a.mobility(i, normal, 1.0) + b.mobility(i, normal, 1.0);
+            let share =
+                a.mobility(&a.slipping, i, normal, 1.0) + b.mobility(&b.slipping, i, normal, 1.0);
             let share = 1.0 / larger(share, least);
             let pressed = undone * share;
-            let sliding = relative - normal * along;
+            // What lies on a collider that holds it goes as that does, whatever has dragged it in this substep.
+            let slides = relative - (a.undone.at(i) - b.undone.at(i));
+            let sliding = slides - normal * slides.dot(normal);
             let way = larger(sliding.dot(sliding), f32::MIN_POSITIVE);
-            let yields = a.mobility(i, sliding, way) + b.mobility(i, sliding, way);
+            let yields =
+                a.mobility(&a.loose, i, sliding, way) + b.mobility(&b.loose, i, sliding, way);
             let yields = larger(yields, least);
             let held = friction * pressed * yields / way.sqrt();
             let braked = smaller(held, 1.0) / yields;

@@ -12,6 +12,11 @@ pub(in crate::solver) struct Lying<'a> {
     pub normal: &'a Soa,
     /// By slot, the part of its inverse mass that moves a particle along the surface.
     pub slip: &'a [f32],
+    /// By slot, the part of its way along the surface that the collider's friction leaves it.
+    pub loose: &'a [f32],
+    /// By slot, velocity of the collider's surface \[m/s\], and the substep's length \[s\].
+    pub velocity: &'a Soa,
+    pub step: f32,
     /// By slot, what the collider bears \[kg m\].
     pub load: &'a mut [f32],
 }
@@ -19,8 +24,19 @@ pub(in crate::solver) struct Lying<'a> {
 impl Lying<'_> {
     /// The same, for a while.
     pub fn reborrow(&mut self) -> Lying<'_> {
-        Lying { normal: self.normal, slip: self.slip, load: self.load }
+        Lying { load: self.load, ..*self }
     }
+}
+
+/// How a particle lies on a collider, if it does.
+pub(super) struct Lies {
+    /// Normal of the collider, zero where it lies on none.
+    pub onto: Vec3,
+    /// Part of its inverse mass that moves it along the surface, and part that is left of that when friction has held it.
+    pub slip: f32,
+    pub loose: f32,
+    /// Part of its displacement that the collider's friction is to undo \[m\].
+    pub undone: Vec3,
 }
 
 /// The particles of a cloth, by slot.
@@ -46,13 +62,18 @@ impl Side<'_> {
         normals.get(slot, |slot| faces.normal(slot, |slot| found_at.get(*first + slot as usize)))
     }
 
-    /// Normal of the collider that a particle lies on, zero where it lies on none, and the part of its inverse mass that moves it along
-    /// its surface.
+    /// How a particle lies on a collider.
     #[inline(always)]
-    pub fn lies_on(&self, slot: usize) -> (Vec3, f32) {
+    pub fn lies(&self, slot: usize) -> Lies {
         match &self.lying {
-            Some(lying) => (lying.normal.get(slot), lying.slip[slot]),
-            None => (Vec3::ZERO, 1.0),
+            Some(Lying { normal, slip, loose, velocity, step, .. }) => {
+                let (onto, loose) = (normal.get(slot), loose[slot]);
+                let undone = (self.d.get(slot) - velocity.get(slot) * *step) * (1.0 - loose);
+                let undone = undone - onto * onto.dot(undone);
+                let undone = if onto == Vec3::ZERO { Vec3::ZERO } else { undone };
+                Lies { onto, slip: slip[slot], loose, undone }
+            }
+            None => Lies { onto: Vec3::ZERO, slip: 1.0, loose: 1.0, undone: Vec3::ZERO },
         }
     }
 
@@ -68,7 +89,7 @@ impl Side<'_> {
     #[inline(always)]
     pub fn give(&mut self, slot: usize, mut momentum: Vec3, mut pushed: Vec3) {
         let mut w = self.inverse_mass[slot];
-        if let Some(Lying { normal, slip, load }) = &mut self.lying {
+        if let Some(Lying { normal, slip, load, .. }) = &mut self.lying {
             let onto = normal.get(slot);
             let borne = onto.dot(momentum);
             load[slot] += borne;

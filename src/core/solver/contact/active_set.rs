@@ -79,13 +79,17 @@ pub(crate) struct Normals {
     /// By slot, the part of its inverse mass that moves a particle along the surface; less than one where friction holds
     /// it.
     pub slip: Array,
+    /// By slot, the part of its way along the surface that friction left a particle, 0 where it stuck; 1 where it lies on none.
+    pub loose: Array,
 }
 
 impl Normals {
     fn new(slots: usize) -> Self {
         let mut slip = Array::zeros(slots);
         slip.fill(1.0);
-        Self { any: false, blocks: vec![false; slots / LANES], normal: Soa::zeros(slots), slip }
+        let loose = slip.clone();
+        let blocks = vec![false; slots / LANES];
+        Self { any: false, blocks, normal: Soa::zeros(slots), slip, loose }
     }
 
     /// Forgets all of them.
@@ -94,6 +98,7 @@ impl Normals {
             if core::mem::take(touches) {
                 Block3::ZERO.store(&mut self.normal, block * LANES);
                 Block::splat(1.0).store(&mut self.slip, block * LANES);
+                Block::splat(1.0).store(&mut self.loose, block * LANES);
             }
         }
         self.any = false;
@@ -178,6 +183,7 @@ impl ActiveSet {
         for normals in [&mut self.now, &mut self.before] {
             normals.normal.set(slot, Vec3::ZERO);
             normals.slip[slot] = 1.0;
+            normals.loose[slot] = 1.0;
         }
     }
 

@@ -15,6 +15,7 @@ pub(super) struct Found<'a> {
     pub blocks: ByBlock<'a, bool>,
     pub normal: PartMut<'a>,
     pub slip: ValuesMut<'a>,
+    pub loose: ValuesMut<'a>,
     pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
 }
@@ -24,16 +25,18 @@ impl CutAt for Found<'_> {
         let (blocks, blocks_below) = self.blocks.cut(slot);
         let (normal, normal_below) = self.normal.cut(slot);
         let (slip, slip_below) = self.slip.cut(slot);
+        let (loose, loose_below) = self.loose.cut(slot);
         let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
             slip: slip_below,
+            loose: loose_below,
             velocity: velocity_below,
             holder: holder_below,
         };
-        (Self { blocks, normal, slip, velocity, holder }, below)
+        (Self { blocks, normal, slip, loose, velocity, holder }, below)
     }
 }
 
@@ -53,6 +56,8 @@ impl Found<'_> {
         let mut normals = Block3::load(&self.normal, slot);
         let mut velocity = Block3::load(&self.velocity, slot);
         let mut slips = self.slip.blocks(slot, 1);
+        let mut looses = self.loose.blocks(slot, 1);
+        let mut loose = looses.at(0);
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
         let mut slip = slips.at(0);
@@ -69,9 +74,11 @@ impl Found<'_> {
             let free = pushed.slip(i, friction, hold, settings);
             let free = if goes.abs() > settings.epsilon { 1.0 } else { free };
             slip.0[i] = if touches { free } else { slip.0[i] };
+            loose.0[i] = if touches { pushed.loose(i, friction) } else { loose.0[i] };
         }
         velocity.store(&mut self.velocity, slot);
         slips.set(0, slip);
+        looses.set(0, loose);
         holders.set(0, holder);
         normals.store(&mut self.normal, slot);
     }

@@ -226,6 +226,7 @@ impl ResolveContacts<'_> {
                     blocks: ByBlock::all(&mut set.next.blocks),
                     normal: set.next.normal.part_mut(),
                     slip: ValuesMut::all(&mut set.next.slip),
+                    loose: ValuesMut::all(&mut set.next.loose),
                     velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
                 },

@@ -71,6 +71,13 @@ impl Pushed {
         before + (slips - before) * rate
     }
 
+    /// Part of its way along the surface that friction left it: none where it sticks.
+    #[inline(always)]
+    pub fn loose(&self, lane: usize, friction: f32) -> f32 {
+        let went = self.went.0[lane];
+        larger(went - friction * self.undone.0[lane], 0.0) / went
+    }
+
     /// Part of the pulls at a particle that is expected again. A particle that begins to touch by a blow expects ever less,
     /// the harder the blow.
     #[inline(always)]

@@ -16,6 +16,7 @@ pub(super) struct SavedContacts {
     normals: Vec<Vec3>,
     before: Vec<Vec3>,
     slips: Vec<[f32; 2]>,
+    loose: Vec<f32>,
     velocities: Vec<Vec3>,
     holders: Vec<u32>,
     /// Impulses that are expected to press on edges.
@@ -86,6 +87,7 @@ impl SavedContacts {
                 .zip(values(&before.slip))
                 .map(Into::into)
                 .collect(),
+            loose: values(&now.loose),
             velocities: by_particle(velocity),
             holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
             warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
@@ -96,7 +98,7 @@ impl SavedContacts {
 
     /// Puts it back into an active set that is empty.
     pub fn put_back(&self, topology: &Topology, set: &mut ActiveSet) {
-        let Self { normals, before, slips, velocities, holders, warm, freed, owed } = self;
+        let Self { normals, before, slips, loose, velocities, holders, warm, freed, owed } = self;
         let by_slot = |vectors: &[Vec3]| by_slot(topology, vectors);
         set.impulses.set_owed(owed);
         (set.now.normal, set.before.normal) = (by_slot(normals), by_slot(before));
@@ -105,6 +107,7 @@ impl SavedContacts {
             let slot = topology.slot(particle);
             set.holder[slot] = holders[particle] as f32;
             [set.now.slip[slot], set.before.slip[slot]] = slips[particle];
+            set.now.loose[slot] = loose[particle];
         }
         let slot = |particle: u32| topology.slot(particle as usize) as u32;
         let edges = &mut set.edges;
@@ -122,12 +125,13 @@ impl SavedContacts {
 
     /// Whether a cloth of so many particles may have been in such contact.
     pub fn is_good(&self, particles: usize) -> bool {
-        let Self { normals, before, slips, velocities, holders, warm, freed, owed } = self;
+        let Self { normals, before, slips, loose, velocities, holders, warm, freed, owed } = self;
         let is_normal = |n: &Vec3| *n == Vec3::ZERO || (n.is_finite() && n.length() < 1.001);
         [normals, before]
             .iter()
             .all(|normals| normals.len() == particles && normals.iter().all(is_normal))
-            && [slips.len(), velocities.len(), holders.len()] == [particles; 3]
+            && [slips.len(), loose.len(), velocities.len(), holders.len()] == [particles; 4]
+            && loose.iter().all(|loose| (0.0..=1.0).contains(loose))
             && slips.iter().flatten().all(|slip| *slip > 0.0 && *slip <= 1.0)
             && velocities.iter().all(|velocity| is_near(*velocity))
             && warm.iter().all(|warm| {

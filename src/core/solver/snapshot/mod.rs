@@ -153,6 +153,7 @@ impl ClothSolver {
             model: _,
             bound: _,
             steady: _,
+            skin: _,
             plan,
             air,
             survey: _,

@@ -2,7 +2,7 @@
 
 use crate::solver::ClothSolver;
 use crate::solver::cloth_contact::{Lying, Parts, SelfContact, Substep};
-use crate::solver::contact::ActiveSet;
+use crate::solver::contact::{ActiveSet, Normals};
 use crate::solver::state::State;
 
 impl ClothSolver {
@@ -46,7 +46,7 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts),
+            lying: lying(contacts, plan.step),
             most_push: settings.max_depenetration_speed * plan.step,
         };
         self_contact.as_mut().map(|own| act(own, on))
@@ -65,7 +65,7 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts),
+            lying: lying(contacts, plan.step),
             most_push: settings.max_depenetration_speed * plan.step,
             others: others_contact.as_mut()?,
         })
@@ -73,7 +73,8 @@ impl ClothSolver {
 }
 
 /// Where particles lie on colliders, if any do.
-fn lying(contacts: &mut ActiveSet) -> Option<Lying<'_>> {
-    let ActiveSet { now, load, .. } = contacts;
-    now.any.then_some(Lying { normal: &now.normal, slip: &now.slip, load })
+fn lying(contacts: &mut ActiveSet, step: f32) -> Option<Lying<'_>> {
+    let ActiveSet { now, velocity, load, .. } = contacts;
+    let Normals { normal, slip, loose, .. } = &*now;
+    now.any.then_some(Lying { normal, slip, loose, velocity, step, load })
 }

@@ -47,6 +47,7 @@ impl ClothSolver {
             };
             self.contact_count = contacts.run(self.isa);
         }
+        self.end_within_skin();
         self.end_filtering();
         let State { x, d, pull, carries, .. } = &mut self.state;
         let pull = carries.then(|| pull.part_mut());

@@ -1,4 +1,4 @@
-//! Third stage: threads are solved whole, or springs are held to Provot's limit; then tethers.
+//! Third stage: threads are solved whole, or springs are held to Provot's limit; then tethers; then the skin.
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::strain_limit::Rule;
@@ -11,11 +11,12 @@ use crate::solver::simd::parallel;
 use crate::solver::state::State;
 
 impl ClothSolver {
-    /// Third stage: threads or Provot's limit, then tethers.
+    /// Third stage: threads or Provot's limit, then tethers, then the skin.
     pub fn correct(&mut self) {
         let exceeds = self.pull_threads();
         self.hold_threads(exceeds);
         self.keep_layers_apart();
+        self.hold_to_skin();
     }
 
     /// First part of the third stage: threads are solved, layers of the cloth that touch are moved apart. Tells whether any spring may

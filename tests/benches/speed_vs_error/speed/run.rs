@@ -122,7 +122,7 @@ impl<'a> Run<'a> {
             return;
         }
         let (gravity, wind) = (*gravity, *wind);
-        let input = StepInput { dt: FRAME, gravity, pins, colliders, wind };
+        let input = StepInput { dt: FRAME, gravity, pins, colliders, wind, ..StepInput::default() };
         let region = Region::new(ALLOCATOR);
         let before = Instant::now();
         let done = cloth.tick(&input);

@@ -1,0 +1,218 @@
+//! A cloth that is held near an animated pose. Truths: no particle is further from its place than its max distance, or in its backstop,
+//! at any tick's end, whatever the pose does; a drive is a critically damped spring; what is bounded by nothing has the bits of a
+//! cloth without a skin, and so have the forms of the step, the threads and what is saved; bad limits are refused by name.
+
+use bevy::math::{DVec3, Quat, Vec2, Vec3, primitives::Sphere};
+use bevy_drape::solver::{
+    Backstop, ClothSolver, Collider, MassLumping, Material, Pose, Settings, SkinLimit, SkinMotion,
+    SolverError, StepInput, Topology,
+};
+
+use crate::support::{dice::Dice, solver::*};
+
+/// Most that a particle is beyond its bounds at a tick's end \[m\].
+const CLOSE: f64 = 1e-4;
+
+fn square(n: usize) -> Topology {
+    sheet(Vec2::ONE, n, n, MassLumping::Lumped).into()
+}
+
+fn irregular(n: usize) -> Topology {
+    let (positions, triangles) = jittered(n, n, 1.0 / (n - 1) as f32, 0.3, 7);
+    let graph = bevy_drape::solver::Graph::new(&positions, &triangles, MassLumping::Lumped);
+    std::sync::Arc::new(graph.unwrap()).into()
+}
+
+/// A pose that walks, turns and, in its second second, dashes by 5 m in 0.1 s.
+fn pose(time: f32) -> Pose {
+    let dash = ((time - 1.0) / 0.1).clamp(0.0, 1.0) * 5.0;
+    Pose {
+        translation: Vec3::new(dash + 1.5 * time, 0.05 * (12.0 * time).sin(), 0.0),
+        rotation: Quat::from_rotation_y(0.8 * (5.0 * time).sin()),
+        ..Pose::IDENTITY
+    }
+}
+
+fn placed(pose: &Pose, p: Vec3) -> Vec3 {
+    pose.rotation * p + pose.translation
+}
+
+/// Places on the skin of a flat shape that goes along with a pose.
+fn motions(rest: &[Vec3], tick: usize) -> Vec<SkinMotion> {
+    let poses = [tick, tick + 1].map(|tick| pose(tick as f32 * TICK));
+    rest.iter()
+        .map(|&p| SkinMotion {
+            place: [placed(&poses[0], p), placed(&poses[1], p)],
+            normal: [poses[0].rotation * Vec3::Y, poses[1].rotation * Vec3::Y],
+        })
+        .collect()
+}
+
+/// Limits that differ from particle to particle: planes, balls small and large, before and behind the place.
+fn varied(count: usize) -> Vec<SkinLimit> {
+    let mut dice = Dice(5);
+    let mut roll = |from: f32, to: f32| from + (to - from) * (0.5 + 0.5 * dice.vector().x);
+    let limit = |k: usize| {
+        let max_distance = roll(0.01, 0.15);
+        let distance = roll(-0.9 * max_distance, 0.05);
+        let radius = if k.is_multiple_of(3) { f32::INFINITY } else { roll(0.2, 1.0) };
+        let backstop = (!k.is_multiple_of(7)).then_some(Backstop { distance, radius });
+        SkinLimit { max_distance, backstop, drive: if k.is_multiple_of(5) { 4.0 } else { 0.0 } }
+    };
+    (0..count).map(limit).collect()
+}
+
+/// How far particles are beyond their max distance, and in their backstops, at most \[m\].
+fn violation(solver: &ClothSolver, motions: &[SkinMotion]) -> f64 {
+    let limits = solver.skin().unwrap();
+    let each = limits.iter().zip(motions).enumerate().map(|(particle, (limit, motion))| {
+        let [place, normal] = [motion.place[1], motion.normal[1]].map(Vec3::as_dvec3);
+        let off: DVec3 = solver.position(particle).as_dvec3() - place;
+        let beyond = off.length() - f64::from(limit.max_distance);
+        let inside = limit.backstop.map_or(f64::NEG_INFINITY, |Backstop { distance, radius }| {
+            let (distance, radius) = (f64::from(distance), f64::from(radius));
+            if radius.is_infinite() {
+                return -distance - off.dot(normal.normalize());
+            }
+            radius - (off + normal.normalize() * (distance + radius)).length()
+        });
+        beyond.max(inside)
+    });
+    each.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The worst violation of a cloth that is led through the pose for some ticks.
+fn led(solver: &mut ClothSolver, ticks: usize, colliders: &[Collider]) -> f64 {
+    let rest = solver.topology().rest_positions().to_vec();
+    let mut worst = f64::NEG_INFINITY;
+    for tick in 0..ticks {
+        let skin = motions(&rest, tick);
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            skin: &skin,
+            colliders,
+            ..StepInput::default()
+        };
+        solver.tick(&input).unwrap();
+        worst = worst.max(violation(solver, &skin));
+    }
+    worst
+}
+
+#[test]
+fn no_particle_leaves_its_bounds_whatever_the_pose_does() {
+    for (what, topology) in [("sheet", square(33)), ("mesh", irregular(24))] {
+        let mut solver = at_rest(&topology, Vec3::ZERO, usual(), Settings::default());
+        let limits = varied(topology.particle_count());
+        solver.set_skin(Some(&limits)).unwrap();
+        check_at_most(&format!("{what}: beyond"), led(&mut solver, 180, &[]), CLOSE);
+        // It is held by nothing else: without them it falls.
+        let mut free = at_rest(&topology, Vec3::ZERO, usual(), Settings::default());
+        let loose = vec![SkinLimit::default(); topology.particle_count()];
+        free.set_skin(Some(&loose)).unwrap();
+        led(&mut free, 30, &[]);
+        let skin = motions(topology.rest_positions(), 29);
+        free.set_skin(Some(&limits)).unwrap();
+        assert!(violation(&free, &skin) > 0.3, "{what}: {}", violation(&free, &skin));
+    }
+}
+
+/// A collider that pushes cloth out of its bounds does so within a tick at most.
+#[test]
+fn colliders_do_not_push_it_out_of_its_bounds() {
+    let ball = Sphere::new(0.3);
+    let at = Pose { translation: Vec3::new(0.3, -0.25, 0.2), ..Pose::IDENTITY };
+    let mut solver = at_rest(&square(33), Vec3::ZERO, usual(), Settings::default());
+    let near = SkinLimit { max_distance: 0.02, ..SkinLimit::default() };
+    solver.set_skin(Some(&vec![near; 33 * 33])).unwrap();
+    check_at_most("beyond", led(&mut solver, 60, &[Collider::new(&ball, at)]), CLOSE);
+}
+
+/// `x'' = -w^2 x - 2 w x'` from rest: `x = (1 + w t) exp(-w t)` of where it began.
+#[test]
+fn a_drive_is_a_critically_damped_spring() {
+    let topology = square(5);
+    let off = Vec3::new(0.1, 0.2, -0.1);
+    let material = Material { drag: 0.0, ..usual() };
+    let mut solver = at_rest(&topology, off, material, Settings::default());
+    let drive = SkinLimit { drive: 3.0, ..SkinLimit::default() };
+    solver.set_skin(Some(&[drive; 25])).unwrap();
+    let still = |&p: &Vec3| SkinMotion { place: [p; 2], ..SkinMotion::default() };
+    let skin: Vec<_> = topology.rest_positions().iter().map(still).collect();
+    for tick in 1..=90 {
+        let input = StepInput { dt: TICK, skin: &skin, ..StepInput::default() };
+        solver.tick(&input).unwrap();
+        let rate = 3.0 * f64::from(TICK) * f64::from(tick);
+        let expected = off.as_dvec3() * (1.0 + rate) * (-rate).exp();
+        let now = (solver.position(12) - topology.rest_positions()[12]).as_dvec3();
+        check_at_most("from where it ought to be", now.distance(expected), 1e-3);
+    }
+}
+
+#[test]
+fn what_nothing_bounds_has_the_bits_of_a_cloth_without_a_skin() {
+    let topology = square(17);
+    let bits = |skin: bool| {
+        let mut solver = at_rest(&topology, Vec3::ZERO, usual(), Settings::default());
+        solver.set_pins(&[0, 16]).unwrap();
+        let skin = skin.then(|| motions(topology.rest_positions(), 0)).unwrap_or_default();
+        if !skin.is_empty() {
+            solver.set_skin(Some(&vec![SkinLimit::default(); skin.len()])).unwrap();
+        }
+        let pins = still(&solver);
+        for _ in 0..60 {
+            let input = StepInput {
+                dt: TICK,
+                gravity: GRAVITY,
+                pins: &pins,
+                skin: &skin,
+                ..StepInput::default()
+            };
+            solver.tick(&input).unwrap();
+        }
+        positions(&solver)
+    };
+    assert!(bits(true) == bits(false));
+}
+
+#[test]
+fn limits_that_cannot_be_are_refused() {
+    let mut solver = at_rest(&square(3), Vec3::ZERO, usual(), Settings::default());
+    let mut refused = |limit: SkinLimit| {
+        let mut limits = [SkinLimit::default(); 9];
+        limits[4] = limit;
+        let error = solver.set_skin(Some(&limits)).unwrap_err();
+        assert!(matches!(error, SolverError::SkinLimit { particle: 4, .. }), "{error:?}");
+        assert!(solver.skin().is_none());
+        error.to_string()
+    };
+    let fine = SkinLimit { max_distance: 0.1, ..SkinLimit::default() };
+    let stop = |distance, radius| Some(Backstop { distance, radius });
+    for (bad, name) in [
+        (SkinLimit { max_distance: -1.0, ..fine }, "max distance"),
+        (SkinLimit { max_distance: f32::NAN, ..fine }, "max distance"),
+        (SkinLimit { drive: f32::INFINITY, ..fine }, "drive"),
+        (SkinLimit { backstop: stop(-0.2, 1.0), ..fine }, "backstop distance"),
+        (SkinLimit { backstop: stop(f32::NAN, 1.0), ..fine }, "backstop distance"),
+        (SkinLimit { backstop: stop(0.0, 0.0), ..fine }, "backstop radius"),
+        (SkinLimit { backstop: stop(-0.1, 0.05), ..fine }, "backstop radius"),
+    ] {
+        let said = refused(bad);
+        assert!(said.contains(name) && said.contains("particle 4"), "{said}");
+    }
+    let few = solver.set_skin(Some(&[fine; 8])).unwrap_err();
+    assert_eq!(few, SolverError::WrongSkinCount { particles: 9, motions: 8 });
+
+    solver.set_skin(Some(&[SkinLimit { backstop: stop(0.0, 1.0), ..fine }; 9])).unwrap();
+    let mut tick = |skin: &[SkinMotion]| {
+        solver.tick(&StepInput { dt: TICK, skin, ..StepInput::default() }).unwrap_err()
+    };
+    assert_eq!(tick(&[]), SolverError::WrongSkinCount { particles: 9, motions: 0 });
+    let flat = SkinMotion { normal: [Vec3::Y; 2], ..SkinMotion::default() };
+    let mut skin = [flat; 9];
+    skin[3].normal[1] = Vec3::ZERO;
+    assert_eq!(tick(&skin), SolverError::NoSkinNormal(3));
+    skin[2].place[0] = Vec3::NAN;
+    assert_eq!(tick(&skin), SolverError::NonFinite { what: "place on the skin", particle: 2 });
+}
