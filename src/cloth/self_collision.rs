@@ -9,7 +9,7 @@ use crate::solver::SelfCollision;
 ///
 /// Particles are kept from each other as balls are, so that layers are as far apart as particles are: about
 /// `distance`, and closer only with a finer cloth. What is near each other at rest is left alone. Where
-/// layers touch, a tick takes 1.4 to 2.7 times as long, and an automatic number of substeps rises to what layers
+/// layers touch, a tick takes 1.2 to 2.3 times as long, and an automatic number of substeps rises to what layers
 /// need, which the [`plan`](crate::ClothSimulation::plan) tells; fewer [fixed](crate::solver::Substeps::Fixed) ones may let layers pass.
 ///
 /// A cloth that is tangled when it is given this is told of once in the log. It stays calm, and comes apart where it can.

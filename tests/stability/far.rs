@@ -63,6 +63,7 @@ fn scene(kind: &Kind, offset: Vec3) -> Vec<[u32; 6]> {
             pins: &led.motions(tick),
             colliders: &colliders,
             wind: Wind { velocity: Vec3::new(1.0, 0.0, 2.0), ..Wind::default() },
+            ..StepInput::default()
         };
         contacts += solver.tick(&input).unwrap().contact_count;
         look(&solver, &kind.what, Within(offset - 4.0, offset + 4.0));
