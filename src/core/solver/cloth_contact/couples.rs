@@ -6,8 +6,9 @@ use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::MARGIN;
 use crate::solver::cloth_contact::couple::{Couple, Found};
-use crate::solver::cloth_contact::find::{Company, FindPairs, Pair, WIDE};
+use crate::solver::cloth_contact::find::FindPairs;
 use crate::solver::cloth_contact::grid::Grid;
+use crate::solver::cloth_contact::many::{ManyCloths, NONE};
 use crate::solver::cloth_contact::parts::Body;
 use crate::solver::cloth_contact::respond::Touched;
 use crate::solver::cloth_contact::travel::{AddUp, Extent, Since, Travelled, allowed};
@@ -16,8 +17,6 @@ use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, Soa};
 
-/// No couple, in the table of couples.
-const NONE: u32 = u32::MAX;
 /// The owner of a place that holds no particle.
 const NOBODY: u32 = u32::MAX;
 
@@ -350,53 +349,5 @@ impl Couples {
         for couple in &self.couples[..self.count] {
             couple.search_tangles(bodies);
         }
-    }
-}
-
-/// The particles of several cloths. Those of one cloth are no pair.
-struct ManyCloths<'a> {
-    owner: &'a [u32],
-    first: &'a [u32],
-    table: &'a [u32],
-    couples: &'a mut [Couple],
-    /// Whether there are cloths that are no couple.
-    some_do_not_meet: bool,
-}
-
-impl ManyCloths<'_> {
-    #[inline(always)]
-    fn couple(&self, a: u32, b: u32) -> u32 {
-        self.table[a as usize * (self.first.len() - 1) + b as usize]
-    }
-}
-
-impl Company for ManyCloths<'_> {
-    #[inline(always)]
-    fn among(&self, lanes: u32, at: usize, place: usize) -> u32 {
-        let own = self.owner[place];
-        let mut bits = [0_u32; WIDE];
-        for (i, &other) in self.owner[at..at + WIDE].iter().enumerate() {
-            bits[i] = if other == own { 0 } else { 1 << i };
-        }
-        let mut lanes = lanes & bits.into_iter().fold(0, |all, bit| all | bit);
-        let mut meets = lanes;
-        while lanes != 0 && self.some_do_not_meet {
-            let lane = lanes.trailing_zeros();
-            lanes &= lanes - 1;
-            if self.couple(own, self.owner[at + lane as usize]) == NONE {
-                meets &= !(1 << lane);
-            }
-        }
-        meets
-    }
-
-    #[inline(always)]
-    fn take(&mut self, places: [usize; 2], pair: Pair) {
-        let [a, b] = places.map(|place| self.owner[place]);
-        let slot = |of: u32, slot: u32| slot - self.first[of as usize];
-        let [first, second] = [slot(a, pair.slots[0]), slot(b, pair.slots[1])];
-        let slots = if a < b { [first, second] } else { [second, first] };
-        let couple = self.couple(a, b) as usize;
-        self.couples[couple].pairs.push(Pair { slots, ..pair });
     }
 }

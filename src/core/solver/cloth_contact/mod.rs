@@ -28,6 +28,7 @@
 //! | `others` | what a cloth has for its contact with others |
 //! | `parts` | a cloth, as contact with others takes it |
 //! | `couple` | two cloths that may touch |
+//! | `many` | the particles of several cloths, as pairs of them are found |
 //! | `couples` | all couples of cloths that are stepped together: who is near whom, pairs, margins |
 
 mod balls;
@@ -40,6 +41,7 @@ mod find;
 mod grid;
 mod itself;
 mod kin;
+mod many;
 mod normals;
 mod others;
 mod parts;

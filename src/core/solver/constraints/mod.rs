@@ -10,3 +10,4 @@ pub(crate) mod strain_check;
 pub(crate) mod strain_limit;
 pub(crate) mod tethers;
 pub(crate) mod threads;
+mod weft;
