@@ -156,7 +156,7 @@ fn what_nothing_bounds_has_the_bits_of_a_cloth_without_a_skin() {
     let bits = |skin: bool| {
         let mut solver = at_rest(&topology, Vec3::ZERO, usual(), Settings::default());
         solver.set_pins(&[0, 16]).unwrap();
-        let skin = skin.then(|| motions(topology.rest_positions(), 0)).unwrap_or_default();
+        let skin = if skin { motions(topology.rest_positions(), 0) } else { Vec::new() };
         if !skin.is_empty() {
             solver.set_skin(Some(&vec![SkinLimit::default(); skin.len()])).unwrap();
         }

@@ -41,8 +41,8 @@ impl Kernel for LookAtPairs<'_> {
         for awake in batches.awake(pairs, travelled, step) {
             let Batch { slots, reach, .. } = &*awake.batch;
             let mut apart = Block3::ZERO;
-            for i in 0..LANES {
-                let [a, b] = [first[0] + slots[0][i] as usize, first[1] + slots[1][i] as usize];
+            for (i, (&a, &b)) in slots[0].iter().zip(&slots[1]).enumerate() {
+                let [a, b] = [first[0] + a as usize, first[1] + b as usize];
                 apart.set(i, at.get(a) - at.get(b));
             }
             let mut gaps = Block::ZERO;

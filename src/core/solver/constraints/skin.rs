@@ -2,7 +2,7 @@
 //!
 //! Where a particle would be as a vertex of a skinned mesh is its *place on the skin*. Three things hold it there, as art tools have
 //! them: a ball around the place that it does not leave (*max distance*), a ball behind the place that it does not enter
-//! (*backstop*, so called in NvCloth and Chaos Cloth), and a critically damped spring to the place (*drive*).
+//! (*backstop*, so called in `NvCloth` and Chaos Cloth), and a critically damped spring to the place (*drive*).
 //!
 //! The two bounds mend, as contact does: what they correct is not carried on as a pull. They contradict each other nowhere, as the
 //! place itself, or one before it, obeys both. Where a particle can obey both only on the circle in which the two balls meet, it is
@@ -65,7 +65,7 @@ impl SkinLimit {
     /// [`ParameterError`] for the first number that is NaN or out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let Self { max_distance, backstop, drive } = *self;
-        if !(max_distance >= 0.0) {
+        if max_distance.is_nan() || max_distance < 0.0 {
             let range = "0 or more, or infinite";
             return Err(ParameterError { name: "max distance", value: max_distance, range });
         }
