@@ -13,8 +13,8 @@ use crate::solver::InterCollision;
 /// [`ClothSelfCollision`](crate::ClothSelfCollision).
 ///
 /// Cloths that come near each other are stepped together, with the substeps of the one that takes most. Where they lie on each other, a
-/// tick takes two to four times as long as that of the same cloths apart, and more in high stacks; where none is near, nothing. A cloth that moves wakes the
-/// cloth that it touches, and cloths that lie on each other fall asleep together. One that sleeps, or that
+/// tick takes two to four times as long as that of the same cloths apart, and more in high stacks; where none is near, nothing. A cloth
+/// that moves wakes the cloth that it touches, and cloths that lie on each other fall asleep together. One that sleeps, or that
 /// [`ClothPaused`](crate::ClothPaused) holds, is as a wall to others meanwhile.
 ///
 /// Cloths should not start within each other: those that do are told of once in the log, stay calm, and come apart where they can.

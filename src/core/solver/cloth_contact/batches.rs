@@ -18,7 +18,7 @@ pub(super) struct Batch {
     /// Distances at which they touch \[m\].
     pub reach: Block,
     /// How many lanes hold a pair.
-    pub count: usize,
+    count: usize,
     /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.
     until: f32,
 }

@@ -246,6 +246,8 @@ impl Couples {
         for couple in couples.iter_mut() {
             couple.pairs.clear();
             couple.travelled = Travelled::NOTHING;
+            // What has no pairs is not met, and touches nothing.
+            couple.touched = Touched::default();
         }
         let members = first.len() - 1;
         let some_do_not_meet = couples.len() < members * (members - 1) / 2;

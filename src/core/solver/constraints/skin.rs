@@ -31,8 +31,8 @@ pub struct SkinLimit {
     pub max_distance: f32,
     /// What it does not enter, if there is anything.
     pub backstop: Option<Backstop>,
-    /// Rate of the critically damped spring that draws it there \[1/s\]: after a time of `1 / drive` a quarter of the way is left. 0
-    /// draws nothing.
+    /// Rate of the critically damped spring that draws it there \[1/s\]: a tenth of the way is left after a time of about
+    /// `4 / drive`. 0 draws nothing.
     pub drive: f32,
 }
 
