@@ -165,6 +165,19 @@ fn a_heap_of_a_mesh_has_no_crossings() {
     stays_apart("mesh", || edge(&graph.clone().into()), 100, 2000.0);
 }
 
+/// Where a heap is pressed together by its own fall, threads and strain limit pull layers through each other, if nothing is kept apart
+/// after them: 98 crossings in this one.
+#[test]
+fn layers_that_are_pressed_are_kept_apart() {
+    let (positions, triangles) = jittered(64, 64, 1.0 / 63.0, 0.0, 7);
+    let centred: Vec<_> = positions.iter().map(|&p| p - Vec3::new(0.5, 0.0, 0.5)).collect();
+    let graph = Arc::new(Graph::new(&centred, &triangles, MassLumping::Lumped).unwrap());
+    let mut scene = edge_of(&graph.into(), 3);
+    scene.solver.set_self_collision(Some(SelfCollision::default())).unwrap();
+    let [worst, ..] = scene.run(60);
+    check_at_most("crossings", worst, 10.0);
+}
+
 /// Of a mesh with slivers, whose vertices lie almost on edges that they are no part of, some pierce where they are folded. They are few,
 /// and no layer is through another. Three heaps, as it is left to chance how a mesh folds.
 #[test]
@@ -179,7 +192,7 @@ fn few_slivers_of_an_irregular_mesh_pierce() {
         f64::from(scene.solver.crossings())
     };
     let crossings = [3, 4, 5].map(at_end);
-    check_at_most("crossings of three heaps", crossings.iter().sum(), 16.0);
+    check_at_most("crossings of three heaps", crossings.iter().sum(), 8.0);
 }
 
 #[test]
