@@ -14,9 +14,11 @@ use crate::error::problems::MeshProblem;
 use crate::mesh::drawn::{ClothMesh, Drawn};
 use crate::mesh::intake::NormalPlan;
 use crate::mesh::rest_shape::RestShape;
+use crate::pose::skeleton::Joints;
 use crate::pose::{pose_now, pose_of, to_world};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Attachments;
+use crate::simulation::skin::Skin;
 use crate::solver::{Pose, RigidMotion};
 
 /// Largest displacement that is not worth a write, as a part of the cloth's half extent. Above the
@@ -34,6 +36,7 @@ pub(crate) fn draw_cloths(
         Option<&mut Aabb>,
     )>,
     transforms: TransformHelper,
+    joints: Joints,
     meshes: Option<ResMut<Assets<Mesh>>>,
     time: Option<Res<Time<Fixed>>>,
     mut failures: Failures,
@@ -59,7 +62,8 @@ pub(crate) fn draw_cloths(
             settled: !cloth.solver.has_moved(),
         };
         let anchors_moved = note_anchors(&cloth.held.attachments, &mut own.anchors, &transforms);
-        if !anchors_moved && !looks_different(own.drawn, now) {
+        let skin_moved = cloth.skin.as_ref().is_some_and(|skin| note_joints(skin, own, &joints));
+        if !anchors_moved && !skin_moved && !looks_different(own.drawn, now) {
             continue;
         }
         let Some(bounds) = place(cloth, own, now) else {
@@ -114,6 +118,14 @@ fn note_anchors(
     moved
 }
 
+/// Looks where the joints of a skin are now; true if one has moved since the last frame.
+fn note_joints(skin: &Skin, own: &mut ClothMesh, joints: &Joints) -> bool {
+    let before = core::mem::take(&mut own.joints.matrices);
+    // A joint that is gone is told of in the tick, and stays.
+    let _ = joints.look(&skin.skeleton, &mut own.joints);
+    before != own.joints.matrices
+}
+
 /// Puts all particles in the entity's frame, and tells their bounds; nothing where that frame is
 /// flat, or nowhere: the mesh then stays as it was.
 fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aabb> {
@@ -125,7 +137,11 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // The cloth's origin is near: far from the world's, the difference is exact where the sum is
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
-    let along = moved_since(&cloth.held.attachments, &own.anchors, now);
+    let along = match &cloth.skin {
+        // Each particle goes along with its own place on the skin.
+        Some(_) => None,
+        None => moved_since(&cloth.held.attachments, &own.anchors, now),
+    };
     // From the cloth's coordinates to the world's axes, and from there into the entity's frame.
     let (turn, shift) = match along {
         Some(motion) => {
@@ -141,6 +157,11 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     }
     let placing = Placing { blend: now.blend, turn: turn.into(), shift };
     placing.write(solver, &mut own.points);
+    if let Some(skin) = &cloth.skin {
+        let origin = Vec3::from(now.transform.translation);
+        let to_frame = |vector: Vec3| inverse * vector;
+        skin.draw(&own.joints.matrices, now.blend, origin, to_frame, &mut own.points);
+    }
     place_pinned(&cloth.held.attachments, own, now, &inverse);
     let bounds = Aabb::enclosing(&own.points)?;
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)

@@ -137,6 +137,7 @@ pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
 pub use cloth::self_collision::ClothSelfCollision;
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
+pub use cloth::skin::{ClothSkin, SkinBackstop, SkinMap};
 pub use cloth::sleep::{ClothPaused, ClothSleepThreshold};
 pub use cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 pub use cloth::weights::{ClothWeights, ColorChannel, VertexFactor};
@@ -152,6 +153,7 @@ pub use diagnostics::ClothDiagnosticsPlugin;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
+pub use error::skin::SkinProblem;
 pub use error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
 #[cfg(feature = "gizmos")]
 pub use gizmos::SdfSlice;

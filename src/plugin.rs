@@ -63,6 +63,7 @@ use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::{ClothInterpolation, ClothSettings};
+use crate::cloth::skin::ClothSkin;
 use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::cloth::weights::ClothWeights;
@@ -93,6 +94,8 @@ use crate::simulation::ready::tell_ready;
 use crate::simulation::reference_frame::{ask_for_reset, ask_for_teleport};
 use crate::simulation::self_collision::apply_self_collision;
 use crate::simulation::setup::set_up_cloths;
+use crate::simulation::skin::taken::{TakenSkin, give_back, put_on};
+use crate::simulation::skin::wear::wear_skins;
 use crate::simulation::sleeping::choose_steps;
 use crate::simulation::snapshot::{ClothSnapshot, restore_cloths};
 use crate::step::impulses::sum_impulses;
@@ -151,6 +154,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothAir>()
+            .register_type::<ClothSkin>()
             .register_type::<ClothSelfCollision>()
             .register_type::<ClothInterCollision>()
             .register_type::<ClothWind>()
@@ -187,7 +191,8 @@ impl Plugin for ClothPlugin {
             .add_observer(restore_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
-            .add_observer(cancel_hanging);
+            .add_observer(cancel_hanging)
+            .add_observer(give_back);
         register_fields(app);
 
         // Once a frame, before its ticks: note where things are.
@@ -283,6 +288,7 @@ impl Plugin for ClothPlugin {
 fn set_up() -> ScheduleConfigs<ScheduleSystem> {
     (
         set_up_cloths,
+        wear_skins,
         apply_changes,
         apply_self_collision,
         apply_inter_collision,
@@ -305,8 +311,17 @@ fn register_fields(app: &mut App) {
     }
 }
 
-/// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape.
-fn tear_down(removed: On<Remove, Cloth>, mut commands: Commands, mut failures: Failures) {
-    commands.entity(removed.entity).try_remove::<(ClothSimulation, ClothMesh)>();
+/// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape, or is skinned again.
+fn tear_down(
+    removed: On<Remove, Cloth>,
+    skins: Query<(&TakenSkin, Option<&ClothMesh>)>,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    let mut entity = commands.entity(removed.entity);
+    match skins.get(removed.entity) {
+        Ok((taken, own)) => put_on(&mut entity, taken, own),
+        Err(_) => drop(entity.try_remove::<(ClothSimulation, ClothMesh)>()),
+    }
     failures.clear_those_of_cloths(removed.entity);
 }

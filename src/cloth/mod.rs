@@ -15,6 +15,7 @@ pub(crate) mod pins;
 pub(crate) mod quality;
 pub(crate) mod self_collision;
 pub(crate) mod settings;
+pub(crate) mod skin;
 pub(crate) mod sleep;
 pub(crate) mod teleport;
 pub(crate) mod weights;

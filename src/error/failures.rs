@@ -4,6 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::error::problems::{MeshProblem, PinProblem};
+use crate::error::skin::SkinProblem;
 use crate::error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
 use crate::solver::{ParameterError, SolverError};
 
@@ -14,6 +15,9 @@ pub(crate) enum Blame {
     Component(ClothComponent),
     Shape,
     Weights,
+    Skin,
+    /// Like `Pose`, for what a skin follows: it can mend without a change of `ClothSkin`.
+    Joints,
     Pins,
     /// It can mend without a change of component, and is checked again and again.
     Pose,
@@ -48,6 +52,8 @@ impl Blame {
             },
             Self::Shape
             | Self::Weights
+            | Self::Skin
+            | Self::Joints
             | Self::Pins
             | Self::Pose
             | Self::Unseen
@@ -178,6 +184,13 @@ impl ClothErrorKind {
             Self::Grab(_) => Blame::Grab,
             Self::Snapshot(_) => Blame::Snapshot,
             Self::Weights(_) => Blame::Weights,
+            Self::Skin(
+                SkinProblem::NotSkinned
+                | SkinProblem::NoBindposes
+                | SkinProblem::JointGone(_)
+                | SkinProblem::UnevenScale { .. },
+            ) => Blame::Joints,
+            Self::Skin(_) => Blame::Skin,
             Self::Parameter { component, .. } => Blame::Component(*component),
             Self::Field(_) => Blame::Component(ClothComponent::SdfCollider),
             Self::Hang(_) => Blame::Component(ClothComponent::HangOnStart),

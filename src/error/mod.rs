@@ -2,12 +2,14 @@
 
 pub(crate) mod failures;
 pub(crate) mod problems;
+pub(crate) mod skin;
 
 use bevy::prelude::*;
 
 use crate::error::problems::{
     FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
+use crate::error::skin::SkinProblem;
 use crate::sdf::BakeError;
 use crate::solver::{GraphError, LatticeError, ParameterError, SolverError, StateError};
 
@@ -48,6 +50,9 @@ pub enum ClothErrorKind {
     /// `ClothWeights` cannot be used. A running cloth keeps the last good ones.
     #[error("{0}; change `ClothWeights`")]
     Weights(WeightProblem),
+    /// `ClothSkin` cannot be used. A running cloth keeps the last good one.
+    #[error("{0} (it has `ClothSkin`)")]
+    Skin(SkinProblem),
     /// A pin holds nothing, or is held by nothing.
     #[error("pin {pin}: {problem}")]
     Pin {

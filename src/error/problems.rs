@@ -79,8 +79,8 @@ pub enum MeshProblem {
     },
     /// It is skinned: the skeleton would move the cloth a second time.
     #[error(
-        "the entity has a `SkinnedMesh`, which would move the cloth a second time; remove it, and \
-         let pins follow the bones (`ClothPins::anchored_to`)"
+        "the entity has a `SkinnedMesh`, which would move the cloth a second time; insert `ClothSkin`, which takes it over, or \
+         remove it, and let pins follow the bones (`ClothPins::anchored_to`)"
     )]
     Skinned,
     /// Somebody removed the cloth's own mesh, or changed its vertices.

@@ -6,6 +6,7 @@ use bevy_drape_core::surface::{GridNormals, Tangents};
 
 use crate::mesh::intake::NormalPlan;
 use crate::mesh::rest_shape::RestShape;
+use crate::pose::skeleton::Seen;
 use crate::solver::Pose;
 
 /// The mesh that a cloth draws into, and what was last drawn.
@@ -28,6 +29,8 @@ pub(crate) struct ClothMesh {
     pub drawn: Option<Drawn>,
     /// Where the cloth's anchors were in the last frame, in their order; `None` where one has no pose.
     pub anchors: Vec<Option<Pose>>,
+    /// Where the joints of a worn cloth were in the last frame.
+    pub joints: Seen,
 }
 
 /// The state of things when the mesh was written.
@@ -63,6 +66,7 @@ impl ClothMesh {
             tangents: None,
             drawn: None,
             anchors: Vec::new(),
+            joints: Seen::default(),
         }
     }
 }

@@ -8,6 +8,7 @@
 //! | `grid`, `intake` | the surface becomes rows and columns, or stays triangles |
 //! | `rest_shape`, `factors` | the shape at rest; factors of mass and stiffness |
 //! | `drawn` | the mesh that a cloth draws into, and what was last drawn |
+//! | `skinned` | which joints of a skinned mesh move each particle |
 //! | `rest_cache`, `background` | equal rest shapes are shared; those of large meshes are made in the background |
 
 pub(crate) mod background;
@@ -18,6 +19,7 @@ pub(crate) mod intake;
 pub(crate) mod raw;
 pub(crate) mod rest_cache;
 pub(crate) mod rest_shape;
+pub(crate) mod skinned;
 pub(crate) mod source;
 pub(crate) mod surface;
 pub(crate) mod weld;

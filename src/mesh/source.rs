@@ -57,7 +57,7 @@ impl MeshSource<'_, '_> {
     }
 
     /// The mesh; `None` while it is loading.
-    fn get(&self, handle: Option<&Handle<Mesh>>) -> Result<Option<&Mesh>, MeshProblem> {
+    pub fn get(&self, handle: Option<&Handle<Mesh>>) -> Result<Option<&Mesh>, MeshProblem> {
         let meshes = self.meshes.as_ref().ok_or(MeshProblem::NoMeshAssets)?;
         let handle = handle.ok_or(MeshProblem::NoMesh)?;
         if let Some(mesh) = meshes.get(handle) {
@@ -96,26 +96,54 @@ impl MeshSource<'_, '_> {
         Ok(shape.map(RestShape::Mesh))
     }
 
-    /// A mesh of its own for a cloth; nothing where the app has no meshes.
+    /// A mesh of its own for a cloth, with vertex `colors` or without; nothing where the app has no meshes.
     pub fn own_mesh(
         &mut self,
         rest: &RestShape,
         source: Option<&Handle<Mesh>>,
+        colors: bool,
     ) -> Option<impl Bundle + use<>> {
         let meshes = self.meshes.as_mut()?;
         let (mesh, source) = match rest {
             RestShape::Sheet { size, particles } => (sheet_mesh(*size, *particles), None),
-            RestShape::Mesh(_) => (copy_of(meshes.get(source?)?), source.cloned()),
+            RestShape::Mesh(_) => (copy_of(meshes.get(source?)?, colors), source.cloned()),
         };
         let handle = meshes.add(mesh);
         let own = ClothMesh::new(handle.clone(), source, rest.clone());
         Some((Mesh3d(handle), own, Aabb::default(), NoAutoAabb))
     }
+
+    /// Draws the vertex colours of a cloth's mesh, or leaves them out.
+    pub fn show_colors(&mut self, own: &ClothMesh, shows: bool) {
+        let Some(meshes) = &mut self.meshes else { return };
+        let has = |handle: &Handle<Mesh>, meshes: &Assets<Mesh>| {
+            let mesh = meshes.get(handle)?;
+            mesh.try_contains_attribute(Mesh::ATTRIBUTE_COLOR).ok()
+        };
+        if has(&own.handle, meshes) == Some(shows) {
+            return;
+        }
+        let of_source = || {
+            let mesh = meshes.get(own.source.as_ref()?)?;
+            mesh.try_attribute_option(Mesh::ATTRIBUTE_COLOR).ok()?.cloned()
+        };
+        let colors = if shows { of_source() } else { None };
+        let Some(mut mesh) = meshes.get_mut(&own.handle) else { return };
+        // The data are here, as the cloth is drawn into them.
+        let _ = match colors {
+            Some(colors) => mesh.try_insert_attribute(Mesh::ATTRIBUTE_COLOR, colors),
+            None => mesh.try_remove_attribute(Mesh::ATTRIBUTE_COLOR).map(|_| ()),
+        };
+    }
 }
 
 /// A copy that stays in the main world, with normals to write and no joints to follow.
-fn copy_of(source: &Mesh) -> Mesh {
+fn copy_of(source: &Mesh, colors: bool) -> Mesh {
     let mut mesh = source.clone();
+    if !colors {
+        // Nothing to remove is as good.
+        let _ = mesh.try_remove_attribute(Mesh::ATTRIBUTE_COLOR);
+    }
     mesh.asset_usage = RenderAssetUsages::default();
     if let (Ok(false), count) =
         (mesh.try_contains_attribute(Mesh::ATTRIBUTE_NORMAL), mesh.count_vertices())

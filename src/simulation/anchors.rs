@@ -8,28 +8,33 @@ use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::skeleton::Joints;
 use crate::pose::{PoseError, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::holding::hold;
 use crate::simulation::reference_frame::ReferenceFrame;
 
-/// Notes where all anchors are before a frame's ticks.
+/// Notes where all anchors are before a frame's ticks. Tells whether the one that leads a worn cloth has jumped.
 pub(crate) fn note_anchors(
     attachments: &mut Attachments,
     frame: &ReferenceFrame,
     transforms: &TransformHelper,
     ticks: u32,
-) {
-    for anchor in &mut attachments.anchors {
+) -> bool {
+    let mut leader_jumped = frame.teleport_asked;
+    let Attachments { anchors, leader, .. } = attachments;
+    for anchor in anchors {
         if let Ok(now) = pose_now(transforms, anchor.entity) {
             let before = anchor.pose.end();
             anchor.pose.begin_frame(now, ticks);
             if frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks) {
                 anchor.pose.at_once();
+                leader_jumped |= *leader == Some(anchor.entity);
             }
         }
     }
+    leader_jumped
 }
 
 /// Moves all anchors on by a tick, lets go of what lost its anchor, and lets cloths follow what leads
@@ -43,6 +48,7 @@ pub(crate) fn gather_pins(
         Option<&ClothPaused>,
     )>,
     transforms: TransformHelper,
+    joints: Joints,
     mut failures: Failures,
 ) {
     for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
@@ -52,9 +58,19 @@ pub(crate) fn gather_pins(
         let outcome = cloth.frame.set_inertia(inertia);
         failures.tell_numbers(entity, ClothComponent::ClothInertia, outcome);
         let at_once = cloth.frame.teleport_asked;
+        if let Some(skin) = &mut cloth.skin {
+            let (moves, outcome) = skin.advance(&joints, at_once);
+            if moves {
+                cloth.sleep.disturb();
+            }
+            let outcome = outcome.and_then(|()| skin.check_scale());
+            failures.tell(entity, Blame::Joints, outcome.map_err(ClothErrorKind::Skin));
+        }
         match advance_anchors(&mut cloth.held.attachments, &transforms, at_once) {
             None if cloth.held.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
+            // It is told of as a joint.
+            Some((anchor, _)) if is_only_leader(&cloth.held.attachments, anchor) => {}
             Some((anchor, PoseError::Scale(scale))) if anchor == entity => {
                 failures.report(entity, ClothErrorKind::Scale(scale));
             }
@@ -83,7 +99,7 @@ pub(crate) fn gather_pins(
 /// Carries the cloth where its reference has jumped, or resets it. One that `stands` is carried by
 /// every motion.
 fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &mut Failures) {
-    let ClothSimulation { held, frame, solver, sleep, .. } = cloth;
+    let ClothSimulation { held, skin, frame, solver, sleep, .. } = cloth;
     let attachments = &mut held.attachments;
     let Some(reference) = attachments.reference() else { return };
     let anchors = &mut attachments.anchors;
@@ -97,6 +113,9 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
         let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         for anchor in anchors.iter_mut() {
             anchor.pose.come_from(motion.apply_to_pose(&anchor.pose.start()));
+        }
+        if let Some(skin) = skin {
+            skin.carry(&motion);
         }
         anchors[reference].pose.come_from(to);
         // What pulls and stays behind has not come back from where the cloth was carried.
@@ -112,19 +131,25 @@ fn follow(entity: Entity, cloth: &mut ClothSimulation, stands: bool, failures: &
         cloth.shape_version += 1;
     }
     if stands {
-        cloth.held.attachments.take_hold_anew();
+        cloth.take_hold_anew();
     }
     if core::mem::take(&mut cloth.frame.reset_asked) {
         reset(entity, cloth, reference, failures);
     }
 }
 
-/// Puts the cloth back to its rest shape.
+/// Puts the cloth back to its rest shape, or to its skin.
 fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures: &mut Failures) {
-    let pose = cloth.held.attachments.anchors[reference].cloth_at_rest();
-    match cloth.solver.reset(&pose) {
+    let outcome = match &cloth.skin {
+        Some(skin) => cloth.solver.place(skin.places()),
+        None => {
+            let pose = cloth.held.attachments.anchors[reference].cloth_at_rest();
+            cloth.solver.reset(&pose)
+        }
+    };
+    match outcome {
         Ok(()) => {
-            cloth.held.attachments.take_hold_anew();
+            cloth.take_hold_anew();
             cloth.frame.ride = None;
             cloth.sleep.disturb();
             cloth.progress.quarantined = false;
@@ -133,6 +158,10 @@ fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures
         }
         Err(problem) => failures.report(entity, ClothErrorKind::Solver(problem)),
     }
+}
+
+fn is_only_leader(attachments: &Attachments, anchor: Entity) -> bool {
+    attachments.leader == Some(anchor) && holds_nothing(attachments, anchor)
 }
 
 fn holds_nothing(attachments: &Attachments, anchor: Entity) -> bool {

@@ -74,6 +74,9 @@ pub(crate) struct Attachments {
     /// The cloth's entity, which holds what has no other anchor.
     #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
     pub own_entity: Option<Entity>,
+    /// The joint that leads a cloth that is worn, whatever it holds.
+    #[cfg_attr(feature = "serialize", serde(with = "crate::serialize::entity_option"))]
+    pub(crate) leader: Option<Entity>,
     /// The cloth's entity, if it has a pose, then the others.
     pub anchors: Vec<Anchor>,
     /// In the order of the solver's pins.
@@ -88,6 +91,7 @@ pub(crate) struct Attachments {
 impl MapEntities for Attachments {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.own_entity.map_entities(mapper);
+        self.leader.map_entities(mapper);
         self.awaited.map_entities(mapper);
         for anchor in &mut self.anchors {
             anchor.entity.map_entities(mapper);
@@ -106,9 +110,13 @@ impl Attachments {
         Some(known).filter(|a| self.anchors[a.anchor as usize].entity == anchor)
     }
 
-    /// The anchor that leads the cloth: its own entity if that holds any of it or nothing else does,
-    /// else the first that holds it, hard before soft.
+    /// The anchor that leads the cloth: the joint that a worn one follows; else its own entity if that holds any of it or nothing else
+    /// does, else the first that holds it, hard before soft.
     pub fn reference(&self) -> Option<usize> {
+        let is_leader = |anchor: &Anchor| Some(anchor.entity) == self.leader;
+        if let (Some(_), Some(leader)) = (self.leader, self.anchors.iter().position(is_leader)) {
+            return Some(leader);
+        }
         let own = self.anchors.iter().position(|a| Some(a.entity) == self.own_entity);
         let leads = |counts: fn(&Anchor) -> u32| {
             let own = own.filter(|&own| counts(&self.anchors[own]) > 0);

@@ -6,6 +6,7 @@ use crate::pose::to_world;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Attachments, Pulled};
 use crate::simulation::grabbed::Grabbed;
+use crate::simulation::skin::Skin;
 use crate::solver::{ClothSolver, PinMotion, RigidMotion};
 
 /// The particles of a cloth that are held, and by what.
@@ -23,6 +24,7 @@ impl Holding {
     pub fn gather_motions(
         &mut self,
         solver: &ClothSolver,
+        skin: Option<&Skin>,
         ride: Option<RigidMotion>,
         motions: &mut Vec<PinMotion>,
     ) {
@@ -30,7 +32,12 @@ impl Holding {
         let back = ride.map(|ride| ride.inverse());
         let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
         motions.clear();
+        let motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
+        let mut on_skin = skin.into_iter().flat_map(|skin| skin.ways(solver)).peekable();
         for pin in attached {
+            while let Some(way) = on_skin.next_if(|(particle, ..)| *particle < pin.particle) {
+                motions.push(motion(way));
+            }
             let anchor = &anchors[pin.anchor as usize].pose;
             let start = if pin.fresh {
                 solver.position(pin.particle as usize)
@@ -40,12 +47,11 @@ impl Holding {
             pin.fresh = false;
             motions.push(PinMotion { start, end: seen(to_world(&anchor.end(), pin.local)) });
         }
+        motions.extend(on_skin.map(motion));
         let mut grabbed = self.grab.iter().flat_map(|grab| grab.ways()).peekable();
-        let grabbed_motion =
-            |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
         for Pulled { at, .. } in pulled {
             while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
-                motions.push(grabbed_motion(way));
+                motions.push(motion(way));
             }
             let anchor = &anchors[at.anchor as usize].pose;
             let end = seen(to_world(&anchor.end(), at.local));
@@ -54,7 +60,7 @@ impl Holding {
             at.fresh = false;
             motions.push(PinMotion { start, end });
         }
-        motions.extend(grabbed.map(grabbed_motion));
+        motions.extend(grabbed.map(motion));
         if let Some(grab) = &mut self.grab {
             grab.advance();
         }
@@ -63,19 +69,24 @@ impl Holding {
 
 /// Makes the solver hold exactly what is attached.
 pub(crate) fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
-    let particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
+    let mut particles: Vec<_> = attachments.attached.iter().map(|a| a.particle).collect();
+    if let Some(skin) = &mut cloth.skin {
+        skin.hold(|particle| particles.binary_search(&particle).is_ok());
+        particles.extend(&skin.state.held);
+        particles.sort_unstable();
+    }
     let mut springs: Vec<_> = attachments.pulled.iter().map(|p| p.spring).collect();
     if let Some(grab) = &mut cloth.held.grab {
         grab.take_hold(|particle| {
-            let held = attachments.attached.binary_search_by_key(&particle, |a| a.particle);
+            let held = particles.binary_search(&particle);
             let pulled = attachments.pulled.binary_search_by_key(&particle, |p| p.at.particle);
             held.is_ok() || pulled.is_ok()
         });
         springs.extend(grab.springs());
     }
     // Room for every motion now, so that no tick needs any.
-    cloth.tick.motions.clear();
-    cloth.tick.motions.reserve_exact(particles.len() + springs.len());
+    cloth.tick.motions.pins.clear();
+    cloth.tick.motions.pins.reserve_exact(particles.len() + springs.len());
     // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
     // has no reason to refuse them.
     if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {

@@ -6,6 +6,7 @@ use crate::cloth::ClothShape;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::settings::ClothSettings;
+use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::Pose;
@@ -22,10 +23,13 @@ pub(crate) struct InForce {
     /// `None` where the cloth is the same everywhere.
     #[reflect(ignore)]
     pub(crate) weights: Option<ClothWeights>,
+    /// `None` where the cloth is not worn.
+    #[reflect(ignore)]
+    pub(crate) skin: Option<ClothSkin>,
     /// Unscaled, in the entity's frame.
     #[reflect(ignore)]
     pub(crate) rest_shape: RestShape,
-    /// The entity's pose at setup. Its scale is the cloth's for good.
+    /// The entity's pose at setup, whose scale is the cloth's for good; of a worn one, the scale alone, which is its skeleton's.
     #[reflect(ignore)]
     pub(crate) placed: Pose,
 }

@@ -8,6 +8,7 @@
 //! | --- | --- | --- |
 //! | `in_force` | shape, material, settings, pins and weights that are in force | `setup`, `changes` |
 //! | `start` | whether the cloth waits to be hung, and has been told of | `hanging`, `ready` |
+//! | `skin` | where the skeleton of a worn cloth moves it | `anchors`, `wear` |
 //! | `holding` | what holds and leads particles: `attachments`, `grabbed` | `pinning`, `anchors`, `grabbing` |
 //! | `reference_frame` | teleports, resets, cloths that ride along | `anchors` |
 //! | `pushing` | forces and impulses | |
@@ -45,6 +46,7 @@ pub(crate) mod ready;
 pub(crate) mod reference_frame;
 pub(crate) mod self_collision;
 pub(crate) mod setup;
+pub(crate) mod skin;
 pub(crate) mod sleeping;
 pub(crate) mod snapshot;
 pub(crate) mod stage_times;
@@ -63,10 +65,13 @@ use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
+use crate::simulation::skin::Skin;
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::start::Start;
 use crate::simulation::tick_state::TickState;
-use crate::solver::{ClothSolver, Isa, Lattice, Plan, StrainReport, TickReport, Topology};
+use crate::solver::{
+    ClothSolver, Isa, Lattice, Plan, SkinLimit, StrainReport, TickReport, Topology,
+};
 
 /// A cloth that is being simulated. The plugin adds it to every [`Cloth`](crate::Cloth) as soon as
 /// that has all it needs.
@@ -86,6 +91,8 @@ pub struct ClothSimulation {
     pub(crate) start: Start,
     #[reflect(ignore)]
     pub(crate) held: Holding,
+    #[reflect(ignore)]
+    pub(crate) skin: Option<Box<Skin>>,
     #[reflect(ignore)]
     pub(crate) frame: ReferenceFrame,
     #[reflect(ignore)]
@@ -205,6 +212,18 @@ impl ClothSimulation {
         (particle < self.particle_count()).then(|| self.solver.mass(particle))
     }
 
+    /// What holds particles near their places on the skin, one a particle; `None` for a cloth without
+    /// [`ClothSkin`](crate::ClothSkin). Lengths are in metres of the world.
+    pub fn skin_limits(&self) -> Option<&[SkinLimit]> {
+        self.solver.skin()
+    }
+
+    /// Where the skeleton would put all particles in the world, at the end of the last tick \[m\]; `None` for a cloth without
+    /// [`ClothSkin`](crate::ClothSkin).
+    pub fn skin_places(&self) -> Option<&[Vec3]> {
+        self.skin.as_ref().map(|skin| skin.places())
+    }
+
     /// Rest positions of all particles \[m\], in the entity's frame times its scale at setup.
     pub fn rest_positions(&self) -> &[Vec3] {
         self.topology().rest_positions()
@@ -269,6 +288,14 @@ impl ClothSimulation {
     /// Chooses how the kernels are compiled. Every choice gives the same bits.
     pub fn set_isa(&mut self, isa: Isa) {
         self.solver.set_isa(isa);
+    }
+
+    /// Lets held particles start from where they are.
+    pub(crate) fn take_hold_anew(&mut self) {
+        self.held.attachments.take_hold_anew();
+        if let Some(skin) = &mut self.skin {
+            skin.state.fresh = true;
+        }
     }
 
     /// The facts that particles are chosen by.

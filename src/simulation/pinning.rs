@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::cloth::pins::{ClothPins, Pin};
+use crate::cloth::pins::{ClothPins, Pin, PinHold};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
@@ -37,7 +37,10 @@ pub(crate) fn apply_pins(
             continue;
         }
         cloth.in_force.pins.clone_from(pins);
-        let (attachments, problem) = attach(&cloth, entity, &pins.pins, &transforms);
+        let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
+        if let Some(skin) = &mut cloth.skin {
+            skin.state.pinned = on_skin;
+        }
         hold(&mut cloth, attachments);
         match problem {
             None => {
@@ -53,17 +56,21 @@ pub(crate) fn apply_pins(
     }
 }
 
-/// Finds the particles that the pins hold now, and the first pin that holds nothing.
+/// Finds the particles that the pins hold now, those that they hold to the skin, and the first pin that holds nothing.
 fn attach(
     cloth: &ClothSimulation,
     entity: Entity,
     pins: &[Pin],
     transforms: &TransformHelper,
-) -> (Attachments, Option<(usize, PinProblem)>) {
+) -> (Attachments, Vec<u32>, Option<(usize, PinProblem)>) {
     let mut holder_of = vec![None; cloth.particle_count()];
+    let leader = cloth.skin.as_ref().map(|skin| skin.leader());
+    // What is pinned to a skinned entity itself follows its skeleton.
+    let own = leader.unwrap_or(entity);
+    let on_skin = |pin: &Pin| leader.is_some() && pin.anchor.is_none() && pin.hold == PinHold::Hard;
     let mut problem = None;
     for (index, pin) in pins.iter().enumerate() {
-        let anchor = pin.anchor.unwrap_or(entity);
+        let anchor = pin.anchor.unwrap_or(own);
         let usable = pin.hold.validate().and_then(|()| anchor_now(anchor, transforms));
         let held = usable.and_then(|_| {
             let hold = |particle: u32| holder_of[particle as usize] = Some((anchor, index));
@@ -81,18 +88,20 @@ fn attach(
         Some((_, PinProblem::AnchorScale(anchor))) => Some(anchor),
         _ => None,
     };
-    let mut out = Attachments { own_entity: Some(entity), awaited, ..default() };
-    if let Some(own) = anchor(cloth, entity, entity, transforms) {
+    let mut out = Attachments { own_entity: Some(entity), leader, awaited, ..default() };
+    if let Some(own) = anchor(cloth, entity, own, transforms) {
         out.slot(own);
     }
+    let mut held_by_skin = Vec::new();
     for (particle, holder) in holder_of.iter().enumerate() {
-        if let Some((anchor, pin)) = *holder
-            && let Some(at) = attach_one(cloth, entity, particle, anchor, transforms, &mut out)
-        {
+        let Some((anchor, pin)) = *holder else { continue };
+        if on_skin(&pins[pin]) {
+            held_by_skin.push(particle as u32);
+        } else if let Some(at) = attach_one(cloth, entity, particle, anchor, transforms, &mut out) {
             out.add(at, pins[pin].hold, shares[pin]);
         }
     }
-    (out, problem)
+    (out, held_by_skin, problem)
 }
 
 /// Where a newly held particle goes in its anchor's frame. What the same anchor held before stays.
@@ -108,7 +117,7 @@ fn attach_one(
     let before = cloth.held.attachments.find(particle as u32, anchor);
     let local = match before {
         Some(before) => before.local,
-        None if anchor == entity => {
+        None if anchor == entity && cloth.skin.is_none() => {
             cloth.solver.topology().rest_positions()[particle] / cloth.in_force.placed.scale
         }
         None => to_local(&known.pose.end(), cloth.solver.position(particle)),

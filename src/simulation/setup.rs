@@ -1,5 +1,6 @@
 //! From components to a running cloth, and from changed components to a changed cloth.
 
+use bevy::camera::visibility::DynamicSkinnedMeshBounds;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::reflect::Typed;
@@ -7,10 +8,12 @@ use bevy::reflect::Typed;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::settings::ClothSettings;
+use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::{Cloth, ClothShape};
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
+use crate::error::skin::SkinProblem;
 use crate::error::{ClothComponent, ClothErrorKind, ClothFailure};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::factors::Factors;
@@ -25,12 +28,14 @@ use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
+use crate::simulation::skin::make::{Skins, put_on};
+use crate::simulation::skin::taken::{TakenSkin, take};
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::start::Start;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, MassLumping, Pose, SolverError, Topology};
 
-/// The components that a cloth is set up from.
+/// The components that a cloth is set up from, and what runs of it already.
 type Ingredients = (
     Entity,
     Ref<'static, Cloth>,
@@ -38,9 +43,17 @@ type Ingredients = (
     Option<Ref<'static, ClothSettings>>,
     Option<Ref<'static, ClothWeights>>,
     Option<Ref<'static, Mesh3d>>,
-    Has<SkinnedMesh>,
+    Skinned,
     Option<&'static ClothMesh>,
     Option<&'static ClothSimulation>,
+);
+
+/// The skin of an entity, which it still has or which was taken over.
+type Skinned = (
+    Option<Ref<'static, ClothSkin>>,
+    Option<Ref<'static, SkinnedMesh>>,
+    Has<DynamicSkinnedMeshBounds>,
+    Option<&'static TakenSkin>,
 );
 
 /// Sets up cloths that are new, and anew those whose shape has changed.
@@ -48,6 +61,7 @@ pub(crate) fn set_up_cloths(
     cloths: Query<Ingredients>,
     transforms: TransformHelper,
     mut meshes: MeshSource,
+    skins: Skins,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
@@ -55,8 +69,14 @@ pub(crate) fn set_up_cloths(
     meshes.note_changes(!failures.are_none());
     for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
         let source = source_of(mesh3d.as_deref(), own);
-        let same =
-            |running: &&ClothSimulation| !needs_setup(running, &cloth, mesh3d.as_deref(), own);
+        let (worn, skinned, has_bounds, taken) = skinned;
+        let same = |running: &&ClothSimulation| {
+            let other_skin = match running.skin {
+                Some(_) => skinned.is_some(),
+                None => worn.is_some(),
+            };
+            !other_skin && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+        };
         let same = simulation.filter(same);
         if let Some(running) = same
             && !moved_before_its_first_tick(running, &transforms, entity)
@@ -70,19 +90,22 @@ pub(crate) fn set_up_cloths(
             || is_changed(&settings)
             || is_changed(&weights)
             || is_changed(&mesh3d)
+            || is_changed(&worn)
+            || is_changed(&skinned)
             || meshes.has_changed(source);
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
-        let unseen = [Blame::Pose, Blame::Unseen].map(|blame| failures.blames(entity, blame));
-        if failures.has(entity) && !changed && unseen == [false; 2] {
+        let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
+        let unseen = unseen.map(|blame| failures.blames(entity, blame));
+        if failures.has(entity) && !changed && unseen == [false; 3] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
         let made = set_up(
             entity,
             (&cloth, in_force(&material), in_force(&settings), weights.as_deref()),
-            (source, skinned),
-            &transforms,
+            (source, worn.as_deref(), skinned.as_deref().or(taken.map(|taken| &taken.skinned))),
+            (&transforms, &skins),
             &meshes,
             &mut cache,
         );
@@ -106,8 +129,14 @@ pub(crate) fn set_up_cloths(
                          make a cloth of it"
                     );
                 }
-                if let Some(drawn) = meshes.own_mesh(&made.in_force.rest_shape, source) {
+                let hides_colors = worn.as_deref().is_some_and(ClothSkin::hides_colors);
+                if let Some(drawn) =
+                    meshes.own_mesh(&made.in_force.rest_shape, source, !hides_colors)
+                {
                     target.try_insert(drawn);
+                }
+                if let (Some(_), Some(skinned)) = (&made.skin, &skinned) {
+                    take(&mut target, skinned, has_bounds);
                 }
                 target.try_insert(made);
             }
@@ -150,25 +179,42 @@ fn set_up(
         ClothSettings,
         Option<&ClothWeights>,
     ),
-    (source, skinned): (Option<&Handle<Mesh>>, bool),
-    transforms: &TransformHelper,
+    (source, worn, skinned): (Option<&Handle<Mesh>>, Option<&ClothSkin>, Option<&SkinnedMesh>),
+    (transforms, skins): (&TransformHelper, &Skins),
     meshes: &MeshSource,
     cache: &mut RestCache,
 ) -> Result<Option<ClothSimulation>, ClothErrorKind> {
-    let pose = pose_now(transforms, entity)?;
-    if skinned {
+    if worn.is_none() && skinned.is_some() {
+        pose_now(transforms, entity)?;
         return Err(ClothErrorKind::Mesh(MeshProblem::Skinned));
     }
+    // A skinned mesh is where its joints are, whatever its entity's transform.
+    let pose = if worn.is_none() { pose_now(transforms, entity)? } else { Pose::IDENTITY };
     let Some(rest) = rest_shape(cloth, source, meshes, cache)? else {
         return Ok(None);
     };
+    let (mut skin, mut pose) = (None, pose);
+    if worn.is_some() {
+        let problem = |problem| ClothErrorKind::Skin(SkinProblem::Mesh(problem));
+        if matches!(rest, RestShape::Sheet { .. }) {
+            return Err(ClothErrorKind::Skin(SkinProblem::NotAMesh));
+        }
+        let Some(mesh) = meshes.get(source).map_err(problem)? else { return Ok(None) };
+        let made = skins.make(skinned, mesh, &rest).map_err(ClothErrorKind::Skin)?;
+        let Some(made) = made else { return Ok(None) };
+        pose.scale = made.scale().unwrap_or(1.0);
+        skin = Some((made, mesh));
+    }
     let factors = factors(&rest, weights)?;
     let rubs = material.bending_friction > 0.0;
     let made = cache.topology_to_be(&rest, pose.scale, settings.masses, factors.as_ref(), rubs);
     let made = made.map_err(|error| scale_at_fault(solver_error(error), pose.scale))?;
     let Some(topology) = made else { return Ok(None) };
-    let simulation =
+    let mut simulation =
         build(cloth, material, settings, weights, pose, rest, topology).map_err(solver_error)?;
+    if let (Some(worn), Some((skin, mesh))) = (worn, skin) {
+        put_on(&mut simulation, worn, skin, mesh, skins)?;
+    }
     Ok(Some(simulation))
 }
 
@@ -227,6 +273,8 @@ fn moved_before_its_first_tick(
 ) -> bool {
     running.progress.tick_count == 0
         && !running.start.has_begun()
+        // A worn cloth follows its skin.
+        && running.skin.is_none()
         && pose_now(transforms, entity).is_ok_and(|pose| pose != running.in_force.placed)
 }
 
@@ -262,6 +310,7 @@ fn build(
         settings,
         pins: ClothPins::default(),
         weights: weights.cloned(),
+        skin: None,
         rest_shape,
         placed: pose,
     };
@@ -270,6 +319,7 @@ fn build(
         in_force,
         start: Start::default(),
         held: Holding::default(),
+        skin: None,
         frame: ReferenceFrame::default(),
         pushing: Pushing::default(),
         sleep: SleepState::default(),

@@ -132,11 +132,14 @@ pub(crate) fn choose_steps(
         let stands = cloth.is_hanging() || frozen.is_some_and(takes_no_step);
         let steps = !(stands || cloth.progress.quarantined || cloth.sleep.asleep);
         if steps {
-            let ClothSimulation { solver, held, frame, pushing, tick, .. } = &mut *cloth;
+            let ClothSimulation { solver, held, skin, frame, pushing, tick, .. } = &mut *cloth;
             let TickState { step, motions, .. } = tick;
             step.gravity = frame.seen(step.gravity);
             step.wind.velocity = frame.seen(step.wind.velocity);
-            held.gather_motions(solver, frame.ride, motions);
+            held.gather_motions(solver, skin.as_deref(), frame.ride, &mut motions.pins);
+            if let Some(skin) = skin {
+                skin.gather_motions(frame.ride, &mut motions.skin);
+            }
             pushing.push(entity, solver, frame, &mut failures);
         } else if cloth.sleep.stepped {
             cloth.solver.stand_still();

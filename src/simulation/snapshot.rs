@@ -16,6 +16,7 @@ use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
 use crate::simulation::setup::topology;
+use crate::simulation::skin::SkinState;
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, Pose, SolverState, StateError};
@@ -66,6 +67,7 @@ struct Content {
     pins: ClothPins,
     placed: Pose,
     held: Holding,
+    skin: Option<SkinState>,
     frame: ReferenceFrame,
     pushing: Pushing,
     sleep: SleepState,
@@ -111,6 +113,7 @@ impl ClothSimulation {
             // What it is hung by is looked at before its first tick alone, and then anew.
             start: _,
             held,
+            skin,
             frame,
             pushing,
             sleep,
@@ -125,6 +128,7 @@ impl ClothSimulation {
             pins: pins.clone(),
             placed: *placed,
             held: held.clone(),
+            skin: skin.as_ref().map(|skin| skin.state.clone()),
             frame: frame.clone(),
             pushing: pushing.clone(),
             sleep: sleep.clone(),
@@ -136,12 +140,25 @@ impl ClothSimulation {
 
     /// Takes over a state, with a solver that fits it.
     fn take_over(&mut self, entity: Entity, state: Content, solver: ClothSolver) {
-        let Content { solver: _, pins, placed, mut held, frame, pushing, sleep, progress, tick } =
-            state;
+        let Content {
+            solver: _,
+            pins,
+            placed,
+            mut held,
+            skin,
+            frame,
+            pushing,
+            sleep,
+            progress,
+            tick,
+        } = state;
+        if let (Some(worn), Some(skin)) = (&mut self.skin, skin) {
+            worn.restore(skin);
+        }
         held.attachments.move_to(entity);
         // Room for every motion now, so that no tick needs any.
-        self.tick.motions.clear();
-        self.tick.motions.reserve_exact(solver.pins().len() + solver.soft_pins().len());
+        self.tick.motions.pins.clear();
+        self.tick.motions.pins.reserve_exact(solver.pins().len() + solver.soft_pins().len());
         (self.tick.step.dt, self.tick.step.runs) = tick;
         (self.in_force.pins, self.in_force.placed) = (pins, placed);
         (self.solver, self.held, self.frame) = (solver, held, frame);
@@ -152,15 +169,22 @@ impl ClothSimulation {
 
 impl Content {
     /// Checks what the solver does not know of.
-    fn check(&self) -> Result<(), StateError> {
+    fn check(&self, cloth: &ClothSimulation) -> Result<(), StateError> {
         let good = |ok: bool, what| if ok { Ok(()) } else { Err(StateError::Damaged(what)) };
         let count = self.solver.particle_count();
         let Holding { attachments, grab } = &self.held;
         good(attachments.is_sound(count), "attachments")?;
         good(grab.as_ref().is_none_or(|grab| grab.is_sound(count)), "grab")?;
         let (hard, soft) = self.solver.held();
-        let attached = attachments.attached.iter().map(|at| at.particle);
-        good(attached.eq(hard.iter().copied()), "pins")?;
+        let skin_is_sound = match (&self.skin, &cloth.skin) {
+            (Some(state), Some(skin)) => state.is_sound(count, skin.skeleton.joints.len()),
+            (state, skin) => state.is_none() && skin.is_none(),
+        };
+        good(skin_is_sound, "skin")?;
+        let mut attached: Vec<_> = attachments.attached.iter().map(|at| at.particle).collect();
+        attached.extend(self.skin.iter().flat_map(|skin| &skin.held));
+        attached.sort_unstable();
+        good(attached == hard, "pins")?;
         let mut pulled: Vec<u32> = attachments.pulled().collect();
         pulled.extend(grab.iter().flat_map(|grab| grab.ways()).map(|(particle, ..)| particle));
         pulled.sort_unstable();
@@ -211,7 +235,7 @@ fn restore(
     if expected != got {
         return Err(damaged(StateError::WrongParticleCount { expected, got }));
     }
-    state.check().map_err(damaged)?;
+    state.check(cloth).map_err(damaged)?;
     let mut solver = if state.placed.scale == cloth.in_force.placed.scale {
         cloth.solver.clone()
     } else {
@@ -219,6 +243,10 @@ fn restore(
         // What a cloth of this size does not allow is told with its other changes.
         let _ = solver.set_self_collision(own.map(|own| (*own).into()));
         let _ = solver.set_inter_collision(others.map(|others| (*others).into()));
+        let larger = state.placed.scale / cloth.in_force.placed.scale;
+        let limits = cloth.solver.skin().into_iter().flatten().map(|limit| limit.scaled(larger));
+        let limits: Vec<_> = limits.collect();
+        let _ = solver.set_skin((!limits.is_empty()).then_some(&limits));
         solver
     };
     solver.restore(&state.solver).map_err(damaged)?;

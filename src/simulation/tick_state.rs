@@ -4,24 +4,32 @@ use bevy::prelude::*;
 
 use crate::cloth::wind::ClothWind;
 use crate::collider::tick_colliders::ColliderRoom;
-use crate::solver::{Collider, PinMotion, SolverError, StepInput, TickReport, Zone};
+use crate::solver::{Collider, PinMotion, SkinMotion, SolverError, StepInput, TickReport, Zone};
 
 /// This tick of a cloth, from gathering its input until its result is looked at.
 #[derive(Default)]
 pub(crate) struct TickState {
     pub(crate) step: ClothStep,
-    /// The motion of each held particle through the tick, hard pins first.
-    pub(crate) motions: Vec<PinMotion>,
+    pub(crate) motions: Motions,
     /// Memory for the colliders as the cloth meets them.
     pub(crate) room: ColliderRoom,
     /// The tick's result, until it is looked at.
     pub(crate) outcome: Option<Result<TickReport, SolverError>>,
 }
 
+/// The motions of a tick that lead particles.
+#[derive(Default)]
+pub(crate) struct Motions {
+    /// Of each held particle, hard pins first.
+    pub(crate) pins: Vec<PinMotion>,
+    /// Of each particle's place on the skin, where the cloth has one.
+    pub(crate) skin: Vec<SkinMotion>,
+}
+
 impl TickState {
     /// How far any particle is led in the tick, at most \[m\].
     pub fn way_of_pins(&self) -> f32 {
-        let ways = self.motions.iter().map(|motion| motion.start.distance_squared(motion.end));
+        let ways = self.motions.pins.iter().map(|motion| motion.start.distance_squared(motion.end));
         ways.fold(0.0, f32::max).sqrt()
     }
 
@@ -59,7 +67,7 @@ impl ClothStep {
 /// The solver's input. A function of fields, so that the result beside them can be written.
 pub(crate) fn input<'a>(
     step: ClothStep,
-    motions: &'a [PinMotion],
+    motions: &'a Motions,
     colliders: &'a [Collider<'a>],
     zones: &'a [Zone],
 ) -> StepInput<'a> {
@@ -67,7 +75,8 @@ pub(crate) fn input<'a>(
     StepInput {
         dt: step.dt,
         gravity: step.gravity,
-        pins: motions,
+        pins: &motions.pins,
+        skin: &motions.skin,
         colliders,
         wind,
         ..StepInput::default()

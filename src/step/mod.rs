@@ -12,6 +12,7 @@ use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::collider::tick_colliders::{ColliderRoom, Found, Moves, TickColliders, note_colliders};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
+use crate::pose::skeleton::Joints;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
@@ -103,6 +104,7 @@ pub(crate) fn note_poses(
     mut cloths: Query<&mut ClothSimulation>,
     mut moves: Moves,
     transforms: TransformHelper,
+    joints: Joints,
     fixed: Option<Res<Time<Fixed>>>,
     time: Option<Res<Time<Virtual>>>,
 ) {
@@ -116,8 +118,11 @@ pub(crate) fn note_poses(
         return;
     }
     for mut cloth in &mut cloths {
-        let ClothSimulation { held, frame, .. } = &mut *cloth;
-        note_anchors(&mut held.attachments, frame, &transforms, ticks);
+        let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
+        let jumped = note_anchors(&mut held.attachments, frame, &transforms, ticks);
+        if let Some(skin) = skin {
+            skin.begin_frame(&joints, ticks, jumped);
+        }
     }
 }
 
@@ -323,7 +328,7 @@ pub(crate) fn finish_tick(
                 // Bad input leaves the cloth where it is, until the input is good again.
                 cloth.progress.quarantined = problem == SolverError::Diverged;
                 // Its pins may be led away meanwhile.
-                cloth.held.attachments.take_hold_anew();
+                cloth.take_hold_anew();
                 failures.report(entity, solver_error(problem));
                 if cloth.progress.quarantined {
                     commands.trigger(ClothDiverged { entity, problem });

@@ -26,6 +26,7 @@ mod seams;
 mod self_collision;
 mod setup;
 mod shapes;
+mod skin;
 mod sleep;
 mod state;
 // Each test crate uses a part of it.

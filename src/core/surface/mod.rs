@@ -4,9 +4,11 @@
 mod groups;
 mod normals;
 mod points;
+mod skinning;
 mod tangents;
 
 pub use groups::NormalGroups;
 pub use normals::GridNormals;
 pub use points::{Placing, has_moved};
+pub use skinning::{Influences, skin, skin_with_normals};
 pub use tangents::Tangents;

@@ -59,6 +59,19 @@ impl Default for Backstop {
 }
 
 impl SkinLimit {
+    /// The limit of a cloth that is larger by a factor.
+    pub fn scaled(&self, factor: f32) -> Self {
+        let stop = |stop: &Backstop| Backstop {
+            distance: stop.distance * factor,
+            radius: stop.radius * factor,
+        };
+        Self {
+            max_distance: self.max_distance * factor,
+            backstop: self.backstop.as_ref().map(stop),
+            drive: self.drive,
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors
