@@ -230,11 +230,24 @@ impl Kernel for HoldToSkin<'_> {
                 }
                 let drawn = off;
                 let most = Block::load(&skin.max_distance, slot);
+                let mut beyond = Block::ZERO;
                 for i in 0..LANES {
-                    off.set(i, within(off.at(i), most.0[i]));
+                    let off = off.at(i);
+                    beyond.0[i] = off.dot(off) - most.0[i] * most.0[i];
                 }
-                if skin.has_backstops {
+                // Hardly any block has particles at their bounds.
+                let is_beyond = beyond.is_any_above(0.0);
+                if is_beyond {
+                    for i in 0..LANES {
+                        off.set(i, within(off.at(i), most.0[i]));
+                    }
+                }
+                let is_behind = skin.has_backstops && may_be_behind(skin, self.passed, slot, &off);
+                if is_behind {
                     stop(skin, self.passed, slot, &most, &mut off);
+                }
+                if !(drives || is_beyond || is_behind) {
+                    continue;
                 }
                 let (mut mended, mut all) = (Block3::ZERO, Block3::ZERO);
                 let (w, mut changes) = (w.at(block), Block::ZERO);
@@ -258,6 +271,35 @@ impl Kernel for HoldToSkin<'_> {
 }
 
 cut_between_rows!(HoldToSkin, d, pull);
+
+/// Whether any of a block of particles is in its backstop, by their ways from their places; without roots and divisions, as hardly any
+/// is.
+#[inline(always)]
+fn may_be_behind(skin: &Skin, passed: f32, slot: usize, off: &Block3) -> bool {
+    let behind = Block::load(&skin.behind, slot);
+    // No nearer to the place than this is any of it.
+    let mut out = Block::ZERO;
+    for i in 0..LANES {
+        let (off, behind) = (off.at(i), behind.0[i]);
+        out.0[i] = if behind > 0.0 { off.dot(off) - behind * behind } else { 1.0 };
+    }
+    if !out.is_any_above(0.0) {
+        return false;
+    }
+    let (normal, turn) = (Block3::load(&skin.normal, slot), Block3::load(&skin.turn, slot));
+    let curvature = Block::load(&skin.curvature, slot);
+    for i in 0..LANES {
+        let (off, n) = (off.at(i), normal.at(i) + turn.at(i) * passed);
+        let (behind, curvature) = (behind.0[i], curvature.0[i]);
+        // What `Stop::before` calls the gap has the sign of `sideways + along`, when the normal is of length one.
+        let sideways = curvature * (off.dot(off) + behind * behind) + 2.0 * behind;
+        let along = 2.0 * (1.0 + curvature * behind) * off.dot(n);
+        let is_deep = along * along >= sideways * sideways * n.dot(n) * 0.999;
+        let is_in = sideways < 0.0 || along < 0.0 && is_deep;
+        out.0[i] = if is_in { 1.0 } else { 0.0 };
+    }
+    out.is_any_above(0.0)
+}
 
 /// Keeps a block of particles, by their ways from their places, out of their backstops, when a part of the tick has passed.
 #[inline(always)]
