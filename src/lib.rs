@@ -86,7 +86,7 @@
 //!
 //! # Limits
 //!
-//! - A cloth is a rectangular sheet, or a triangle mesh that is not skinned.
+//! - A cloth is a rectangular sheet, or a triangle mesh; a skinned one wants [`ClothSkin`].
 //! - Cloths collide with themselves where [`ClothSelfCollision`] asks for it, with each other where [`ClothInterCollision`] does, and do
 //!   not push colliders.
 //! - Colliders are rigid, and scaled alike along all axes.

@@ -150,6 +150,9 @@ pub enum HangProblem {
     /// No cloth hangs from such places.
     #[error(transparent)]
     Places(#[from] HangError),
+    /// The cloth is worn.
+    #[error("a cloth with `ClothSkin` starts where its skin is; remove `HangOnStart`")]
+    Worn,
     /// The cloth did not come to rest, but diverged.
     #[error("on the way to rest, {0}")]
     Relaxing(#[from] SolverError),

@@ -74,6 +74,10 @@ pub(crate) fn hang_cloths(
             continue;
         }
         let cloth = &mut *cloth;
+        if cloth.skin.is_some() {
+            failures.report(entity, hang_error(HangProblem::Worn));
+            continue;
+        }
         let asked = Asked {
             hung: *hung,
             points: hanging_points(cloth, entity, hung.places),

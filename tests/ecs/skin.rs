@@ -14,8 +14,8 @@ use bevy::{
     time::TimeUpdateStrategy,
 };
 use bevy_drape::{
-    ClothErrorKind, ClothExecution, ClothInertia, ClothSkin, ColorChannel, SkinBackstop, SkinMap,
-    SkinProblem, prelude::*, solver::SkinLimit,
+    ClothErrorKind, ClothExecution, ClothInertia, ClothSkin, ColorChannel, HangProblem,
+    SkinBackstop, SkinMap, SkinProblem, prelude::*, solver::SkinLimit,
 };
 use std::time::Duration;
 
@@ -534,6 +534,27 @@ fn what_cannot_be_worn_is_told_with_what_to_do() {
         app.world_mut().despawn(of.joints[2]);
     });
     assert!(matches!(problem, SkinProblem::JointGone(_)));
+}
+
+#[test]
+fn a_worn_cloth_is_not_hung() {
+    let mut app = app();
+    let of = dressed(&mut app, usual());
+    app.world_mut().entity_mut(of.coat).insert(HangOnStart::default());
+    updates(&mut app, 1);
+    let other = character(&mut app, coat());
+    app.world_mut().entity_mut(other.coat).insert((
+        Cloth::of_mesh3d(),
+        usual(),
+        HangOnStart::default(),
+    ));
+    app.update();
+    let told = failure(&app, other.coat).map(|error| error.kind);
+    assert_eq!(told, Some(ClothErrorKind::Hang(HangProblem::Worn)));
+    updates(&mut app, 20);
+    let skin = skinned(&mut app, &other);
+    assert!(simulation(&app, other.coat).tick_count() > 10);
+    assert!(beyond(&app, &other, &skin, 1.0) < CLOSE);
 }
 
 #[test]
