@@ -79,6 +79,5 @@ pub(crate) fn input<'a>(
         skin: &motions.skin,
         colliders,
         wind,
-        ..StepInput::default()
     }
 }

@@ -163,7 +163,7 @@ fn scale_of(matrix: &Affine3A) -> Result<f32, Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::math::Mat3A;
+    use bevy::math::{Mat3A, Vec3A};
 
     #[test]
     fn only_even_scales_are_taken() {
@@ -178,11 +178,7 @@ mod tests {
         assert!(scaled(0.0, 0.0, 0.0).is_err());
         assert!(scaled(f32::NAN, 1.0, 1.0).is_err());
         let mut sheared = Affine3A::IDENTITY;
-        sheared.matrix3 = Mat3A::from_cols(
-            bevy::math::Vec3A::X,
-            bevy::math::Vec3A::new(0.6, 0.8, 0.0),
-            bevy::math::Vec3A::Z,
-        );
+        sheared.matrix3 = Mat3A::from_cols(Vec3A::X, Vec3A::new(0.6, 0.8, 0.0), Vec3A::Z);
         assert!(scale_of(&sheared).is_err());
     }
 }
