@@ -4,11 +4,13 @@
 //!   of such points; inside and outside by the shape's inequality; central differences for the normal.
 //! - Saved fields: bit equality, and a checksum written out by its definition.
 //! - Blocks: the single point's bits.
+//! - Fitted capsules: a capsule is its own best capsule.
 //! - Baked fields: a table of the errors that exact samples make (`data/sdf_error.csv`), analytic
 //!   distances in `f64`, and on the bunny the least distance to all triangles and the winding number.
 
 mod baking;
 mod fields;
+mod fit;
 mod meshes;
 mod saved;
 mod shapes;

@@ -23,6 +23,7 @@
 mod bake;
 mod field;
 mod file;
+pub mod fit;
 mod lookup;
 pub mod shapes;
 
