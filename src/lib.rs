@@ -144,12 +144,14 @@ pub use cloth::weights::{ClothWeights, ColorChannel, VertexFactor};
 pub use cloth::wind::{ClothWind, ClothWindOverride};
 pub use cloth::{Cloth, ClothShape};
 pub use collider::bake::{BakeSdf, SdfCells};
+pub use collider::body::{BodyCapsule, ClothBody, ClothBodyFitted};
 pub use collider::impulse::ColliderImpulse;
 pub use collider::load::{DistanceFieldLoader, LoadFieldError};
 pub use collider::shape::{CustomSdf, SdfShape};
 pub use collider::snapshot::SdfColliderSnapshot;
 pub use collider::{SdfCollider, SdfColliderDisabled};
 pub use diagnostics::ClothDiagnosticsPlugin;
+pub use error::body::BodyProblem;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };

@@ -69,6 +69,8 @@ use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::wind::{ClothWind, ClothWindOverride};
 use crate::collider::bake::{BakeSdf, cancel_bake, finish_bakes, start_bakes};
+use crate::collider::body::ClothBody;
+use crate::collider::body::parts::{fit_bodies, forget_body, place_bodies};
 use crate::collider::disturbance::{Disturbances, note_disturbances};
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
@@ -170,6 +172,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothGrab>()
             .register_type::<SdfCollider>()
             .register_type::<SdfColliderDisabled>()
+            .register_type::<ClothBody>()
             .register_type::<ColliderImpulse>()
             .register_type::<ClothSnapshot>()
             .register_type::<SdfColliderSnapshot>()
@@ -188,6 +191,7 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_reset)
             .add_observer(ask_for_push)
             .add_observer(forget_collider)
+            .add_observer(forget_body)
             .add_observer(restore_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
@@ -287,6 +291,8 @@ impl Plugin for ClothPlugin {
 /// Components become running cloths, and change them. Runs in two schedules.
 fn set_up() -> ScheduleConfigs<ScheduleSystem> {
     (
+        fit_bodies,
+        place_bodies,
         set_up_cloths,
         wear_skins,
         apply_changes,

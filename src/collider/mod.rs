@@ -1,6 +1,7 @@
 //! Colliders: the solids that cloths collide with, and where they are in each tick.
 
 pub(crate) mod bake;
+pub(crate) mod body;
 pub(crate) mod check;
 pub(crate) mod disturbance;
 pub(crate) mod impulse;
@@ -71,7 +72,7 @@ impl SdfCollider {
     }
 
     /// A capsule between two points of the entity's frame \[m\]: on the joint of a skinned character, the
-    /// bone from it to the next.
+    /// bone from it to the next. [`ClothBody`](crate::ClothBody) fits those of a whole character.
     pub fn capsule_between(from: Vec3, to: Vec3, radius: f32) -> Self {
         Self::new(CapsuleBetween { from, to, radius })
     }

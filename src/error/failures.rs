@@ -18,6 +18,7 @@ pub(crate) enum Blame {
     Skin,
     /// Like `Pose`, for what a skin follows: it can mend without a change of `ClothSkin`.
     Joints,
+    Body,
     Pins,
     /// It can mend without a change of component, and is checked again and again.
     Pose,
@@ -64,7 +65,7 @@ impl Blame {
             | Self::Forces
             | Self::Grab
             | Self::Snapshot => true,
-            Self::Bake => false,
+            Self::Bake | Self::Body => false,
         }
     }
 }
@@ -191,6 +192,7 @@ impl ClothErrorKind {
                 | SkinProblem::UnevenScale { .. },
             ) => Blame::Joints,
             Self::Skin(_) => Blame::Skin,
+            Self::Body(_) => Blame::Body,
             Self::Parameter { component, .. } => Blame::Component(*component),
             Self::Field(_) => Blame::Component(ClothComponent::SdfCollider),
             Self::Hang(_) => Blame::Component(ClothComponent::HangOnStart),

@@ -1,11 +1,13 @@
 //! Errors, reported on the entity that they concern.
 
+pub(crate) mod body;
 pub(crate) mod failures;
 pub(crate) mod problems;
 pub(crate) mod skin;
 
 use bevy::prelude::*;
 
+use crate::error::body::BodyProblem;
 use crate::error::problems::{
     FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
@@ -53,6 +55,9 @@ pub enum ClothErrorKind {
     /// `ClothSkin` cannot be used. A running cloth keeps the last good one.
     #[error("{0} (it has `ClothSkin`)")]
     Skin(SkinProblem),
+    /// `ClothBody` cannot be fitted, or a capsule of it cannot be used. The other capsules are there.
+    #[error(transparent)]
+    Body(BodyProblem),
     /// A pin holds nothing, or is held by nothing.
     #[error("pin {pin}: {problem}")]
     Pin {
@@ -144,6 +149,7 @@ impl ClothErrorKind {
         match self {
             Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
             Self::Bake(_) | Self::ColliderMesh(_) | Self::Field(_) => "collider ",
+            Self::Body(_) => "body ",
             _ => "cloth ",
         }
     }

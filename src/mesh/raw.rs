@@ -43,6 +43,13 @@ impl RawMesh {
             .filter(|colors| colors.len() == count);
         Ok(Self { positions, triangles, normals, colors })
     }
+
+    /// Without triangles beyond its vertices.
+    pub fn within(mut self) -> Self {
+        let count = self.positions.len();
+        self.triangles.retain(|it| it.iter().all(|&vertex| (vertex as usize) < count));
+        self
+    }
 }
 
 /// A hash of all that [`RawMesh::read`] reads: meshes of the same hash make the same cloth.

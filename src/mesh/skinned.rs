@@ -33,21 +33,7 @@ impl SkinnedShape {
         if !of_mesh(rest) {
             return Err(SkinProblem::NotAMesh);
         }
-        if joints > MOST_JOINTS {
-            return Err(SkinProblem::TooManyJoints { joints, most: MOST_JOINTS });
-        }
-        let attribute = |which| mesh.try_attribute_option(which).ok().flatten();
-        let (indices, weights) =
-            match (attribute(Mesh::ATTRIBUTE_JOINT_INDEX), attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT))
-            {
-                (
-                    Some(VertexAttributeValues::Uint16x4(indices)),
-                    Some(VertexAttributeValues::Float32x4(weights)),
-                ) if indices.len() == rest.vertex_count() && weights.len() == indices.len() => {
-                    (indices, weights)
-                }
-                _ => return Err(SkinProblem::NoWeights),
-            };
+        let weights = VertexWeights::read(mesh, rest.vertex_count(), joints)?;
         let raw = RawMesh::read(mesh).map_err(SkinProblem::Mesh)?;
         let count = rest.particle_count();
         let mut out = Self {
@@ -56,20 +42,10 @@ impl SkinnedShape {
             influences: vec![Influences::default(); count],
         };
         for (vertex, particle) in rest.used_vertices() {
-            let weights = weights[vertex];
-            let sum: f32 = weights.iter().sum();
-            let good = weights.iter().all(|weight| (0.0..=1.0 + ROUNDING).contains(weight));
-            if !good || (sum - 1.0).abs() > ROUNDING {
-                return Err(SkinProblem::Weights { vertex, weights });
-            }
-            let followed = indices[vertex].into_iter().zip(weights).filter(|(_, w)| *w > 0.0);
-            if let Some((joint, _)) = followed.clone().find(|(joint, _)| *joint as usize >= joints)
-            {
-                return Err(SkinProblem::NoSuchJoint { vertex, joint, joints });
-            }
+            let influences = weights.of(vertex)?;
             if out.points[particle].is_nan() {
                 out.points[particle] = raw.positions[vertex];
-                out.influences[particle] = Influences { joints: indices[vertex], weights };
+                out.influences[particle] = influences;
             }
         }
         Ok(out)
@@ -86,6 +62,71 @@ impl SkinnedShape {
             }
         }
         shares
+    }
+}
+
+/// The joints of a mesh's vertices, and their weights.
+pub(crate) struct VertexWeights<'a> {
+    indices: &'a [[u16; 4]],
+    weights: &'a [[f32; 4]],
+    joints: usize,
+}
+
+impl<'a> VertexWeights<'a> {
+    /// Those of a mesh of so many vertices, that so many joints move.
+    ///
+    /// # Errors
+    /// [`SkinProblem`] where it has none, or more joints than a mesh can have.
+    pub fn read(mesh: &'a Mesh, vertices: usize, joints: usize) -> Result<Self, SkinProblem> {
+        if joints > MOST_JOINTS {
+            return Err(SkinProblem::TooManyJoints { joints, most: MOST_JOINTS });
+        }
+        let attribute = |which| mesh.try_attribute_option(which).ok().flatten();
+        match (attribute(Mesh::ATTRIBUTE_JOINT_INDEX), attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT)) {
+            (
+                Some(VertexAttributeValues::Uint16x4(indices)),
+                Some(VertexAttributeValues::Float32x4(weights)),
+            ) if indices.len() == vertices && weights.len() == vertices => {
+                Ok(Self { indices, weights, joints })
+            }
+            _ => Err(SkinProblem::NoWeights),
+        }
+    }
+
+    /// Those of a vertex.
+    ///
+    /// # Errors
+    /// [`SkinProblem`] where the weights do not sum up to one, or a joint is not there.
+    pub fn of(&self, vertex: usize) -> Result<Influences, SkinProblem> {
+        let (joints, weights) = (self.indices[vertex], self.weights[vertex]);
+        let sum: f32 = weights.iter().sum();
+        let good = weights.iter().all(|weight| (0.0..=1.0 + ROUNDING).contains(weight));
+        if !good || (sum - 1.0).abs() > ROUNDING {
+            return Err(SkinProblem::Weights { vertex, weights });
+        }
+        let followed = joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
+        for (joint, _) in followed {
+            self.check(vertex, joint)?;
+        }
+        Ok(Influences { joints, weights })
+    }
+
+    /// The joint that moves a vertex most.
+    ///
+    /// # Errors
+    /// [`SkinProblem`] where it is not there.
+    pub fn strongest(&self, vertex: usize) -> Result<u16, SkinProblem> {
+        let both = self.indices[vertex].into_iter().zip(self.weights[vertex]);
+        // Of equal ones the first.
+        let most = both.reduce(|most, next| if next.1 > most.1 { next } else { most });
+        let joint = most.map_or(0, |(joint, _)| joint);
+        self.check(vertex, joint).map(|()| joint)
+    }
+
+    fn check(&self, vertex: usize, joint: u16) -> Result<(), SkinProblem> {
+        let joints = self.joints;
+        let is_there = usize::from(joint) < joints;
+        is_there.then_some(()).ok_or(SkinProblem::NoSuchJoint { vertex, joint, joints })
     }
 }
 

@@ -4,6 +4,7 @@
 //! the fixed loop, as by an animation) would stand still through a frame's first tick and jump in the
 //! next: its motion since the last frame is spread over the ticks of this one.
 
+pub(crate) mod bindposes;
 pub(crate) mod skeleton;
 
 use bevy::prelude::*;

@@ -7,6 +7,7 @@ mod anchors;
 mod app;
 mod bad_colliders;
 mod bad_input;
+mod body;
 mod colliders;
 mod diagnostics;
 mod events;

@@ -1,9 +1,8 @@
 //! The skin of a cloth, made of its components and its mesh.
 
-use bevy::asset::LoadState;
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
-use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::cloth::skin::{ClothSkin, MapSource};
@@ -11,6 +10,7 @@ use crate::error::ClothErrorKind;
 use crate::error::skin::SkinProblem;
 use crate::mesh::rest_shape::RestShape;
 use crate::mesh::skinned::SkinnedShape;
+use crate::pose::bindposes::Bindposes;
 use crate::pose::skeleton::{Joints, Seen};
 use crate::simulation::ClothSimulation;
 use crate::simulation::skin::Skin;
@@ -19,8 +19,7 @@ use crate::solver::SkinLimit;
 /// What skins are made of.
 #[derive(SystemParam)]
 pub(crate) struct Skins<'w, 's> {
-    bindposes: Option<Res<'w, Assets<SkinnedMeshInverseBindposes>>>,
-    server: Option<Res<'w, AssetServer>>,
+    bindposes: Bindposes<'w>,
     names: Query<'w, 's, &'static Name>,
     pub joints: Joints<'w, 's>,
 }
@@ -36,25 +35,14 @@ impl Skins<'_, '_> {
         mesh: &Mesh,
         rest: &RestShape,
     ) -> Result<Option<Skin>, SkinProblem> {
-        let SkinnedMesh { inverse_bindposes, joints } = skinned.ok_or(SkinProblem::NotSkinned)?;
-        let bindposes = self.bindposes.as_ref().and_then(|all| all.get(inverse_bindposes));
-        let Some(bindposes) = bindposes else {
-            let server = self.server.as_ref();
-            return match server.and_then(|server| server.get_load_state(inverse_bindposes)) {
-                Some(LoadState::Loading | LoadState::NotLoaded) => Ok(None),
-                _ => Err(SkinProblem::NoBindposes),
-            };
-        };
-        let (joint_count, bindpose_count) = (joints.len(), bindposes.len());
-        if joint_count != bindpose_count {
-            let (joints, bindposes) = (joint_count, bindpose_count);
-            return Err(SkinProblem::WrongBindposeCount { joints, bindposes });
-        }
-        let shape = SkinnedShape::read(mesh, rest, joint_count)?;
+        let skinned = skinned.ok_or(SkinProblem::NotSkinned)?;
+        let Some(bindposes) = self.bindposes.of(skinned)? else { return Ok(None) };
+        let joints = &skinned.joints;
+        let shape = SkinnedShape::read(mesh, rest, joints.len())?;
         let skeleton = self.joints.skeleton(joints, bindposes);
         let mut seen = Seen::default();
         self.joints.look(&skeleton, &mut seen).map_err(SkinProblem::JointGone)?;
-        let shares = shape.shares(joint_count);
+        let shares = shape.shares(joints.len());
         let mut leader = 0;
         for (joint, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
             if let Err(scale) = scale_of(&seen.matrices[joint]) {
