@@ -9,26 +9,23 @@ use bevy::{
 /// A capsule of the body, in the pose that the mesh is bound in: from, to and radius \[m\].
 pub(crate) type Bone = (Vec3, Vec3, f32);
 
-/// Spacing of the vertices \[m\].
-const CELL: f32 = 0.015;
-
 /// How far apart two bones still flow into each other \[m\].
 const BLEND: f32 = 0.05;
 
-/// The skin of some bones, each moved by the joint of its number; `parents` tells which hang together.
+/// The skin of some bones, each moved by the joint of its number; `parents` tells which hang together. Vertices are a `cell` apart \[m\].
 ///
 /// Surface nets: a vertex for each cell of a grid that the surface goes through, a quad for each edge.
-pub(crate) fn body(bones: &[Bone], parents: &[Option<usize>]) -> Mesh {
+pub(crate) fn body(bones: &[Bone], parents: &[Option<usize>], cell: f32) -> Mesh {
     let reach = |(from, to, radius): &Bone| {
-        let around = Vec3::splat(radius + 3.0 * CELL);
+        let around = Vec3::splat(radius + 3.0 * cell);
         (from.min(*to) - around, from.max(*to) + around)
     };
     let (low, high) = bones.iter().map(reach).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap();
-    let counts = ((high - low) / CELL).as_usizevec3() + 1;
+    let counts = ((high - low) / cell).as_usizevec3() + 1;
     let steps = [1, counts.x, counts.x * counts.y];
     let place = |node: usize| {
         let (x, y, z) = (node % counts.x, node / counts.x % counts.y, node / steps[2]);
-        low + CELL * Vec3::new(x as f32, y as f32, z as f32)
+        low + cell * Vec3::new(x as f32, y as f32, z as f32)
     };
     let nodes = steps[2] * counts.z;
     let inside: Vec<bool> = (0..nodes).map(|node| distance(place(node), bones) < 0.0).collect();
@@ -42,7 +39,7 @@ pub(crate) fn body(bones: &[Bone], parents: &[Option<usize>]) -> Mesh {
     for (node, vertex) in vertices.iter_mut().enumerate().take(cells) {
         let within = corners(node).filter(|&corner| inside[corner]).count();
         if within % 8 != 0 {
-            let mut point = place(node) + 0.5 * CELL;
+            let mut point = place(node) + 0.5 * cell;
             for _ in 0..4 {
                 point -= distance(point, bones) * outwards(point, bones);
             }

@@ -1,6 +1,10 @@
 //! A character that walks in a circle: joints, and a skin over all.
 
-use crate::{IVORY, body::body, clay};
+use crate::{
+    IVORY,
+    body::{Bone, body},
+    clay,
+};
 use bevy::{
     camera::visibility::NoFrustumCulling,
     mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
@@ -12,9 +16,9 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 #[derive(Component, Clone, Copy)]
 pub struct Joint {
     /// The joint that it hangs on, by its place in [`JOINTS`].
-    parent: Option<usize>,
+    pub(crate) parent: Option<usize>,
     /// Place in the parent's frame \[m\].
-    at: Vec3,
+    pub(crate) at: Vec3,
     /// The capsule: from, to and radius \[m\].
     bone: (Vec3, Vec3, f32),
     /// Mean angle, swing to both sides of it \[rad\], and where in the stride it is \[rad\].
@@ -28,12 +32,15 @@ pub const CHEST: usize = 2;
 pub const CHEST_HEIGHT: f32 = HIPS + 0.12 + 0.25;
 
 /// Height of the hips \[m\].
-const HIPS: f32 = 0.92;
+pub(crate) const HIPS: f32 = 0.92;
 
 /// Speed \[m/s\], radius of the circle \[m\], length of a stride of both legs \[m\].
 const SPEED: f32 = 1.3;
 const CIRCLE: f32 = 1.0;
 const STRIDE: f32 = 1.45;
+
+/// Spacing of the skin's vertices \[m\].
+const CELL: f32 = 0.015;
 
 const fn joint(
     parent: Option<usize>,
@@ -48,7 +55,7 @@ const fn joint(
 
 /// Hips, spine, chest, neck, head; then arms and legs, left and right. It looks towards -z.
 #[rustfmt::skip]
-const JOINTS: [Joint; 15] = [
+pub(crate) const JOINTS: [Joint; 15] = [
     joint(None, [0.0, HIPS, 0.0], ([-0.07, 0.0, 0.0], [0.07, 0.0, 0.0], 0.11), (0.0, 0.0, 0.0)),
     joint(Some(0), [0.0, 0.12, 0.0], ([0.0, 0.0, 0.0], [0.0, 0.2, 0.0], 0.11), (-0.05, 0.0, 0.0)),
     joint(Some(1), [0.0, 0.25, 0.0], ([-0.14, 0.08, 0.0], [0.14, 0.08, 0.0], 0.075), (0.0, 0.0, 0.0)),
@@ -65,6 +72,14 @@ const JOINTS: [Joint; 15] = [
     joint(Some(12), [0.0, -0.42, 0.0], ([0.0, 0.0, 0.0], [0.0, -0.4, 0.0], 0.05), (-0.4, -0.4, PI + FRAC_PI_2)),
     joint(Some(13), [0.0, -0.4, 0.0], ([0.0, 0.0, 0.0], [0.0, 0.0, -0.13], 0.045), (0.0, 0.0, 0.0)),
 ];
+
+impl Joint {
+    /// The capsule around its bone, when the joint is at a place and not turned.
+    pub(crate) fn bone_at(&self, place: Vec3) -> Bone {
+        let (from, to, radius) = self.bone;
+        (place + from, place + to, radius)
+    }
+}
 
 /// A joint that is there, and the capsule around its bone, in the joint's frame \[m\].
 pub struct Limb {
@@ -108,12 +123,9 @@ fn skin() -> (Mesh, Vec<Mat4>) {
     for joint in JOINTS {
         places.push(joint.at + joint.parent.map_or(Vec3::ZERO, |parent| places[parent]));
     }
-    let moved = |(joint, place): (&Joint, &Vec3)| {
-        let (from, to, radius) = joint.bone;
-        (*place + from, *place + to, radius)
-    };
-    let bones: Vec<_> = JOINTS.iter().zip(&places).map(moved).collect();
-    let mesh = body(&bones, &JOINTS.map(|joint| joint.parent));
+    let bones: Vec<_> =
+        JOINTS.iter().zip(&places).map(|(joint, place)| joint.bone_at(*place)).collect();
+    let mesh = body(&bones, &JOINTS.map(|joint| joint.parent), CELL);
     (mesh, places.iter().map(|place| Mat4::from_translation(-place)).collect())
 }
 

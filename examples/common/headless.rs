@@ -3,6 +3,7 @@
 use crate::{
     Example,
     check::check,
+    files::asset_folder,
     obj::write_obj,
     report::{Report, Watch, watch},
     run_in_series,
@@ -33,7 +34,7 @@ pub fn app(example: Example, particles: u32, threads: usize) -> App {
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     app.add_plugins((
         MinimalPlugins.set(TaskPoolPlugin { task_pool_options: pools }),
-        AssetPlugin::default(),
+        asset_folder(),
         MeshPlugin,
         TransformPlugin,
         ClothPlugin::default(),
@@ -72,7 +73,7 @@ pub fn simulate(app: &mut App, seconds: f32) -> Result<Report, String> {
             break;
         }
         if done == 0 && started.elapsed() > PATIENCE {
-            return Err("time has not started: the bake of a mesh does not end".into());
+            return Err("time has not started: a bake does not end, or a file does not come".into());
         }
         app.update();
         if app.world().resource::<Time<Virtual>>().is_paused() {

@@ -11,9 +11,11 @@ mod body;
 mod bunny;
 #[cfg(all(feature = "demo", feature = "gizmos"))]
 mod caption;
+pub mod character;
 pub mod check;
 mod example;
 pub mod figure;
+mod files;
 #[cfg(all(feature = "demo", feature = "gizmos"))]
 mod gizmos;
 pub mod headless;
@@ -38,8 +40,10 @@ mod window;
 
 pub use bunny::load_bunny;
 pub use example::{Caption, Example, Particles, View};
+pub use files::add_gltf;
 pub use look::{BRASS, CORAL, INDIGO, IVORY, Look, SAND, TEAL, clay, ground, linen, metal};
 pub use options::{Options, seconds};
 pub use repository::repository;
 pub use series::run_in_series;
 pub use shirt::shirt;
+pub use wait::Awaited;

@@ -1,6 +1,9 @@
 //! Runs a scene in a window: camera, light, paint; without one it says so and runs headless.
 
-use crate::{Example, Options, light::set_up_view, paint::paint, picture::leave_after, probe};
+use crate::{
+    Example, Options, files::asset_folder, light::set_up_view, paint::paint, picture::leave_after,
+    probe,
+};
 use bevy::{prelude::*, render::RenderPlugin, window::WindowResolution};
 use bevy_drape::{ClothPickingPlugin, prelude::*};
 
@@ -23,7 +26,10 @@ pub(crate) fn run(example: Example, options: &Options, add: impl FnOnce(&mut App
     let render = RenderPlugin { synchronous_pipeline_compilation: frames.is_some(), ..default() };
     let mut app = App::new();
     app.add_plugins((
-        DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() }).set(render),
+        DefaultPlugins
+            .set(WindowPlugin { primary_window: Some(window), ..default() })
+            .set(render)
+            .set(asset_folder()),
         ClothPlugin::default(),
         // The mouse pulls at every cloth.
         ClothPickingPlugin,

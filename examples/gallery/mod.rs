@@ -29,6 +29,8 @@ mod pile;
 mod sail;
 #[path = "../shirt.rs"]
 mod shirt;
+#[path = "../skirt.rs"]
+mod skirt;
 #[path = "../stress.rs"]
 mod stress;
 #[path = "../tablecloth.rs"]
@@ -38,7 +40,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use examples_common::Example;
 
 /// All scenes.
-pub const SCENES: [Example; 16] = [
+pub const SCENES: [Example; 17] = [
     drape::DRAPE,
     drape::SPHERES,
     bunny::BUNNY,
@@ -48,6 +50,7 @@ pub const SCENES: [Example; 16] = [
     sail::SAIL,
     cape::CAPE,
     shirt::SHIRT,
+    skirt::SKIRT,
     tablecloth::TABLECLOTH,
     heap::HEAP,
     pile::PILE,
