@@ -80,7 +80,8 @@ fn dress(
                 // The waistband is held, the hem may go 30 cm away.
                 max_distance: SkinMap::color(ColorChannel::Red, 0.0, 0.3),
                 // Nothing goes more than 8 cm into where the skirt would be.
-                backstop: Some(SkinBackstop { distance: 0.08.into(), ..default() }),
+                backstop: Some(SkinBackstop { distance: 0.1.into(), ..default() }),
+                drive: 6.0.into(),
                 ..default()
             },
             ClothMaterial { area_density: 0.25, thickness: 0.01, friction: 0.2, ..default() },

@@ -11,6 +11,7 @@ pub(crate) struct Near {
     /// Where it is \[m\].
     pub place: Vec3,
     /// Its distance from the collider's surface \[m\], below zero inside.
+    #[cfg_attr(not(feature = "panel"), expect(dead_code, reason = "the panel alone shows depths"))]
     pub distance: f32,
     /// The collider's normal there.
     pub normal: Vec3,

@@ -74,10 +74,10 @@ pub(crate) const JOINTS: [Joint; 15] = [
 ];
 
 impl Joint {
-    /// The capsule around its bone, when the joint is at a place and not turned.
-    pub(crate) fn bone_at(&self, place: Vec3) -> Bone {
+    /// The capsule around its bone, when the joint is somewhere.
+    pub(crate) fn bone_at(&self, pose: Isometry3d) -> Bone {
         let (from, to, radius) = self.bone;
-        (place + from, place + to, radius)
+        (pose * from, pose * to, radius)
     }
 }
 
@@ -123,8 +123,11 @@ fn skin() -> (Mesh, Vec<Mat4>) {
     for joint in JOINTS {
         places.push(joint.at + joint.parent.map_or(Vec3::ZERO, |parent| places[parent]));
     }
-    let bones: Vec<_> =
-        JOINTS.iter().zip(&places).map(|(joint, place)| joint.bone_at(*place)).collect();
+    let bones: Vec<_> = JOINTS
+        .iter()
+        .zip(&places)
+        .map(|(joint, place)| joint.bone_at(Isometry3d::from_translation(*place)))
+        .collect();
     let mesh = body(&bones, &JOINTS.map(|joint| joint.parent), CELL);
     (mesh, places.iter().map(|place| Mat4::from_translation(-place)).collect())
 }

@@ -2,7 +2,7 @@
 //! check that each ends in.
 //!
 //! What an example shows is in its own file alone. That knows nothing of windows or graphics cards, so that
-//! `headless`, `soak` and `tests/examples.rs` run the same scene.
+//! `headless`, `soak` and `tests/examples` run the same scene.
 
 // A program may print.
 #![allow(clippy::print_stdout, clippy::print_stderr)]

@@ -42,15 +42,15 @@ impl Writer {
         &mut self,
         names: &[&str],
         parents: &[Option<usize>],
-        places: &[Vec3],
+        poses: &[Isometry3d],
     ) -> Vec<Index<Node>> {
-        let node = |(name, place): (&&str, &Vec3)| Node {
+        let node = |(name, pose): (&&str, &Isometry3d)| Node {
             name: Some((*name).into()),
-            translation: Some(place.to_array()),
-            rotation: Some(UnitQuaternion::default()),
+            translation: Some(pose.translation.into()),
+            rotation: Some(UnitQuaternion(pose.rotation.to_array())),
             ..default()
         };
-        let joints: Vec<_> = names.iter().zip(places).map(|it| self.root.push(node(it))).collect();
+        let joints: Vec<_> = names.iter().zip(poses).map(|it| self.root.push(node(it))).collect();
         for (joint, parent) in joints.iter().zip(parents) {
             match parent {
                 Some(parent) => {
@@ -63,10 +63,13 @@ impl Writer {
         joints
     }
 
-    /// A skin of joints that are not turned as it is bound, but at these places.
-    pub fn skin(&mut self, joints: &[Index<Node>], places: &[Vec3]) -> Index<Skin> {
-        let inverse = |place: &Vec3| Mat4::from_translation(-*place).to_cols_array();
-        let inverses: Vec<[f32; 16]> = places.iter().map(inverse).collect();
+    /// A skin that is bound to joints where they are in these poses of the file's frame.
+    pub fn skin(&mut self, joints: &[Index<Node>], poses: &[Isometry3d]) -> Index<Skin> {
+        let inverse = |pose: &Isometry3d| {
+            let back = pose.inverse();
+            Mat4::from_rotation_translation(back.rotation, back.translation.into()).to_cols_array()
+        };
+        let inverses: Vec<[f32; 16]> = poses.iter().map(inverse).collect();
         let inverses = self.accessor(&inverses, ComponentType::F32, Type::Mat4);
         self.root.push(Skin {
             inverse_bind_matrices: Some(inverses),

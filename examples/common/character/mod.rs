@@ -71,16 +71,17 @@ const SPRINT: Gait = Gait {
 
 /// The file, binary.
 pub fn character() -> Vec<u8> {
-    let mut places: Vec<Vec3> = Vec::new();
-    for joint in JOINTS {
-        places.push(joint.at + joint.parent.map_or(Vec3::ZERO, |parent| places[parent]));
-    }
     let parents = JOINTS.map(|joint| joint.parent);
+    let poses: Vec<Isometry3d> = (0..JOINTS.len()).map(bind_pose).collect();
+    let mut placed: Vec<Isometry3d> = Vec::new();
+    for (pose, parent) in poses.iter().zip(parents) {
+        placed.push(parent.map_or(*pose, |parent| placed[parent] * *pose));
+    }
     let mut file = Writer::default();
-    let joints = file.joints(&NAMES, &parents, &JOINTS.map(|joint| joint.at));
-    let skin = file.skin(&joints, &places);
+    let joints = file.joints(&NAMES, &parents, &poses);
+    let skin = file.skin(&joints, &placed);
     let bones: Vec<Bone> =
-        JOINTS.iter().zip(&places).map(|(joint, place)| joint.bone_at(*place)).collect();
+        JOINTS.iter().zip(&placed).map(|(joint, pose)| joint.bone_at(*pose)).collect();
     let body = body(&bones, &parents, CELL);
     let clay = file.material("clay", IVORY, false);
     file.skinned("body", &body, clay, skin);
@@ -96,6 +97,23 @@ pub fn character() -> Vec<u8> {
         file.animation(gait.name, &times, keys);
     }
     file.write("character")
+}
+
+/// A joint in its parent's frame as the skin is bound: arms and legs are spread, so that no two limbs grow into each other.
+fn bind_pose(joint: usize) -> Isometry3d {
+    let spread = match NAMES[joint] {
+        "upper_arm.l" => -0.8,
+        "upper_arm.r" => 0.8,
+        "thigh.l" => -0.15,
+        "thigh.r" => 0.15,
+        _ => 0.0,
+    };
+    Isometry3d::new(JOINTS[joint].at, about(Vec3::Z, spread))
+}
+
+/// A turn about an axis, of the same bits on every platform.
+fn about(axis: Vec3, angle: f32) -> Quat {
+    Quat::from_vec4((axis * ops::sin(0.5 * angle)).extend(ops::cos(0.5 * angle)))
 }
 
 /// Angles of a cycle, its end included.
@@ -124,8 +142,7 @@ impl Gait {
             "upper_arm.r" => 0.35,
             _ => 0.0,
         };
-        Quat::from_xyzw(0.0, 0.0, ops::sin(0.5 * z), ops::cos(0.5 * z))
-            * Quat::from_xyzw(ops::sin(0.5 * x), 0.0, 0.0, ops::cos(0.5 * x))
+        about(Vec3::Z, z) * about(Vec3::X, x)
     }
 
     /// How far a joint is from its place.
@@ -138,4 +155,4 @@ impl Gait {
 }
 
 /// Height of the hips, from which the skirt hangs \[m\].
-const WAIST: f32 = HIPS + 0.2;
+const WAIST: f32 = HIPS + 0.16;

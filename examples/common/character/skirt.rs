@@ -14,19 +14,19 @@ use std::f32::consts::TAU;
 const AROUND: usize = 64;
 const ROWS: usize = 30;
 /// Height of the hem \[m\].
-const HEM: f32 = 0.42;
+const HEM: f32 = 0.6;
 /// Half widths along x and z: at the waist, at the hips, at the hem \[m\].
 const WIDTHS: [(f32, Vec2); 3] = [
     (WAIST, Vec2::new(0.135, 0.135)),
     (HIPS, Vec2::new(0.215, 0.15)),
-    (HEM, Vec2::new(0.36, 0.33)),
+    (HEM, Vec2::new(0.34, 0.32)),
 ];
 
 /// The skirt as a mesh. Red is painted where it is free: none in the waistband, more and more below the hips.
 pub fn skirt() -> Mesh {
     let vertices = || (0..ROWS).flat_map(|row| (0..AROUND).map(move |step| (row, step)));
     let places: Vec<Vec3> = vertices().map(|(row, step)| place(row, step)).collect();
-    let free = |at: &Vec3| ((HIPS + 0.06 - at.y) / (HIPS - HEM)).clamp(0.0, 1.0);
+    let free = |at: &Vec3| ((HIPS + 0.06 - at.y) / 0.25).clamp(0.0, 1.0);
     let colors: Vec<[f32; 4]> = places.iter().map(|at| [free(at), 0.0, 0.0, 1.0]).collect();
     let (joints, weights): (Vec<_>, Vec<_>) = places.iter().map(|at| bind(*at)).unzip();
     let mut indices = Vec::new();
@@ -62,12 +62,10 @@ fn place(row: usize, step: usize) -> Vec3 {
     Vec3::new(widths.x * ops::sin(angle), height, -widths.y * ops::cos(angle))
 }
 
-/// The joints that move a point: the spine at the waist, the hips, and each thigh a part of its own side.
+/// The joints that move a point: the hips, and each thigh a part of its own side.
 fn bind(at: Vec3) -> ([u16; 4], [f32; 4]) {
     let smooth = |t: f32| t.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * t.clamp(0.0, 1.0));
-    let spine = smooth((at.y - HIPS) / (WAIST - HIPS));
-    let thighs = 0.6 * smooth((HIPS - at.y) / 0.25);
+    let thighs = 0.5 * smooth((HIPS - at.y) / 0.25);
     let right = smooth(0.5 + at.x / 0.2);
-    let weights = [1.0 - spine - thighs, spine, thighs * (1.0 - right), thighs * right];
-    ([0, 1, 9, 12], weights)
+    ([0, 9, 12, 0], [1.0 - thighs, thighs * (1.0 - right), thighs * right, 0.0])
 }

@@ -2,11 +2,12 @@
 //! above the ground, out of the solids, and within its strain limit. What `bake` writes is held to the
 //! field that the mesh bakes to.
 
-#[path = "../examples/bake.rs"]
+#[path = "../../examples/bake.rs"]
 #[allow(dead_code)]
 mod bake;
-#[path = "../examples/gallery/mod.rs"]
+#[path = "../../examples/gallery/mod.rs"]
 mod gallery;
+mod skirt;
 
 use bevy::prelude::*;
 use bevy_drape::{
