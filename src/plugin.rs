@@ -14,7 +14,7 @@
 //! | `schedule` | the sets and the schedule that cloths are stepped in |
 //! | `mesh` | the rest mesh in: read, welded, made a grid or triangles, shared |
 //! | `cloth` | the components and events of a cloth, and nothing that runs |
-//! | `collider` | the components of colliders, their shapes and fields, and where they are in a tick |
+//! | `collider` | the components of colliders and bodies, their shapes and fields, and where they are in a tick |
 //! | `simulation` | the running cloth: set-up, changes, pins, anchors, grabs, pushes, hanging, sleep, snapshots |
 //! | `wind` | the wind of a tick, and its zones |
 //! | `step` | one tick: gather, solve fused or staged, finish |

@@ -1,6 +1,6 @@
 //! A guide, to be read. There is no code in it but its snippets, and those compile.
 //!
-//! - [`cape`]: from nothing to a cape on a character, step by step.
+//! - [`coat`]: from nothing to a coat on a character, step by step.
 //! - [`settings`]: from what is seen to what to change.
 //! - [`names`]: what things are called here, for those who come from Unity, Unreal, Obi or `bevy_silk`.
 //! - [`tasks`]: what a cloth can do, and by which component.
@@ -9,8 +9,8 @@
 //! - [`limits`]: what it cannot do, and where it is less than exact.
 //! - [`performance`]: what a tick and each optional part cost.
 
-#[doc = include_str!("cape.md")]
-pub mod cape {}
+#[doc = include_str!("coat.md")]
+pub mod coat {}
 
 #[doc = include_str!("settings.md")]
 pub mod settings {}
