@@ -1,7 +1,7 @@
 //! Writes a cloth's mesh, once a frame and in place, and not at all while nothing moved.
 
-use bevy::camera::primitives::Aabb;
-use bevy::math::Mat3A;
+use bevy::camera::primitives::{Aabb, Frustum};
+use bevy::math::{Affine3A, Mat3A};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::time::Fixed;
@@ -37,6 +37,7 @@ pub(crate) fn draw_cloths(
     )>,
     transforms: TransformHelper,
     joints: Joints,
+    views: Query<(&Camera, &Frustum)>,
     meshes: Option<ResMut<Assets<Mesh>>>,
     time: Option<Res<Time<Fixed>>>,
     mut failures: Failures,
@@ -50,6 +51,15 @@ pub(crate) fn draw_cloths(
         let Ok(global) = transforms.compute_global_transform(entity) else {
             continue;
         };
+        if cloth.is_culled()
+            && let Some(bounds) = cloth.culled_bounds(&transforms, &global.affine())
+            && !may_be_seen(&bounds, &global.affine(), &views)
+        {
+            if let Some(mut aabb) = aabb {
+                *aabb = bounds;
+            }
+            continue;
+        }
         let blend = match interpolation.copied().unwrap_or_default() {
             ClothInterpolation::Blend => overstep,
             ClothInterpolation::LastTick => 1.0,
@@ -83,6 +93,12 @@ pub(crate) fn draw_cloths(
             Err(problem) => failures.report(entity, ClothErrorKind::Draw(problem)),
         }
     }
+}
+
+/// Whether any camera looks there.
+fn may_be_seen(bounds: &Aabb, frame: &Affine3A, views: &Query<(&Camera, &Frustum)>) -> bool {
+    let mut active = views.iter().filter(|(camera, _)| camera.is_active);
+    active.any(|(_, frustum)| frustum.intersects_obb(bounds, frame, true, true))
 }
 
 /// Whether any point is elsewhere than it was last written.
@@ -137,10 +153,11 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     // The cloth's origin is near: far from the world's, the difference is exact where the sum is
     // not.
     let offset = solver.origin() - Vec3::from(now.transform.translation);
+    let attachments = &cloth.held.attachments;
     let along = match &cloth.skin {
         // Each particle goes along with its own place on the skin.
         Some(_) => None,
-        None => moved_since(&cloth.held.attachments, &own.anchors, now),
+        None => moved_since(attachments, &own.anchors, now, cloth.is_culled()),
     };
     // From the cloth's coordinates to the world's axes, and from there into the entity's frame.
     let (turn, shift) = match along {
@@ -160,7 +177,15 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
     if let Some(skin) = &cloth.skin {
         let origin = Vec3::from(now.transform.translation);
         let to_frame = |vector: Vec3| inverse * vector;
-        skin.draw(&own.joints.matrices, now.blend, origin, to_frame, &mut own.points);
+        let ClothMesh { joints, points, anchors, .. } = &mut *own;
+        let leader = cloth.held.attachments.reference().and_then(|leader| anchors[leader]);
+        let along = leader.filter(|_| cloth.is_culled()).and_then(|now| cloth.carried_to(&now));
+        match along {
+            Some(along) => skin.draw_culled(solver, &joints.matrices, &along, |i, place| {
+                points[i] = to_frame(place - origin);
+            }),
+            None => skin.draw(&joints.matrices, now.blend, origin, to_frame, points),
+        }
     }
     place_pinned(&cloth.held.attachments, own, now, &inverse);
     let bounds = Aabb::enclosing(&own.points)?;
@@ -169,11 +194,12 @@ fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) -> Option<Aab
 
 /// Motion of the anchor that leads the cloth since the instant that is drawn: the whole cloth is
 /// drawn as much further, so that it does not lag behind its own pinned edge. `None` where the anchor
-/// has not moved, or holds nothing hard: the cloth is drawn where it is.
+/// has not moved, or holds nothing hard while it does not have to (`leads`): the cloth is drawn where it is.
 fn moved_since(
     attachments: &Attachments,
     seen: &[Option<Pose>],
     now: Drawn,
+    leads: bool,
 ) -> Option<RigidMotion> {
     let reference = attachments.reference()?;
     let anchor = &attachments.anchors[reference];
@@ -184,7 +210,7 @@ fn moved_since(
     };
     let drawn = drawn?;
     let instant = anchor.pose.start().interpolate(&anchor.pose.end(), now.blend);
-    let moved = anchor.holds > 0 && instant != drawn;
+    let moved = (leads || anchor.holds > 0) && instant != drawn;
     moved.then(|| RigidMotion::between(&instant, &drawn))
 }
 

@@ -41,7 +41,7 @@
 //!   rest.
 //! - **Gather**: where colliders and pins are at the tick's start and at its end, gravity and wind. A
 //!   cloth whose entity has jumped is carried along ([`ClothTeleport`]); one that is frozen
-//!   ([`ClothPaused`]) or sleeps ([`ClothSleepThreshold`]) sits the tick out.
+//!   ([`ClothPaused`]), is not seen ([`ClothCulling`]) or sleeps ([`ClothSleepThreshold`]) sits the tick out.
 //! - **Solve**: so many substeps of forces, Verlet integration, correction, collision. How many, and
 //!   whether by explicit springs or by whole threads, follows from the material; see
 //!   [`ClothSimulation::plan`].
@@ -126,6 +126,7 @@ mod wind;
 #[doc(inline)]
 pub use bevy_drape_core::{hang, sdf, solver};
 pub use cloth::air::ClothAir;
+pub use cloth::culling::ClothCulling;
 pub use cloth::events::{ClothDiverged, ClothReady, ClothSlept, ClothWoke};
 pub use cloth::forces::{ClothForce, ClothForces, PushCloth};
 pub use cloth::grab::{ClothGrab, GrabHold};

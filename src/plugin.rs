@@ -47,6 +47,7 @@
 
 use bevy::app::{FixedPostUpdate, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::asset::AssetEventSystems;
+use bevy::camera::visibility::{VisibilityPlugin, VisibilitySystems};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{ScheduleConfigs, ScheduleLabel, SingleThreadedExecutor};
 use bevy::ecs::system::ScheduleSystem;
@@ -54,6 +55,7 @@ use bevy::prelude::*;
 
 use crate::cloth::Cloth;
 use crate::cloth::air::ClothAir;
+use crate::cloth::culling::ClothCulling;
 use crate::cloth::forces::ClothForces;
 use crate::cloth::grab::ClothGrab;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
@@ -87,6 +89,7 @@ use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
 use crate::simulation::anchors::gather_pins;
 use crate::simulation::changes::apply_changes;
+use crate::simulation::culling::{Seeing, cull_cloths};
 use crate::simulation::grabbing::apply_grabs;
 use crate::simulation::hanging::{cancel_hanging, hang_cloths};
 use crate::simulation::inter_collision::apply_inter_collision;
@@ -166,6 +169,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothTeleport>()
             .register_type::<ClothInertia>()
             .register_type::<HangOnStart>()
+            .register_type::<ClothCulling>()
             .register_type::<ClothSleepThreshold>()
             .register_type::<ClothPaused>()
             .register_type::<ClothForces>()
@@ -202,7 +206,8 @@ impl Plugin for ClothPlugin {
         // Once a frame, before its ticks: note where things are.
         app.add_systems(
             RunFixedMainLoop,
-            note_poses
+            (cull_cloths, note_poses)
+                .chain()
                 .in_set(ClothSystems::TrackPoses)
                 .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
                 .before(RunFixedMainLoopSystems::FixedMainLoop),
@@ -270,6 +275,8 @@ impl Plugin for ClothPlugin {
                 .after(TransformSystems::Propagate)
                 .before(AssetEventSystems),
         )
+        // What is culled looks whether a view turns to it.
+        .configure_sets(PostUpdate, WriteMeshes.after(VisibilitySystems::UpdateFrusta))
         .add_systems(
             PostUpdate,
             (
@@ -283,8 +290,11 @@ impl Plugin for ClothPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        // Assets may have been added after this plugin.
+        // Assets and views may have been added after this plugin.
         register_fields(app);
+        if app.is_plugin_added::<VisibilityPlugin>() {
+            app.insert_resource(Seeing);
+        }
     }
 }
 

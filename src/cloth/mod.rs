@@ -1,6 +1,7 @@
 //! The components that users spawn and tune: [`Cloth`] and those beside it.
 
 pub(crate) mod air;
+pub(crate) mod culling;
 pub(crate) mod events;
 pub(crate) mod fabrics;
 pub(crate) mod forces;

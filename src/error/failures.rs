@@ -47,6 +47,7 @@ impl Blame {
                 | ClothComponent::ClothInterCollision
                 | ClothComponent::ClothTeleport
                 | ClothComponent::ClothInertia
+                | ClothComponent::ClothCulling
                 | ClothComponent::ClothSleepThreshold
                 | ClothComponent::HangOnStart => true,
                 ClothComponent::SdfCollider | ClothComponent::WindZone => false,

@@ -133,6 +133,8 @@ pub enum ClothComponent {
     ClothTeleport,
     /// [`ClothInertia`](crate::ClothInertia).
     ClothInertia,
+    /// [`ClothCulling`](crate::ClothCulling).
+    ClothCulling,
     /// [`ClothSleepThreshold`](crate::ClothSleepThreshold).
     ClothSleepThreshold,
     /// [`HangOnStart`](crate::HangOnStart).

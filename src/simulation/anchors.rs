@@ -53,6 +53,9 @@ pub(crate) fn gather_pins(
 ) {
     for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
         let cloth = &mut *cloth;
+        if cloth.is_culled() {
+            continue;
+        }
         let outcome = cloth.frame.set_teleport(teleport);
         failures.tell_numbers(entity, ClothComponent::ClothTeleport, outcome);
         let outcome = cloth.frame.set_inertia(inertia);
@@ -93,6 +96,7 @@ pub(crate) fn gather_pins(
         }
         let stands = cloth.is_hanging() || frozen.is_some_and(|frozen| frozen.steps == 0);
         follow(entity, cloth, stands, &mut failures);
+        cloth.settle_in();
     }
 }
 

@@ -12,6 +12,7 @@
 //! | `holding` | what holds and leads particles: `attachments`, `grabbed` | `pinning`, `anchors`, `grabbing` |
 //! | `reference_frame` | teleports, resets, cloths that ride along | `anchors` |
 //! | `pushing` | forces and impulses | |
+//! | `culling` | whether the cloth is seen, where that is asked for | `culling` |
 //! | `sleeping` | whether the cloth has anything to do, and takes a tick | |
 //! | `tick_state` | the tick's input and its result | `step` |
 //! | `progress` | the ticks so far | `step` |
@@ -33,6 +34,7 @@
 pub(crate) mod anchors;
 pub(crate) mod attachments;
 pub(crate) mod changes;
+pub(crate) mod culling;
 pub(crate) mod grabbed;
 pub(crate) mod grabbing;
 pub(crate) mod hanging;
@@ -60,6 +62,7 @@ use bevy::prelude::*;
 use crate::cloth::pins::Choices;
 use crate::hang::RelaxReport;
 use crate::mesh::intake::ClothIntake;
+use crate::simulation::culling::Culling;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
@@ -98,6 +101,8 @@ pub struct ClothSimulation {
     #[reflect(ignore)]
     pub(crate) pushing: Pushing,
     #[reflect(ignore)]
+    pub(crate) culling: Culling,
+    #[reflect(ignore)]
     pub(crate) sleep: SleepState,
     #[reflect(ignore)]
     pub(crate) tick: TickState,
@@ -131,6 +136,11 @@ impl ClothSimulation {
     /// Whether the cloth sleeps, see [`ClothSleepThreshold`](crate::ClothSleepThreshold).
     pub fn is_asleep(&self) -> bool {
         self.sleep.is_asleep()
+    }
+
+    /// Whether the cloth stands still because no view sees it, see [`ClothCulling`](crate::ClothCulling).
+    pub fn is_culled(&self) -> bool {
+        self.culling.culled
     }
 
     /// Whether the cloth stands still because it is being brought to rest where it hangs, in the

@@ -23,6 +23,7 @@ use crate::mesh::source::{MeshSource, source_of};
 use crate::mesh::surface::SkippedTriangles;
 use crate::pose::{pose_now, to_world};
 use crate::simulation::ClothSimulation;
+use crate::simulation::culling::Culling;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
@@ -322,6 +323,7 @@ fn build(
         skin: None,
         frame: ReferenceFrame::default(),
         pushing: Pushing::default(),
+        culling: Culling::default(),
         sleep: SleepState::default(),
         tick: TickState::default(),
         progress: Progress::default(),

@@ -129,7 +129,7 @@ pub(crate) fn choose_steps(
             }
             stands
         };
-        let stands = cloth.is_hanging() || frozen.is_some_and(takes_no_step);
+        let stands = cloth.is_hanging() || cloth.is_culled() || frozen.is_some_and(takes_no_step);
         let steps = !(stands || cloth.progress.quarantined || cloth.sleep.asleep);
         if steps {
             let ClothSimulation { solver, held, skin, frame, pushing, tick, .. } = &mut *cloth;

@@ -116,6 +116,8 @@ impl ClothSimulation {
             skin,
             frame,
             pushing,
+            // This is about who looks.
+            culling: _,
             sleep,
             // Between ticks there is no result.
             tick: TickState { step, .. },

@@ -118,6 +118,9 @@ pub(crate) fn note_poses(
         return;
     }
     for mut cloth in &mut cloths {
+        if cloth.is_culled() {
+            continue;
+        }
         let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
         let jumped = note_anchors(&mut held.attachments, frame, &transforms, ticks);
         if let Some(skin) = skin {

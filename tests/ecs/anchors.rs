@@ -215,7 +215,7 @@ fn soft_pins_follow_what_moves_and_become_hard_and_soft_while_running() {
     let soft = hard.clone().softly(5000.0, 500.0);
     let cloth = spawn(&mut app, (sheet(), soft.clone()));
     updates(&mut app, 10);
-    assert_eq!(simulation(&app, cloth).pinned(), &[]);
+    assert!(simulation(&app, cloth).pinned().is_empty());
     let start = position(&app, cloth, 0);
     for _ in 0..40 {
         transform(&mut app, anchor).translation.x += 0.02;
@@ -229,7 +229,7 @@ fn soft_pins_follow_what_moves_and_become_hard_and_soft_while_running() {
     assert!(position(&app, cloth, 0).distance(Vec3::new(0.3, 0.0, -0.5)) < 1e-5);
     *app.world_mut().get_mut::<ClothPins>(cloth).unwrap() = soft;
     updates(&mut app, 3);
-    assert_eq!(simulation(&app, cloth).pinned(), &[]);
+    assert!(simulation(&app, cloth).pinned().is_empty());
     assert!(position(&app, cloth, 0).distance(Vec3::new(0.3, 0.0, -0.5)) < 0.01);
     *app.world_mut().get_mut::<ClothPins>(cloth).unwrap() = ClothPins::none();
     updates(&mut app, 30);

@@ -112,6 +112,7 @@ fn components_are_registered() {
         "ClothGravityOverride",
         "ClothTeleport",
         "ClothInertia",
+        "ClothCulling",
         "ClothSleepThreshold",
         "ClothPaused",
         "ClothForces",

@@ -9,6 +9,7 @@ mod bad_colliders;
 mod bad_input;
 mod body;
 mod colliders;
+mod culling;
 mod diagnostics;
 mod events;
 mod execution;

@@ -22,15 +22,15 @@ use std::time::Duration;
 /// Rows and columns of the coat's back.
 const SIDE: u32 = 9;
 /// Most that a particle is beyond its bounds at a tick's end \[m\].
-const CLOSE: f32 = 1e-4;
+pub(crate) const CLOSE: f32 = 1e-4;
 const FREE: MeshVertexAttribute =
     MeshVertexAttribute::new("DRAPE_FREE", 987_123, VertexFormat::Float32);
 
 /// Joints of a character: hips at 1 m, and two thighs below.
-struct Character {
-    root: Entity,
+pub(crate) struct Character {
+    pub(crate) root: Entity,
     joints: [Entity; 3],
-    coat: Entity,
+    pub(crate) coat: Entity,
 }
 
 /// The freedom of a row of the coat: none in the first two, all in the last.
@@ -95,7 +95,7 @@ fn character(app: &mut App, mesh: Mesh) -> Character {
     Character { root, joints, coat }
 }
 
-fn dressed(app: &mut App, worn: ClothSkin) -> Character {
+pub(crate) fn dressed(app: &mut App, worn: ClothSkin) -> Character {
     let character = character(app, coat());
     app.world_mut().entity_mut(character.coat).insert((Cloth::of_mesh3d(), worn));
     app.update();
@@ -103,7 +103,7 @@ fn dressed(app: &mut App, worn: ClothSkin) -> Character {
 }
 
 /// Up to 15 cm in the last row, none in the first two, not a centimetre into the body.
-fn usual() -> ClothSkin {
+pub(crate) fn usual() -> ClothSkin {
     ClothSkin {
         max_distance: SkinMap::color(ColorChannel::Red, 0.0, 0.15),
         backstop: Some(SkinBackstop { distance: 0.01.into(), ..default() }),
@@ -112,7 +112,7 @@ fn usual() -> ClothSkin {
 }
 
 /// The character walks, and dashes by 5 m in 0.1 s from 1 s on.
-fn walk(app: &mut App, of: &Character, time: f32) {
+pub(crate) fn walk(app: &mut App, of: &Character, time: f32) {
     let dash = ((time - 1.0) / 0.1).clamp(0.0, 1.0) * 5.0;
     *transform(app, of.root) = Transform::from_xyz(1.5 * time + dash, 0.0, 0.4 * time)
         .with_rotation(Quat::from_rotation_y(0.9 * (3.0 * time).sin()));
@@ -123,7 +123,7 @@ fn walk(app: &mut App, of: &Character, time: f32) {
 }
 
 /// Places and normals of all particles, as shaders work them out of where joints are.
-fn skinned(app: &mut App, of: &Character) -> Vec<(Vec3, Vec3)> {
+pub(crate) fn skinned(app: &mut App, of: &Character) -> Vec<(Vec3, Vec3)> {
     let binds = bind_places().map(|at| Mat4::from_translation(-at));
     let joints = of.joints;
     let look = move |transforms: TransformHelper| {
@@ -146,7 +146,7 @@ fn skinned(app: &mut App, of: &Character) -> Vec<(Vec3, Vec3)> {
 }
 
 /// How far any particle is beyond its bounds, when the skin is there \[m\].
-fn beyond(app: &App, of: &Character, skin: &[(Vec3, Vec3)], scale: f32) -> f32 {
+pub(crate) fn beyond(app: &App, of: &Character, skin: &[(Vec3, Vec3)], scale: f32) -> f32 {
     let each = positions(app, of.coat).into_iter().zip(skin).enumerate();
     each.map(|(i, (at, (place, normal)))| {
         let off = at - *place;

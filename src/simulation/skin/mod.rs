@@ -200,6 +200,40 @@ impl Skin {
         }
     }
 
+    /// Where particles are that have gone along with the skin, each with its own place and turned with the normal there, from the
+    /// tick's start to its end \[m\]. Then the skin has been at the end all the time.
+    pub fn arrive(&mut self, solver: &ClothSolver) -> Vec<Vec3> {
+        let [before, after] = &self.normals;
+        let ways = self.starts.iter().zip(&self.ends).enumerate();
+        let arrived = ways.map(|(i, (start, end))| {
+            let beside = solver.position(i) - start;
+            *end + turned(beside, before.get(i), after.get(i))
+        });
+        let arrived = arrived.collect();
+        self.starts.copy_from_slice(&self.ends);
+        let [before, after] = &mut self.normals;
+        before.copy_from_slice(after);
+        arrived
+    }
+
+    /// Shows a cloth that is culled as [`Skin::arrive`] will have it: where the skin is that these matrices move, after `along` has
+    /// carried all. Calls `put` with each particle and its place in the world.
+    pub fn draw_culled(
+        &self,
+        solver: &ClothSolver,
+        matrices: &[Affine3A],
+        along: &RigidMotion,
+        mut put: impl FnMut(usize, Vec3),
+    ) {
+        let SkinnedShape { points, normals: rest, influences } = &self.shape;
+        let [_, before] = &self.normals;
+        skin_with_normals(points, rest, influences, matrices, |i, now, normal| {
+            let beside = along.rotation * (solver.position(i) - self.ends[i]);
+            let before = before.get(i).map(|before| along.rotation * *before);
+            put(i, now + turned(beside, before.as_ref(), Some(&normal)));
+        });
+    }
+
     /// The particles that are held, and where they are led from the tick's start to its end \[m\].
     pub fn ways<'a>(
         &'a self,
@@ -252,5 +286,15 @@ impl Skin {
                 points[i] + to_frame(now - drawn)
             };
         });
+    }
+}
+
+/// A vector that is turned by as much as a normal has turned; as it is where there is none.
+fn turned(vector: Vec3, before: Option<&Vec3>, after: Option<&Vec3>) -> Vec3 {
+    match (before, after) {
+        (Some(before), Some(after)) if before.is_normalized() && after.is_normalized() => {
+            Quat::from_rotation_arc(*before, *after) * vector
+        }
+        _ => vector,
     }
 }

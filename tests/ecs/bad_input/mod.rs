@@ -6,7 +6,7 @@
 //!
 //! | items | where |
 //! | --- | --- |
-//! | `ClothMaterial`, `ClothSettings`, `ClothSleepThreshold`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothSelfCollision`, `ClothInterCollision`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
+//! | `ClothMaterial`, `ClothSettings`, `ClothCulling`, `ClothSleepThreshold`, `ClothTeleport`, `ClothInertia`, `ClothAir`, `ClothSelfCollision`, `ClothInterCollision`, `ClothGravityOverride`, `ClothWindOverride`, `ClothPins`, `Cloth::sheet`, the entity's place, one row each | `rows` |
 //! | `HangOnStart`, which a running cloth does not look at | `hanging` |
 //! | `WindZone`, `ClothGravity`, `ClothWind`, `ClothExecution`, `Time<Fixed>`, components and resources taken away, methods of `ClothSimulation`, `ColliderImpulse`, `ClothFailure` | `surroundings`, `missing`, `together` |
 //! | `Cloth::of_mesh3d`, `ClothWeights`, colours | `intake`; meshes mended in place: `missing` |
@@ -29,8 +29,8 @@ mod together;
 use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothInertia, ClothInterCollision, ClothSelfCollision, ClothSleepThreshold,
-    ClothTeleport, HangOnStart, prelude::*,
+    ClothCulling, ClothError, ClothInertia, ClothInterCollision, ClothSelfCollision,
+    ClothSleepThreshold, ClothTeleport, HangOnStart, prelude::*,
 };
 use rows::{
     Fate::{GoesOn, Runs, Stands},
@@ -206,6 +206,7 @@ fn every_number_of_a_cloth_has_its_rows() {
         numbers_of::<ClothSelfCollision>(),
         numbers_of::<ClothInterCollision>(),
         numbers_of::<ClothSleepThreshold>(),
+        numbers_of::<ClothCulling>(),
         numbers_of::<ClothTeleport>(),
         numbers_of::<ClothInertia>(),
         numbers_of::<HangOnStart>(),

@@ -4,7 +4,7 @@ use super::{Act, HUGE, INF, NAN, pins};
 use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothComponent, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
+    ClothComponent, ClothCulling, ClothError, ClothErrorKind, ClothGravityOverride, ClothInertia,
     ClothInterCollision, ClothSelfCollision, ClothSleepThreshold, ClothTeleport, ClothWindOverride,
     ColorChannel, PinProblem,
     prelude::*,
@@ -116,6 +116,9 @@ pub fn rows_of_numbers() -> Vec<Row> {
     numbers!(rows, ClothSleepThreshold, [GoesOn; 2], {
         distance: [NAN, INF, -INF, -1.0];
         time: [NAN, INF, -INF, -1.0];
+    });
+    numbers!(rows, ClothCulling, [GoesOn; 2], {
+        after: [NAN, INF, -INF, -1.0];
     });
     numbers!(rows, ClothTeleport, [GoesOn; 2], {
         distance: [NAN, -INF, -1.0, 0.0];
