@@ -169,7 +169,7 @@ impl Writer {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
         for Keys { joint, rotations, translations } in keys {
             let rotations: Vec<_> = rotations.iter().map(|it| it.to_array()).collect();
-            let translations: Vec<_> = translations.iter().map(|it| it.to_array()).collect();
+            let translations: Vec<_> = translations.iter().map(Vec3::to_array).collect();
             let rotations = self.accessor(&rotations, ComponentType::F32, Type::Vec4);
             let translations = self.accessor(&translations, ComponentType::F32, Type::Vec3);
             for (path, output) in

@@ -46,9 +46,7 @@ impl Skinned<'_, '_> {
     ) -> Result<Option<Vec<BodyCapsule>>, BodyProblem> {
         let mut skeleton = Numbered::default();
         let mut surfaces = Vec::new();
-        let mut found =
-            core::iter::once(body).chain(self.children.iter_descendants(body)).peekable();
-        while let Some(mesh) = found.next() {
+        for mesh in core::iter::once(body).chain(self.children.iter_descendants(body)) {
             let Ok((skinned, mesh3d)) = self.skinned.get(mesh) else { continue };
             let problem = |problem| BodyProblem::Mesh { mesh, problem };
             match self.read(skinned, mesh3d, meshes, &mut skeleton).map_err(problem)? {

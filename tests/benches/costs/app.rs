@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::turns::{Bound, Turns, Wrong, heading, in_turns, line, median};
 use bevy::{
-    app::{TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
+    app::{Plugins, TaskPoolOptions, TaskPoolPlugin, TaskPoolThreadAssignmentPolicy},
     asset::AssetPlugin,
     mesh::MeshPlugin,
     prelude::*,
@@ -15,8 +15,12 @@ use bevy::{
 use bevy_drape::{ClothInertia, ClothSleepThreshold, ClothTeleport, prelude::*};
 use examples_common::run_in_series;
 
-/// An app of `MinimalPlugins` on one thread, which draws its cloths or not. An update is a tick.
 fn app(drawn: bool) -> App {
+    app_with(drawn, ())
+}
+
+/// An app of `MinimalPlugins` and others on one thread, which draws its cloths or not. An update is a tick.
+pub fn app_with<M>(drawn: bool, others: impl Plugins<M>) -> App {
     let one = TaskPoolThreadAssignmentPolicy {
         min_threads: 1,
         max_threads: 1,
@@ -32,7 +36,8 @@ fn app(drawn: bool) -> App {
         app.add_plugins((AssetPlugin::default(), MeshPlugin, TransformPlugin));
         app.init_resource::<Assets<Image>>();
     }
-    app.add_plugins(ClothPlugin::default()).insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.add_plugins((ClothPlugin::default(), others))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     run_in_series(&mut app);
     app.finish();
     app.cleanup();
@@ -73,7 +78,7 @@ fn written(app: &App) -> usize {
 const PAIRS: usize = 9;
 
 /// Times pairs of apps, whose cloths must run, and come to the same bits where they have to be `same`.
-fn compare(
+pub fn compare(
     name: &str,
     rounds: usize,
     pair: impl Fn() -> [App; 2],

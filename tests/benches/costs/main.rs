@@ -7,6 +7,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod app;
+mod crowd;
 mod fields;
 mod solver;
 mod turns;
@@ -40,6 +41,8 @@ enum Part {
     Colliders,
     /// Cloths that sleep.
     Sleep,
+    /// A hundred cloths, of which ten are seen.
+    Crowd,
     /// Air, wind and zones.
     Wind,
     /// Impulses, swept contact, soft pins.
@@ -72,6 +75,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Graphs => solver::graphs(side, ticks, wrong)?,
             Part::Colliders => app::colliders_and_components(n, ticks, wrong),
             Part::Sleep => app::sleep(ticks, wrong),
+            Part::Crowd => crowd::crowd_of_few_seen(ticks, wrong),
             Part::Wind => solver::wind(side, ticks, wrong)?,
             Part::Contact => solver::contact(side, ticks, wrong)?,
             Part::Fields => fields::fields(side, ticks, wrong)?,

@@ -70,6 +70,8 @@ macro_rules! numbers {
     };
 }
 
+// Of a component with a single number the rest is nothing.
+#[allow(clippy::needless_update)]
 pub fn rows_of_numbers() -> Vec<Row> {
     let mut rows = Vec::new();
     let wild = [NAN, INF, -INF, -1.0, HUGE];

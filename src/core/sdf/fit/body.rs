@@ -48,7 +48,7 @@ struct Share {
 /// Each vertex goes to the joint that moves it most, and very small parts to the joint above. `fit_capsules` does the rest.
 pub fn fit_body(surfaces: &[BodySurface], parents: &[Option<usize>]) -> Vec<JointCapsule> {
     let mut shares = share_out(surfaces, parents.len());
-    let areas = |shares: &[Share]| shares.iter().map(|it| it.area()).sum::<f32>();
+    let areas = |shares: &[Share]| shares.iter().map(Share::area).sum::<f32>();
     // In the frames of joints, which are of one size in any skeleton that is not scaled joint by joint.
     let scaled = |joint: usize, shares: &[Share]| {
         let scale =
