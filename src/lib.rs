@@ -136,6 +136,7 @@ pub use cloth::inter_collision::ClothInterCollision;
 pub use cloth::layers::ClothLayers;
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
+pub use cloth::proxy::ClothProxy;
 pub use cloth::self_collision::ClothSelfCollision;
 pub use cloth::settings::{ClothInterpolation, ClothSettings};
 pub use cloth::skin::{ClothSkin, SkinBackstop, SkinMap};
@@ -156,6 +157,7 @@ pub use error::body::BodyProblem;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
+pub use error::proxy::ProxyProblem;
 pub use error::skin::SkinProblem;
 pub use error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
 #[cfg(feature = "gizmos")]

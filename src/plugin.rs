@@ -63,6 +63,7 @@ use crate::cloth::hang_on_start::HangOnStart;
 use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::proxy::ClothProxy;
 use crate::cloth::self_collision::ClothSelfCollision;
 use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 use crate::cloth::skin::ClothSkin;
@@ -156,6 +157,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothPins>()
             .register_type::<ClothWeights>()
             .register_type::<ClothInterpolation>()
+            .register_type::<ClothProxy>()
             .register_type::<ClothGravity>()
             .register_type::<ClothGravityOverride>()
             .register_type::<ClothAir>()

@@ -13,6 +13,7 @@ pub(crate) mod inter_collision;
 pub(crate) mod layers;
 pub(crate) mod material;
 pub(crate) mod pins;
+pub(crate) mod proxy;
 pub(crate) mod quality;
 pub(crate) mod self_collision;
 pub(crate) mod settings;

@@ -177,6 +177,12 @@ impl ClothSkin {
         };
         (0..max_distance.len()).map(limit).collect()
     }
+
+    /// Which particles have a max distance of 0.
+    pub(crate) fn at_zero(&self, on: &MapSource) -> Result<Vec<bool>, SkinProblem> {
+        let distances = self.max_distance.of_particles("max_distance", on)?;
+        Ok(distances.iter().map(|distance| *distance == 0.0).collect())
+    }
 }
 
 /// What maps are read from.

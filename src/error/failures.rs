@@ -14,6 +14,7 @@ pub(crate) enum Blame {
     /// A number of it.
     Component(ClothComponent),
     Shape,
+    Proxy,
     Weights,
     Skin,
     /// Like `Pose`, for what a skin follows: it can mend without a change of `ClothSkin`.
@@ -53,6 +54,7 @@ impl Blame {
                 ClothComponent::SdfCollider | ClothComponent::WindZone => false,
             },
             Self::Shape
+            | Self::Proxy
             | Self::Weights
             | Self::Skin
             | Self::Joints
@@ -180,6 +182,7 @@ impl ClothErrorKind {
             | Self::Solver(SolverError::NonFinite { .. })
             | Self::NoTransform => Blame::Pose,
             Self::Mesh(_) | Self::Shape(_) | Self::Graph(_) => Blame::Shape,
+            Self::Proxy(_) => Blame::Proxy,
             Self::Draw(_) => Blame::Drawing,
             Self::Push(_) => Blame::Push,
             Self::Forces { .. } => Blame::Forces,

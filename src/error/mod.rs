@@ -3,6 +3,7 @@
 pub(crate) mod body;
 pub(crate) mod failures;
 pub(crate) mod problems;
+pub(crate) mod proxy;
 pub(crate) mod skin;
 
 use bevy::prelude::*;
@@ -11,6 +12,7 @@ use crate::error::body::BodyProblem;
 use crate::error::problems::{
     FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
+use crate::error::proxy::ProxyProblem;
 use crate::error::skin::SkinProblem;
 use crate::sdf::BakeError;
 use crate::solver::{GraphError, LatticeError, ParameterError, SolverError, StateError};
@@ -55,6 +57,9 @@ pub enum ClothErrorKind {
     /// `ClothSkin` cannot be used. A running cloth keeps the last good one.
     #[error("{0} (it has `ClothSkin`)")]
     Skin(SkinProblem),
+    /// `ClothProxy` cannot be used. A running cloth goes on as it was.
+    #[error("{0}; change `ClothProxy`")]
+    Proxy(ProxyProblem),
     /// `ClothBody` cannot be fitted, or a capsule of it cannot be used. The other capsules are there.
     #[error(transparent)]
     Body(BodyProblem),

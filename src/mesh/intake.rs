@@ -1,5 +1,7 @@
 //! Any triangle mesh becomes the rest shape of a cloth.
 
+use std::sync::Arc;
+
 use bevy::math::{UVec2, Vec3};
 use bevy_drape_core::surface::NormalGroups;
 
@@ -33,9 +35,9 @@ pub struct ClothIntake {
 }
 
 impl ClothIntake {
-    /// Vertices that share the particle of another.
+    /// Vertices that share the particle of another. With a [`ClothProxy`](crate::ClothProxy) most of them stand for one that is near.
     pub fn welded_vertices(&self) -> usize {
-        self.vertices - self.unused_vertices - self.particles
+        (self.vertices - self.unused_vertices).saturating_sub(self.particles)
     }
 }
 
@@ -50,9 +52,11 @@ pub(crate) struct MeshShape {
     /// The particle that each vertex is drawn at.
     pub particle_of_vertex: Box<[u32]>,
     /// The vertices that are only drawn there, ascending.
-    unused: Box<[u32]>,
+    pub unused: Box<[u32]>,
+    /// Which vertices tell of which particle, where these are those of another shape, which is drawn.
+    pub told_by: Option<Box<[(u32, u32)]>>,
     /// By vertex.
-    pub colors: Option<Box<[[f32; 4]]>>,
+    pub colors: Option<Arc<[[f32; 4]]>>,
     pub intake: ClothIntake,
     pub(crate) normals: NormalPlan,
 }
@@ -125,7 +129,8 @@ impl MeshShape {
             connection,
             particle_of_vertex: particle_of_vertex.into(),
             unused,
-            colors: raw.colors,
+            told_by: None,
+            colors: raw.colors.map(Arc::from),
             intake,
             normals,
         })
@@ -137,12 +142,17 @@ impl MeshShape {
         self.unused.binary_search(&vertex).is_err().then_some(particle)
     }
 
-    /// The vertices that triangles use, and their particles.
+    /// The vertices that tell of particles, which triangles use, and these particles.
     pub fn used_vertices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let mut unused = self.unused.iter().copied().peekable();
-        let all = self.particle_of_vertex.iter().enumerate();
-        all.filter(move |(vertex, _)| unused.next_if_eq(&(*vertex as u32)).is_none())
+        let (told_by, own) = match &self.told_by {
+            Some(told_by) => (&**told_by, &[][..]),
+            None => (&[][..], &*self.particle_of_vertex),
+        };
+        let own = own.iter().enumerate();
+        own.filter(move |(vertex, _)| unused.next_if_eq(&(*vertex as u32)).is_none())
             .map(|(vertex, &particle)| (vertex, particle as usize))
+            .chain(told_by.iter().map(|&(vertex, particle)| (vertex as usize, particle as usize)))
     }
 }
 

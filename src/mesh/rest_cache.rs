@@ -7,9 +7,11 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
+use crate::error::proxy::ProxyProblem;
 use crate::mesh::background::{Background, LARGE};
 use crate::mesh::factors::Factors;
 use crate::mesh::intake::{Connection, MeshShape};
+use crate::mesh::proxy::{Coarse, Proxy, ProxyKey};
 use crate::mesh::raw::RawMesh;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::{Graph, Lattice, MassLumping, SolverError, Topology, Weights};
@@ -63,7 +65,9 @@ impl WeakTopology {
 pub(crate) struct RestCache {
     meshes: HashMap<u64, Weak<MeshShape>>,
     topologies: HashMap<TopologyKey, WeakTopology>,
+    proxies: HashMap<ProxyKey, Weak<Proxy>>,
     meshes_to_be: Background<u64, Result<MeshShape, MeshProblem>>,
+    proxies_to_be: Background<ProxyKey, Result<Proxy, ProxyProblem>>,
     /// With the shape that each is made of, which nobody else may have yet.
     topologies_to_be: Background<TopologyKey, (RestShape, Result<Topology, SolverError>)>,
 }
@@ -94,9 +98,36 @@ impl RestCache {
         Ok(Some(shape))
     }
 
+    /// The coarse shape that carries a drawn one; `None` while it is made in the background.
+    ///
+    /// # Errors
+    /// [`ProxyProblem`] where it cannot be made.
+    pub fn proxy(
+        &mut self,
+        drawn: RestShape,
+        coarse: Coarse,
+    ) -> Result<Option<Arc<Proxy>>, ProxyProblem> {
+        let key = ProxyKey::new(&drawn, &coarse);
+        if let Some(proxy) = self.proxies.get(&key).and_then(Weak::upgrade) {
+            return Ok(Some(proxy));
+        }
+        let made = if drawn.vertex_count() < LARGE {
+            Proxy::new(drawn, coarse, key)
+        } else {
+            let begin = || move || Proxy::new(drawn, coarse, key);
+            let Some(made) = self.proxies_to_be.ask(key, begin) else { return Ok(None) };
+            made
+        };
+        let proxy = Arc::new(made?);
+        self.proxies.retain(|_, other| other.strong_count() > 0);
+        self.proxies.insert(key, Arc::downgrade(&proxy));
+        Ok(Some(proxy))
+    }
+
     /// Stops making what no cloth has asked for since the last call.
     pub fn stop_forgotten(&mut self) {
         self.meshes_to_be.stop_forgotten();
+        self.proxies_to_be.stop_forgotten();
         self.topologies_to_be.stop_forgotten();
     }
 

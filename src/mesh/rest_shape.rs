@@ -15,6 +15,18 @@ pub(crate) enum RestShape {
 }
 
 impl RestShape {
+    /// Whether another is the same one.
+    pub fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Sheet { size, particles },
+                Self::Sheet { size: other_size, particles: others },
+            ) => size == other_size && particles == others,
+            (Self::Mesh(shape), Self::Mesh(other)) => Arc::ptr_eq(shape, other),
+            _ => false,
+        }
+    }
+
     pub fn particle_count(&self) -> usize {
         match self {
             Self::Sheet { particles, .. } => particles.x as usize * particles.y as usize,
@@ -67,4 +79,11 @@ impl RestShape {
             Self::Mesh(shape) => Some(&shape.intake),
         }
     }
+}
+
+/// The particles of a sheet, row by row.
+pub(crate) fn sheet_points(size: Vec2, particles: UVec2) -> Vec<Vec3> {
+    let last = (particles - 1).as_vec2();
+    let at = |i: u32| UVec2::new(i % particles.x, i / particles.x).as_vec2() / last - 0.5;
+    (0..particles.x * particles.y).map(|i| size * at(i)).map(|p| Vec3::new(p.x, 0.0, p.y)).collect()
 }

@@ -29,22 +29,19 @@ impl SkinnedShape {
     /// # Errors
     /// [`SkinProblem`] where it has no such joints or weights.
     pub fn read(mesh: &Mesh, rest: &RestShape, joints: usize) -> Result<Self, SkinProblem> {
-        let of_mesh = |it: &RestShape| matches!(it, RestShape::Mesh(_));
-        if !of_mesh(rest) {
-            return Err(SkinProblem::NotAMesh);
-        }
+        let RestShape::Mesh(shape) = rest else { return Err(SkinProblem::NotAMesh) };
         let weights = VertexWeights::read(mesh, rest.vertex_count(), joints)?;
         let raw = RawMesh::read(mesh).map_err(SkinProblem::Mesh)?;
         let count = rest.particle_count();
         let mut out = Self {
-            points: vec![Vec3::NAN; count],
+            points: shape.positions.clone(),
             normals: normals(&raw, rest),
             influences: vec![Influences::default(); count],
         };
+        let mut is_told = vec![false; count];
         for (vertex, particle) in rest.used_vertices() {
             let influences = weights.of(vertex)?;
-            if out.points[particle].is_nan() {
-                out.points[particle] = raw.positions[vertex];
+            if !core::mem::replace(&mut is_told[particle], true) {
                 out.influences[particle] = influences;
             }
         }

@@ -1,5 +1,7 @@
 //! Reads the rest shape from a mesh, and makes the mesh that a cloth draws into.
 
+use std::sync::Arc;
+
 use bevy::asset::{LoadState, RenderAssetUsages};
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
@@ -10,9 +12,11 @@ use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
 use crate::mesh::drawn::ClothMesh;
+use crate::mesh::faces::grid_triangles;
+use crate::mesh::proxy::{Coarse, Proxy};
 use crate::mesh::raw::{RawMesh, fingerprint};
 use crate::mesh::rest_cache::RestCache;
-use crate::mesh::rest_shape::RestShape;
+use crate::mesh::rest_shape::{RestShape, sheet_points};
 
 /// The mesh that a cloth's rest shape comes from: not the one that it draws into.
 pub(crate) fn source_of<'a>(
@@ -96,10 +100,19 @@ impl MeshSource<'_, '_> {
         Ok(shape.map(RestShape::Mesh))
     }
 
+    /// A mesh that was made to be simulated in the place of another, and its fingerprint; `None` while it is loading.
+    pub fn read_coarse(&self, handle: &Handle<Mesh>) -> Result<Option<Coarse>, MeshProblem> {
+        let Some(mesh) = self.get(Some(handle))? else {
+            return Ok(None);
+        };
+        Ok(Some(Coarse::Mesh(RawMesh::read(mesh)?, fingerprint(mesh)?)))
+    }
+
     /// A mesh of its own for a cloth, with vertex `colors` or without; nothing where the app has no meshes.
     pub fn own_mesh(
         &mut self,
         rest: &RestShape,
+        proxy: Option<&Arc<Proxy>>,
         source: Option<&Handle<Mesh>>,
         colors: bool,
     ) -> Option<impl Bundle + use<>> {
@@ -109,7 +122,7 @@ impl MeshSource<'_, '_> {
             RestShape::Mesh(_) => (copy_of(meshes.get(source?)?, colors), source.cloned()),
         };
         let handle = meshes.add(mesh);
-        let own = ClothMesh::new(handle.clone(), source, rest.clone());
+        let own = ClothMesh::new(handle.clone(), source, rest.clone(), proxy.cloned());
         Some((Mesh3d(handle), own, Aabb::default(), NoAutoAabb))
     }
 
@@ -157,27 +170,17 @@ fn copy_of(source: &Mesh, colors: bool) -> Mesh {
     mesh
 }
 
-/// A flat sheet, facing +y. Cells are split along alternating diagonals, so that no direction is
-/// favoured.
+/// A flat sheet, facing +y.
 fn sheet_mesh(size: Vec2, particles: UVec2) -> Mesh {
     let (columns, rows) = (particles.x, particles.y);
     let (last_column, last_row) = ((columns - 1) as f32, (rows - 1) as f32);
     let uvs: Vec<_> = (0..rows)
         .flat_map(|r| (0..columns).map(move |c| [c as f32 / last_column, r as f32 / last_row]))
         .collect();
-    let place = |[u, v]: &[f32; 2]| [size.x * (u - 0.5), 0.0, size.y * (v - 0.5)];
-    let positions: Vec<_> = uvs.iter().map(place).collect();
-    let cells = (0..rows - 1).flat_map(|r| (0..columns - 1).map(move |c| (r, c)));
-    let indices: Vec<_> = cells
-        .flat_map(|(r, c)| {
-            let a = r * columns + c;
-            let (b, c2, d) = (a + 1, a + columns, a + columns + 1);
-            if (r + c).is_multiple_of(2) { [a, c2, b, b, c2, d] } else { [a, c2, d, a, d, b] }
-        })
-        .collect();
+    let positions = sheet_points(size, particles);
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 1.0, 0.0]; positions.len()])
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_indices(Indices::U32(indices))
+        .with_inserted_indices(Indices::U32(grid_triangles(particles).into_flattened()))
 }

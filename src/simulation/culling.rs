@@ -23,7 +23,7 @@ const ROOM: f32 = 1.25;
 pub(crate) struct Seeing;
 
 /// Whether a cloth is seen.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Culling {
     in_force: ClothCulling,
     /// How long it has not been seen \[s\].

@@ -1,13 +1,17 @@
 //! The shape, material, settings, pins and weights of a cloth that are in force.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
 use crate::cloth::ClothShape;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::proxy::ClothProxy;
 use crate::cloth::settings::ClothSettings;
 use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
+use crate::mesh::proxy::Proxy;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::Pose;
 
@@ -26,7 +30,12 @@ pub(crate) struct InForce {
     /// `None` where the cloth is not worn.
     #[reflect(ignore)]
     pub(crate) skin: Option<ClothSkin>,
-    /// Unscaled, in the entity's frame.
+    /// `None` where what is drawn is simulated.
+    #[reflect(ignore)]
+    pub(crate) asked_proxy: Option<ClothProxy>,
+    #[reflect(ignore)]
+    pub(crate) proxy: Option<Arc<Proxy>>,
+    /// What is simulated: unscaled, in the entity's frame.
     #[reflect(ignore)]
     pub(crate) rest_shape: RestShape,
     /// The entity's pose at setup, whose scale is the cloth's for good; of a worn one, the scale alone, which is its skeleton's.

@@ -6,7 +6,7 @@
 //!
 //! | part | what it is | worked on by |
 //! | --- | --- | --- |
-//! | `in_force` | shape, material, settings, pins and weights that are in force | `setup`, `changes` |
+//! | `in_force` | shapes, material, settings, pins and weights that are in force | `shaping`, `setup`, `changes` |
 //! | `start` | whether the cloth waits to be hung, and has been told of | `hanging`, `ready` |
 //! | `skin` | where the skeleton of a worn cloth moves it | `anchors`, `wear` |
 //! | `holding` | what holds and leads particles: `attachments`, `grabbed` | `pinning`, `anchors`, `grabbing` |
@@ -48,6 +48,7 @@ pub(crate) mod ready;
 pub(crate) mod reference_frame;
 pub(crate) mod self_collision;
 pub(crate) mod setup;
+pub(crate) mod shaping;
 pub(crate) mod skin;
 pub(crate) mod sleeping;
 pub(crate) mod snapshot;

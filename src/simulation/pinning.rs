@@ -20,7 +20,9 @@ pub(crate) fn apply_pins(
 ) {
     let none = ClothPins::none();
     for (entity, pins, mut cloth) in &mut cloths {
-        let changed = pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
+        let anew = core::mem::take(&mut cloth.start.takes_hold);
+        let changed =
+            anew || pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
         // One that is being hung is carried along from then on.
@@ -33,7 +35,11 @@ pub(crate) fn apply_pins(
         }
         if fresh {
             cloth.held.attachments = Attachments::default();
-        } else if cloth.in_force.pins == *pins && !found && !failures.blames(entity, Blame::Pins) {
+        } else if cloth.in_force.pins == *pins
+            && !anew
+            && !found
+            && !failures.blames(entity, Blame::Pins)
+        {
             continue;
         }
         cloth.in_force.pins.clone_from(pins);

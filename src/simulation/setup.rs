@@ -7,6 +7,7 @@ use bevy::reflect::Typed;
 
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
+use crate::cloth::proxy::ClothProxy;
 use crate::cloth::settings::ClothSettings;
 use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
@@ -29,6 +30,7 @@ use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
+use crate::simulation::shaping::Shapes;
 use crate::simulation::skin::make::{Skins, put_on};
 use crate::simulation::skin::taken::{TakenSkin, take};
 use crate::simulation::sleeping::SleepState;
@@ -43,6 +45,7 @@ type Ingredients = (
     Option<Ref<'static, ClothMaterial>>,
     Option<Ref<'static, ClothSettings>>,
     Option<Ref<'static, ClothWeights>>,
+    Option<Ref<'static, ClothProxy>>,
     Option<Ref<'static, Mesh3d>>,
     Skinned,
     Option<&'static ClothMesh>,
@@ -68,7 +71,9 @@ pub(crate) fn set_up_cloths(
     mut failures: Failures,
 ) {
     meshes.note_changes(!failures.are_none());
-    for (entity, cloth, material, settings, weights, mesh3d, skinned, own, simulation) in &cloths {
+    for (entity, cloth, material, settings, weights, proxy, mesh3d, skinned, own, simulation) in
+        &cloths
+    {
         let source = source_of(mesh3d.as_deref(), own);
         let (worn, skinned, has_bounds, taken) = skinned;
         let same = |running: &&ClothSimulation| {
@@ -76,7 +81,8 @@ pub(crate) fn set_up_cloths(
                 Some(_) => skinned.is_some(),
                 None => worn.is_some(),
             };
-            !other_skin && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+            let other_proxy = running.in_force.asked_proxy.as_ref() != proxy.as_deref();
+            !other_skin && !other_proxy && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
         };
         let same = simulation.filter(same);
         if let Some(running) = same
@@ -84,27 +90,36 @@ pub(crate) fn set_up_cloths(
         {
             // Another shape may have been refused since.
             failures.clear(entity, Blame::Shape);
+            failures.clear(entity, Blame::Proxy);
             continue;
         }
         let changed = cloth.is_changed()
             || is_changed(&material)
             || is_changed(&settings)
             || is_changed(&weights)
+            || is_changed(&proxy)
             || is_changed(&mesh3d)
             || is_changed(&worn)
             || is_changed(&skinned)
-            || meshes.has_changed(source);
+            || meshes.has_changed(source)
+            || meshes.has_changed(proxy.as_deref().and_then(ClothProxy::own_mesh));
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
         let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
         let unseen = unseen.map(|blame| failures.blames(entity, blame));
-        if failures.has(entity) && !changed && unseen == [false; 3] {
+        let is_gone = proxy.is_none() && failures.blames(entity, Blame::Proxy);
+        if failures.has(entity) && !changed && !is_gone && unseen == [false; 3] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
         let made = set_up(
             entity,
-            (&cloth, in_force(&material), in_force(&settings), weights.as_deref()),
+            (
+                (&cloth, proxy.as_deref()),
+                in_force(&material),
+                in_force(&settings),
+                weights.as_deref(),
+            ),
             (source, worn.as_deref(), skinned.as_deref().or(taken.map(|taken| &taken.skinned))),
             (&transforms, &skins),
             &meshes,
@@ -116,6 +131,13 @@ pub(crate) fn set_up_cloths(
             Ok(Some(mut made)) => {
                 // Only elsewhere.
                 made.start.told_ready = same.is_some_and(|running| running.start.told_ready);
+                let before = simulation.filter(|before| made.can_go_on_from(before));
+                if let Some(before) = before
+                    && let Err(problem) = made.go_on_from(before)
+                {
+                    failures.report(entity, ClothErrorKind::Solver(problem));
+                    continue;
+                }
                 // Where the mesh stays, another cloth was drawn into it.
                 let drawn = own.and_then(|own| own.drawn);
                 made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
@@ -131,8 +153,13 @@ pub(crate) fn set_up_cloths(
                     );
                 }
                 let hides_colors = worn.as_deref().is_some_and(ClothSkin::hides_colors);
-                if let Some(drawn) =
-                    meshes.own_mesh(&made.in_force.rest_shape, source, !hides_colors)
+                let proxy = made.in_force.proxy.as_ref();
+                if own.is_some_and(|own| own.rest.is(made.drawn_shape())) && before.is_some() {
+                    let proxy = proxy.cloned();
+                    let carry = move |mut own: Mut<ClothMesh>| own.be_carried_by(proxy);
+                    target.entry::<ClothMesh>().and_modify(carry);
+                } else if let Some(drawn) =
+                    meshes.own_mesh(made.drawn_shape(), proxy, source, !hides_colors)
                 {
                     target.try_insert(drawn);
                 }
@@ -174,8 +201,8 @@ fn tell_skipped(entity: Entity, cloth: &ClothSimulation) {
 /// The running cloth; `None` while its mesh is still loading, or what a large one needs is made in the background.
 fn set_up(
     entity: Entity,
-    (cloth, material, settings, weights): (
-        &Cloth,
+    ((cloth, proxy), material, settings, weights): (
+        (&Cloth, Option<&ClothProxy>),
         ClothMaterial,
         ClothSettings,
         Option<&ClothWeights>,
@@ -191,17 +218,19 @@ fn set_up(
     }
     // A skinned mesh is where its joints are, whatever its entity's transform.
     let pose = if worn.is_none() { pose_now(transforms, entity)? } else { Pose::IDENTITY };
-    let Some(rest) = rest_shape(cloth, source, meshes, cache)? else {
+    let Some(shapes) = Shapes::of(cloth, proxy, source, meshes, cache)? else {
         return Ok(None);
     };
+    let rest = shapes.simulated.clone();
     let (mut skin, mut pose) = (None, pose);
     if worn.is_some() {
         let problem = |problem| ClothErrorKind::Skin(SkinProblem::Mesh(problem));
-        if matches!(rest, RestShape::Sheet { .. }) {
+        if matches!(shapes.drawn(), RestShape::Sheet { .. }) {
             return Err(ClothErrorKind::Skin(SkinProblem::NotAMesh));
         }
         let Some(mesh) = meshes.get(source).map_err(problem)? else { return Ok(None) };
-        let made = skins.make(skinned, mesh, &rest).map_err(ClothErrorKind::Skin)?;
+        let drawn = shapes.proxy.as_ref().map(|proxy| &proxy.drawn);
+        let made = skins.make(skinned, mesh, &rest, drawn).map_err(ClothErrorKind::Skin)?;
         let Some(made) = made else { return Ok(None) };
         pose.scale = made.scale().unwrap_or(1.0);
         skin = Some((made, mesh));
@@ -211,8 +240,9 @@ fn set_up(
     let made = cache.topology_to_be(&rest, pose.scale, settings.masses, factors.as_ref(), rubs);
     let made = made.map_err(|error| scale_at_fault(solver_error(error), pose.scale))?;
     let Some(topology) = made else { return Ok(None) };
+    let asked = (cloth.shape, proxy.cloned());
     let mut simulation =
-        build(cloth, material, settings, weights, pose, rest, topology).map_err(solver_error)?;
+        build(asked, material, settings, weights, pose, shapes, topology).map_err(solver_error)?;
     if let (Some(worn), Some((skin, mesh))) = (worn, skin) {
         put_on(&mut simulation, worn, skin, mesh, skins)?;
     }
@@ -279,40 +309,29 @@ fn moved_before_its_first_tick(
         && pose_now(transforms, entity).is_ok_and(|pose| pose != running.in_force.placed)
 }
 
-/// The rest shape in the entity's frame; `None` while the mesh is still loading, or made in the background.
-fn rest_shape(
-    cloth: &Cloth,
-    source: Option<&Handle<Mesh>>,
-    meshes: &MeshSource,
-    cache: &mut RestCache,
-) -> Result<Option<RestShape>, ClothErrorKind> {
-    match cloth.shape {
-        ClothShape::Sheet { size, particles } => Ok(Some(RestShape::Sheet { size, particles })),
-        ClothShape::Mesh => meshes.read(source, cache).map_err(ClothErrorKind::Mesh),
-    }
-}
-
 /// A cloth at rest where its entity is.
 fn build(
-    cloth: &Cloth,
+    (shape, asked_proxy): (ClothShape, Option<ClothProxy>),
     material: ClothMaterial,
     settings: ClothSettings,
     weights: Option<&ClothWeights>,
     pose: Pose,
-    rest_shape: RestShape,
+    Shapes { simulated, proxy }: Shapes,
     topology: Topology,
 ) -> Result<ClothSimulation, SolverError> {
     let unscaled = Pose { scale: 1.0, ..pose };
     let start: Vec<_> = topology.rest_positions().iter().map(|p| to_world(&unscaled, *p)).collect();
     let solver = ClothSolver::new(topology, &start, material.into(), settings.into())?;
     let in_force = InForce {
-        shape: cloth.shape,
+        shape,
         material,
         settings,
         pins: ClothPins::default(),
         weights: weights.cloned(),
         skin: None,
-        rest_shape,
+        asked_proxy,
+        proxy,
+        rest_shape: simulated,
         placed: pose,
     };
     Ok(ClothSimulation {

@@ -9,6 +9,8 @@ pub(crate) struct Start {
     pub(crate) hanging: Option<Box<Hanging>>,
     /// `ClothReady` has been told.
     pub(crate) told_ready: bool,
+    /// Goes on where another was: pins have to take hold.
+    pub(crate) takes_hold: bool,
 }
 
 impl Start {

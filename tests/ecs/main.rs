@@ -21,6 +21,7 @@ mod intake;
 mod inter_collision;
 mod mesh;
 mod pins;
+mod proxy;
 mod push;
 mod quality;
 mod refusals;

@@ -140,19 +140,37 @@ impl ClothSolver {
     /// # Errors
     /// [`SolverError::WrongPositionCount`] or [`SolverError::NonFinite`]; nothing is moved then.
     pub fn place(&mut self, positions: &[Vec3]) -> Result<(), SolverError> {
-        let expected = self.topology.particle_count();
-        if positions.len() != expected {
-            return Err(SolverError::WrongPositionCount { expected, got: positions.len() });
-        }
-        if let Some(particle) = positions.iter().position(|&p| !is_near(p)) {
-            return Err(SolverError::NonFinite { what: "position", particle });
-        }
+        self.check_places(positions)?;
         for (particle, &p) in positions.iter().enumerate() {
             self.state.x.set(self.topology.slot(particle), p - self.state.origin);
         }
         self.come_to_rest();
         self.stand_still();
         Ok(())
+    }
+
+    /// Says where all particles were at the start of the last tick \[m\]: what is drawn between two ticks begins there.
+    ///
+    /// # Errors
+    /// As [`ClothSolver::place`].
+    pub fn come_from(&mut self, positions: &[Vec3]) -> Result<(), SolverError> {
+        self.check_places(positions)?;
+        for (particle, &p) in positions.iter().enumerate() {
+            self.state.start.set(self.topology.slot(particle), p - self.state.origin);
+        }
+        self.survey_anew();
+        Ok(())
+    }
+
+    fn check_places(&self, positions: &[Vec3]) -> Result<(), SolverError> {
+        let expected = self.topology.particle_count();
+        if positions.len() != expected {
+            return Err(SolverError::WrongPositionCount { expected, got: positions.len() });
+        }
+        match positions.iter().position(|&p| !is_near(p)) {
+            Some(particle) => Err(SolverError::NonFinite { what: "position", particle }),
+            None => Ok(()),
+        }
     }
 
     /// Forgets all velocities, and what led to them.

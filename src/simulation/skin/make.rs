@@ -13,8 +13,7 @@ use crate::mesh::skinned::SkinnedShape;
 use crate::pose::bindposes::Bindposes;
 use crate::pose::skeleton::{Joints, Seen};
 use crate::simulation::ClothSimulation;
-use crate::simulation::skin::Skin;
-use crate::solver::SkinLimit;
+use crate::simulation::skin::{Limits, Skin};
 
 /// What skins are made of.
 #[derive(SystemParam)]
@@ -25,7 +24,7 @@ pub(crate) struct Skins<'w, 's> {
 }
 
 impl Skins<'_, '_> {
-    /// The skin of a mesh that has been made a rest shape; `None` while its bind poses are loading.
+    /// The skin of a mesh that has been made a rest shape, and another that is `drawn`, where there is one; `None` while its bind poses are loading.
     ///
     /// # Errors
     /// [`SkinProblem`] where it has none that can be used.
@@ -34,11 +33,13 @@ impl Skins<'_, '_> {
         skinned: Option<&SkinnedMesh>,
         mesh: &Mesh,
         rest: &RestShape,
+        drawn: Option<&RestShape>,
     ) -> Result<Option<Skin>, SkinProblem> {
         let skinned = skinned.ok_or(SkinProblem::NotSkinned)?;
         let Some(bindposes) = self.bindposes.of(skinned)? else { return Ok(None) };
         let joints = &skinned.joints;
         let shape = SkinnedShape::read(mesh, rest, joints.len())?;
+        let drawn = drawn.map(|it| SkinnedShape::read(mesh, it, joints.len())).transpose()?;
         let skeleton = self.joints.skeleton(joints, bindposes);
         let mut seen = Seen::default();
         self.joints.look(&skeleton, &mut seen).map_err(SkinProblem::JointGone)?;
@@ -52,7 +53,7 @@ impl Skins<'_, '_> {
                 leader = joint;
             }
         }
-        Ok(Some(Skin::new(skeleton, shape, leader as u16, seen)))
+        Ok(Some(Skin::new(skeleton, shape, drawn, leader as u16, seen)))
     }
 
     /// The limits of all particles, as a component asks for them.
@@ -64,15 +65,21 @@ impl Skins<'_, '_> {
         asked: &ClothSkin,
         skin: &Skin,
         mesh: &Mesh,
-        rest: &RestShape,
+        (rest, drawn): (&RestShape, &RestShape),
         scale: f32,
-    ) -> Result<Vec<SkinLimit>, SkinProblem> {
+    ) -> Result<Limits, SkinProblem> {
         let joints = &skin.skeleton.joints;
         let is_called = |name: &str, joint: &Entity| {
             self.names.get(*joint).is_ok_and(|known| known.as_str() == name)
         };
         let joint = |name: &str| joints.iter().position(|it| is_called(name, it)).map(|i| i as u16);
-        asked.limits(&MapSource { rest, mesh, shape: &skin.shape, joint: &joint }, scale)
+        let source = |rest, shape| MapSource { rest, mesh, shape, joint: &joint };
+        let of_particles = asked.limits(&source(rest, &skin.shape), scale)?;
+        let at_zero = match &skin.drawn {
+            Some(it) => asked.at_zero(&source(drawn, &it.shape))?,
+            None => Vec::new(),
+        };
+        Ok(Limits { of_particles, at_zero })
     }
 }
 
@@ -109,8 +116,9 @@ pub(crate) fn put_on(
     mesh: &Mesh,
     skins: &Skins,
 ) -> Result<(), ClothErrorKind> {
-    let (rest, scale) = (&cloth.in_force.rest_shape, cloth.in_force.placed.scale);
-    let limits = skins.limits(worn, &skin, mesh, rest, scale).map_err(ClothErrorKind::Skin)?;
+    let shapes = (&cloth.in_force.rest_shape, cloth.drawn_shape());
+    let scale = cloth.in_force.placed.scale;
+    let limits = skins.limits(worn, &skin, mesh, shapes, scale).map_err(ClothErrorKind::Skin)?;
     limit(cloth, &mut skin, &limits)?;
     cloth.solver.place(skin.places()).map_err(ClothErrorKind::Solver)?;
     cloth.in_force.skin = Some(worn.clone());
@@ -122,12 +130,13 @@ pub(crate) fn put_on(
 pub(crate) fn limit(
     cloth: &mut ClothSimulation,
     skin: &mut Skin,
-    limits: &[SkinLimit],
+    limits: &Limits,
 ) -> Result<(), ClothErrorKind> {
-    cloth.solver.set_skin(Some(limits)).map_err(ClothErrorKind::Solver)?;
+    let all = &limits.of_particles;
+    cloth.solver.set_skin(Some(all)).map_err(ClothErrorKind::Solver)?;
     skin.limit(limits);
     // Room for every motion now, so that no tick needs any.
-    cloth.tick.motions.skin.reserve_exact(limits.len());
+    cloth.tick.motions.skin.reserve_exact(all.len());
     Ok(())
 }
 

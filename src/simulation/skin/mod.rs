@@ -4,10 +4,12 @@
 //! | --- | --- |
 //! | here | data: the skin of a running cloth, and its way through a tick |
 //! | `track` | data: the joints from tick to tick |
+//! | `drawn` | data: the skin of a drawn shape that another carries |
 //! | `make` | makes the skin of a cloth from its components and its mesh |
 //! | `taken` | component and observers: the skin that was taken off an entity, and is given back |
 //! | `wear` | system: applies changed limits and changed sizes, and puts cloths that have not begun where their skins are |
 
+pub(crate) mod drawn;
 pub(crate) mod make;
 pub(crate) mod taken;
 pub(crate) mod track;
@@ -20,6 +22,7 @@ use bevy_drape_core::surface::{skin, skin_with_normals};
 use crate::error::skin::SkinProblem;
 use crate::mesh::skinned::SkinnedShape;
 use crate::pose::skeleton::{Joints, Seen, Skeleton};
+use crate::simulation::skin::drawn::DrawnSkin;
 use crate::simulation::skin::track::SkinTrack;
 use crate::solver::{ClothSolver, RigidMotion, SkinLimit, SkinMotion};
 
@@ -27,6 +30,8 @@ use crate::solver::{ClothSolver, RigidMotion, SkinLimit, SkinMotion};
 pub(crate) struct Skin {
     pub(crate) skeleton: Skeleton,
     pub(crate) shape: SkinnedShape,
+    /// Of the shape that is drawn, where it is another.
+    pub(crate) drawn: Option<Box<DrawnSkin>>,
     /// The joint that leads the cloth: the one that moves most of it.
     pub(crate) leader: u16,
     /// Particles whose max distance is 0, ascending.
@@ -40,6 +45,13 @@ pub(crate) struct Skin {
     normals: [Vec<Vec3>; 2],
     /// Where joints are now.
     now: Seen,
+}
+
+/// The limits of a skin.
+pub(crate) struct Limits {
+    pub of_particles: Vec<SkinLimit>,
+    /// Which particles of the drawn shape have a max distance of 0, where it is another.
+    pub at_zero: Vec<bool>,
 }
 
 /// What later ticks depend on.
@@ -67,12 +79,19 @@ impl SkinState {
 
 impl Skin {
     /// Of a cloth that has not begun.
-    fn new(skeleton: Skeleton, shape: SkinnedShape, leader: u16, now: Seen) -> Self {
+    fn new(
+        skeleton: Skeleton,
+        shape: SkinnedShape,
+        drawn: Option<SkinnedShape>,
+        leader: u16,
+        now: Seen,
+    ) -> Self {
         let count = shape.points.len();
         let matrices = now.matrices.clone();
         let mut skin = Self {
             skeleton,
             shape,
+            drawn: drawn.map(DrawnSkin::new).map(Box::new),
             leader,
             at_zero: Vec::new(),
             has_backstops: false,
@@ -102,8 +121,12 @@ impl Skin {
         self.skeleton.joints[self.leader as usize]
     }
 
-    /// Takes over limits, one a particle. What they hold is held by [`Skin::hold`] from then on.
-    fn limit(&mut self, limits: &[SkinLimit]) {
+    /// Takes over limits, one a particle, and which particles of a drawn shape have none of the way. What they hold is held by
+    /// [`Skin::hold`] from then on.
+    fn limit(&mut self, Limits { of_particles: limits, at_zero }: &Limits) {
+        if let Some(drawn) = &mut self.drawn {
+            drawn.at_zero.clone_from(at_zero);
+        }
         let at_zero = (0_u32..).zip(limits).filter(|(_, limit)| limit.max_distance == 0.0);
         self.at_zero = at_zero.map(|(particle, _)| particle).collect();
         self.has_backstops = limits.iter().any(|limit| limit.backstop.is_some());
@@ -190,6 +213,18 @@ impl Skin {
     /// Where all particles are on the skin at the tick's end \[m\].
     pub fn places(&self) -> &[Vec3] {
         &self.ends
+    }
+
+    /// Goes on from the track of another skin of the same skeleton, whose places at the tick's start were these.
+    pub fn go_on_from(&mut self, before: &Self, starts: Vec<Vec3>) {
+        self.state.track = before.state.track.clone();
+        self.stand();
+        self.starts = starts;
+    }
+
+    /// Where all particles were on the skin at the tick's start \[m\].
+    pub fn starts(&self) -> &[Vec3] {
+        &self.starts
     }
 
     /// Lets the skin have come from elsewhere in this tick.

@@ -66,8 +66,9 @@ fn limit_anew(
     let problem = |problem| ClothErrorKind::Skin(SkinProblem::Mesh(problem));
     let Some(mesh) = meshes.get(source).map_err(problem)? else { return Ok(()) };
     let Some(mut skin) = cloth.skin.take() else { return Ok(()) };
-    let (rest, scale) = (&cloth.in_force.rest_shape, cloth.in_force.placed.scale);
-    let limits = skins.limits(asked, &skin, mesh, rest, scale).map_err(ClothErrorKind::Skin);
+    let shapes = (&cloth.in_force.rest_shape, cloth.drawn_shape());
+    let scale = cloth.in_force.placed.scale;
+    let limits = skins.limits(asked, &skin, mesh, shapes, scale).map_err(ClothErrorKind::Skin);
     let outcome = limits.and_then(|limits| limit(cloth, &mut skin, &limits));
     cloth.skin = Some(skin);
     outcome?;

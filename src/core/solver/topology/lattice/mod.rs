@@ -151,6 +151,19 @@ impl Lattice {
         Self::new(rows, columns, &positions, lumping)
     }
 
+    /// Whether a sheet of this size could be made.
+    ///
+    /// # Errors
+    /// As [`Lattice::sheet`].
+    pub fn check_sheet(
+        size: bevy_math::Vec2,
+        rows: usize,
+        columns: usize,
+    ) -> Result<(), LatticeError> {
+        check_count(rows, columns)?;
+        Self::sheet(size, 2, 2, MassLumping::Lumped).map(|_| ())
+    }
+
     /// Rows of particles.
     pub fn rows(&self) -> usize {
         self.layout.rows

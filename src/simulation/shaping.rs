@@ -1,0 +1,144 @@
+//! The shapes of a cloth, from its components: what is drawn, and what is simulated. One whose simulated shape alone is another goes on
+//! where it was.
+
+use std::sync::Arc;
+
+use bevy::math::Mat3;
+use bevy::prelude::*;
+use bevy_drape_core::surface::{Binding, Placing};
+
+use crate::cloth::proxy::ClothProxy;
+use crate::cloth::{Cloth, ClothShape};
+use crate::error::ClothErrorKind;
+use crate::error::proxy::ProxyProblem;
+use crate::mesh::faces::Faces;
+use crate::mesh::proxy::{Coarse, Proxy};
+use crate::mesh::rest_cache::RestCache;
+use crate::mesh::rest_shape::RestShape;
+use crate::mesh::source::MeshSource;
+use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::{Anchor, Attachments};
+use crate::simulation::start::Start;
+use crate::solver::{Lattice, SolverError};
+
+/// The shapes of a cloth at rest, in its entity's frame.
+pub(crate) struct Shapes {
+    pub simulated: RestShape,
+    /// `None` where that is drawn as well.
+    pub proxy: Option<Arc<Proxy>>,
+}
+
+impl Shapes {
+    /// `None` while a mesh is still loading, or made in the background.
+    ///
+    /// # Errors
+    /// Of the mesh, or of the proxy.
+    pub fn of(
+        cloth: &Cloth,
+        asked: Option<&ClothProxy>,
+        source: Option<&Handle<Mesh>>,
+        meshes: &MeshSource,
+        cache: &mut RestCache,
+    ) -> Result<Option<Self>, ClothErrorKind> {
+        let drawn = match cloth.shape {
+            ClothShape::Sheet { size, particles } => Some(RestShape::Sheet { size, particles }),
+            ClothShape::Mesh => meshes.read(source, cache).map_err(ClothErrorKind::Mesh)?,
+        };
+        let Some(drawn) = drawn else { return Ok(None) };
+        let Some(asked) = asked else {
+            return Ok(Some(Self { simulated: drawn, proxy: None }));
+        };
+        // What makes no cloth itself is told of as without a proxy.
+        if let RestShape::Sheet { size, particles } = drawn {
+            let (rows, columns) = (particles.y as usize, particles.x as usize);
+            Lattice::check_sheet(size, rows, columns).map_err(ClothErrorKind::Shape)?;
+        }
+        let of_mesh = |problem| ClothErrorKind::Proxy(ProxyProblem::Mesh(problem));
+        let coarse = match asked {
+            ClothProxy::Grid(particles) => Some(Coarse::Grid(*particles)),
+            ClothProxy::Ratio(ratio) => Some(Coarse::Ratio(*ratio)),
+            ClothProxy::Mesh(mesh) => meshes.read_coarse(mesh).map_err(of_mesh)?,
+        };
+        let Some(coarse) = coarse else { return Ok(None) };
+        let proxy = cache.proxy(drawn, coarse).map_err(ClothErrorKind::Proxy)?;
+        let shapes = |proxy: Arc<Proxy>| Self {
+            simulated: RestShape::Mesh(proxy.simulated.clone()),
+            proxy: Some(proxy),
+        };
+        Ok(proxy.map(shapes))
+    }
+
+    /// The shape that is drawn.
+    pub fn drawn(&self) -> &RestShape {
+        self.proxy.as_ref().map_or(&self.simulated, |proxy| &proxy.drawn)
+    }
+}
+
+impl ClothSimulation {
+    /// The shape that is drawn.
+    pub(crate) fn drawn_shape(&self) -> &RestShape {
+        let proxy = self.in_force.proxy.as_ref();
+        proxy.map_or(&self.in_force.rest_shape, |proxy| &proxy.drawn)
+    }
+
+    /// Whether a running cloth can go on as this one: what is drawn is the same, and another shape is simulated.
+    pub(crate) fn can_go_on_from(&self, before: &Self) -> bool {
+        before.progress.tick_count > 0
+            && !before.progress.quarantined
+            && !before.is_hanging()
+            && before.in_force.placed.scale == self.in_force.placed.scale
+            && before.skin.is_some() == self.skin.is_some()
+            && before.drawn_shape().is(self.drawn_shape())
+            && !before.in_force.rest_shape.is(&self.in_force.rest_shape)
+    }
+
+    /// Goes on where another was, as fast as it was, with what led it. Pins take hold anew.
+    ///
+    /// # Errors
+    /// Where a place is too far away.
+    pub(crate) fn go_on_from(&mut self, before: &Self) -> Result<(), SolverError> {
+        let scale = self.in_force.placed.scale;
+        let (new, old) = (&self.in_force.rest_shape, &before.in_force.rest_shape);
+        let (new, mut old) = (Faces::of(new), Faces::of(old));
+        let binding =
+            Binding::new(&new.points, &new.normals, &old.triangles, &old.points, &old.normals);
+        // At the start of the last tick, from where it is drawn, and at its end.
+        let mut at = |blend| {
+            let from_origin =
+                Placing { blend, turn: Mat3::IDENTITY, shift: before.solver.origin() };
+            from_origin.write(&before.solver, &mut old.points);
+            old.points.iter_mut().for_each(|place| *place /= scale);
+            old.update_normals();
+            let mut places = vec![Vec3::ZERO; new.points.len()];
+            binding.write(&old.points, &old.normals, &mut places);
+            let is_held = |particle: u32| before.pinned().binary_search(&particle).is_ok();
+            for (particle, bond) in binding.bonds().iter().enumerate() {
+                if bond.supports().all(is_held) {
+                    places[particle] = binding.rigid(particle, &old.points);
+                }
+            }
+            places.iter_mut().for_each(|place| *place *= scale);
+            places
+        };
+        let (starts, ends) = (at(0.0), at(1.0));
+        let speeds: Vec<_> =
+            (0..before.particle_count()).map(|i| before.solver.velocity(i)).collect();
+        self.solver.place(&ends)?;
+        self.solver.come_from(&starts)?;
+        for (particle, velocity) in binding.means(&speeds).enumerate() {
+            self.solver.set_velocity(particle, velocity)?;
+        }
+        if let (Some(skin), Some(worn)) = (&mut self.skin, &before.skin) {
+            skin.go_on_from(worn, binding.means(worn.starts()).collect());
+        }
+        let anchors = before.held.attachments.anchors.iter();
+        let anchors = anchors.map(|anchor| Anchor { holds: 0, pulls: 0, ..*anchor }).collect();
+        self.held.attachments = Attachments { anchors, ..default() };
+        let told_ready = before.start.told_ready;
+        self.start = Start { told_ready, takes_hold: true, ..default() };
+        self.frame = before.frame.clone();
+        self.culling = before.culling.clone();
+        self.progress = before.progress.clone();
+        Ok(())
+    }
+}
