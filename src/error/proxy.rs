@@ -33,17 +33,29 @@ pub enum ProxyProblem {
          mesh of your own"
     )]
     NoSimplifier,
-    /// The simplifier came to nowhere near the number asked for.
+    /// The mesh was simplified so far that it is another.
     #[error(
-        "its {from} particles were simplified to {got} only, where {asked} were asked for: many parts or holes stand in the way; use a \
-         larger ratio or a mesh of your own"
+        "simplified by the ratio {ratio}, its mesh is {distance} m away from particle {particle} of the one that is drawn, which is more than \
+         a quarter of its size of {size} m; use a larger ratio or a mesh of your own"
     )]
-    Stuck {
-        /// Particles of the drawn mesh.
+    TooSimple {
+        /// The ratio asked for.
+        ratio: f32,
+        /// A particle of the drawn mesh.
+        particle: usize,
+        /// Its distance from the shape that is to be simulated \[m\].
+        distance: f32,
+        /// The longest side of the drawn mesh \[m\].
+        size: f32,
+    },
+    /// The simplifier left out whole parts.
+    #[error(
+        "of its {from} parts, which nothing connects, {got} are left when it is simplified; use a larger ratio or a mesh of your own"
+    )]
+    LostParts {
+        /// Parts of the drawn mesh.
         from: usize,
-        /// Particles asked for.
-        asked: usize,
-        /// Particles that are left.
+        /// Parts that are left.
         got: usize,
     },
     /// The shape that is to be simulated makes no cloth.

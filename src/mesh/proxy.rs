@@ -14,8 +14,6 @@ use crate::mesh::rest_shape::RestShape;
 
 /// The part of the drawn shape's size that a vertex may be away from what is simulated.
 const FURTHEST: f32 = 0.25;
-/// Particles that a simplified mesh may have more than asked for, as a part of those that were to go.
-const SLACK: f32 = 0.25;
 
 /// The shape that is drawn, and the one that carries it.
 #[derive(Debug)]
@@ -86,6 +84,10 @@ impl Proxy {
     /// [`ProxyProblem`] where the coarse shape cannot be made of the drawn one, or not carry it.
     pub fn new(drawn: RestShape, coarse: Coarse, key: ProxyKey) -> Result<Self, ProxyProblem> {
         let fine = Faces::of(&drawn);
+        let simplified = match &coarse {
+            Coarse::Ratio(ratio) => Some(*ratio),
+            _ => None,
+        };
         let raw = match coarse {
             Coarse::Grid(particles) => {
                 let columns_and_rows = fine.grid.map_err(ProxyProblem::NotAGrid)?;
@@ -95,6 +97,12 @@ impl Proxy {
             Coarse::Mesh(raw, _) => RawMesh { normals: None, colors: None, ..raw },
         };
         let simulated = MeshShape::new(raw, key.fingerprint()).map_err(ProxyProblem::Mesh)?;
+        if let (Some(_), RestShape::Mesh(whole)) = (simplified, &drawn) {
+            let (from, got) = (whole.intake.pieces, simulated.intake.pieces);
+            if got < from {
+                return Err(ProxyProblem::LostParts { from, got });
+            }
+        }
         let faces = Faces::of_mesh(&simulated);
         let onto = |a: &Faces, b: &Faces| {
             Binding::new(&a.points, &a.normals, &b.triangles, &b.points, &b.normals)
@@ -102,7 +110,10 @@ impl Proxy {
         let binding = onto(&fine, &faces);
         let (size, (particle, distance)) = (fine.size(), binding.furthest());
         if distance > FURTHEST * size {
-            return Err(ProxyProblem::TooFar { particle, distance, size });
+            return Err(match simplified {
+                Some(ratio) => ProxyProblem::TooSimple { ratio, particle, distance, size },
+                None => ProxyProblem::TooFar { particle, distance, size },
+            });
         }
         let stand_ins: Vec<_> = binding.bonds().iter().map(strongest).collect();
         let sources: Vec<_> = onto(&faces, &fine).bonds().iter().map(strongest).collect();
@@ -194,15 +205,7 @@ fn reduced(fine: &Faces, ratio: f32) -> Result<RawMesh, ProxyProblem> {
             let fewer = |side: u32| (((side - 1) as f32 * ratio.sqrt()).round() as u32 + 1).max(2);
             resampled(fine, drawn, UVec2::new(fewer(drawn.x), fewer(drawn.y)))
         }
-        Err(_) => {
-            let asked = (fine.points.len() as f32 * ratio).ceil() as usize;
-            let raw = used_only(&fine.points, &simplify(fine, ratio)?);
-            let (from, got) = (fine.points.len(), raw.positions.len());
-            if got as f32 > asked as f32 + SLACK * (from - asked.min(from)) as f32 {
-                return Err(ProxyProblem::Stuck { from, asked, got });
-            }
-            Ok(raw)
-        }
+        Err(_) => Ok(used_only(&fine.points, &simplify(fine, ratio)?)),
     }
 }
 

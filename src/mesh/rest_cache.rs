@@ -66,6 +66,8 @@ pub(crate) struct RestCache {
     meshes: HashMap<u64, Weak<MeshShape>>,
     topologies: HashMap<TopologyKey, WeakTopology>,
     proxies: HashMap<ProxyKey, Weak<Proxy>>,
+    /// Those that a cloth has asked for since the last look: nobody else may have them yet.
+    asked_proxies: HashMap<ProxyKey, (Arc<Proxy>, bool)>,
     meshes_to_be: Background<u64, Result<MeshShape, MeshProblem>>,
     proxies_to_be: Background<ProxyKey, Result<Proxy, ProxyProblem>>,
     /// With the shape that each is made of, which nobody else may have yet.
@@ -109,6 +111,7 @@ impl RestCache {
     ) -> Result<Option<Arc<Proxy>>, ProxyProblem> {
         let key = ProxyKey::new(&drawn, &coarse);
         if let Some(proxy) = self.proxies.get(&key).and_then(Weak::upgrade) {
+            self.asked_proxies.insert(key, (proxy.clone(), true));
             return Ok(Some(proxy));
         }
         let made = if drawn.vertex_count() < LARGE {
@@ -121,6 +124,7 @@ impl RestCache {
         let proxy = Arc::new(made?);
         self.proxies.retain(|_, other| other.strong_count() > 0);
         self.proxies.insert(key, Arc::downgrade(&proxy));
+        self.asked_proxies.insert(key, (proxy.clone(), true));
         Ok(Some(proxy))
     }
 
@@ -128,6 +132,7 @@ impl RestCache {
     pub fn stop_forgotten(&mut self) {
         self.meshes_to_be.stop_forgotten();
         self.proxies_to_be.stop_forgotten();
+        self.asked_proxies.retain(|_, (_, is_asked)| core::mem::take(is_asked));
         self.topologies_to_be.stop_forgotten();
     }
 

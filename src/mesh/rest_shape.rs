@@ -36,7 +36,7 @@ impl RestShape {
 
     /// Whether it is a mesh that is worked on in the background.
     pub fn is_large_mesh(&self) -> bool {
-        matches!(self, Self::Mesh(_)) && self.vertex_count() >= LARGE
+        matches!(self, Self::Mesh(_)) && self.particle_count() >= LARGE
     }
 
     pub fn vertex_count(&self) -> usize {

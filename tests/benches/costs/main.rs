@@ -9,6 +9,7 @@
 mod app;
 mod crowd;
 mod fields;
+mod proxy;
 mod solver;
 mod turns;
 
@@ -43,6 +44,8 @@ enum Part {
     Sleep,
     /// A hundred cloths, of which ten are seen.
     Crowd,
+    /// A sheet that is drawn finer than it is simulated.
+    Proxy,
     /// Air, wind and zones.
     Wind,
     /// Impulses, swept contact, soft pins.
@@ -76,6 +79,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Colliders => app::colliders_and_components(n, ticks, wrong),
             Part::Sleep => app::sleep(ticks, wrong),
             Part::Crowd => crowd::crowd_of_few_seen(ticks, wrong),
+            Part::Proxy => proxy::few_carry_many(ticks, wrong),
             Part::Wind => solver::wind(side, ticks, wrong)?,
             Part::Contact => solver::contact(side, ticks, wrong)?,
             Part::Fields => fields::fields(side, ticks, wrong)?,
