@@ -34,6 +34,13 @@ pub(crate) struct Culling {
     pub returns: bool,
 }
 
+impl Culling {
+    /// Whether the cloth stands still, or goes on from there in its next tick.
+    pub fn has_culled(&self) -> bool {
+        self.culled || self.returns
+    }
+}
+
 /// Culls cloths, once a frame and before its ticks, and lets them come back.
 pub(crate) fn cull_cloths(
     mut cloths: Query<(

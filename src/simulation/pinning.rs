@@ -25,8 +25,8 @@ pub(crate) fn apply_pins(
             anew || pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
         // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
-        // One that is being hung is carried along from then on.
-        let begun = cloth.start.has_begun();
+        // One that is being hung, or has been culled, is carried along from then on.
+        let begun = cloth.start.has_begun() || cloth.culling.has_culled();
         let fresh = cloth.progress.tick_count == 0 && !begun;
         let awaited = cloth.held.attachments.awaited;
         let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());

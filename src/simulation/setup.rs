@@ -304,6 +304,7 @@ fn moved_before_its_first_tick(
 ) -> bool {
     running.progress.tick_count == 0
         && !running.start.has_begun()
+        && !running.culling.has_culled()
         // A worn cloth follows its skin.
         && running.skin.is_none()
         && pose_now(transforms, entity).is_ok_and(|pose| pose != running.in_force.placed)

@@ -170,6 +170,56 @@ fn a_worn_cloth_turns_up_within_its_bounds() {
 }
 
 #[test]
+fn one_that_was_never_seen_goes_along_from_where_it_was_spawned() {
+    let (mut app, camera) = app_with_view();
+    look(&mut app, camera, AWAY);
+    let hand = spawn(&mut app, (Transform::from_xyz(0.0, 0.0, 0.2), Visibility::default()));
+    let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hand);
+    let culling = ClothCulling { after: 0.0 };
+    let held = spawn(&mut app, (sheet(), pins, culling, Transform::default()));
+    // One that only its own entity leads.
+    let pins = ClothPins::from(PinSelection::Corners);
+    let own = spawn(&mut app, (sheet(), pins, culling, Transform::default()));
+    // A frame without a tick, as many are.
+    set_frame(&mut app, Duration::ZERO);
+    app.update();
+    set_frame(&mut app, Duration::from_secs_f32(1.0 / 64.0));
+    updates(&mut app, 3);
+    let before = positions(&app, held);
+    assert_eq!([held, own].map(|cloth| ticks(&app, cloth)), [0; 2]);
+    let to = |step: u32| {
+        Transform::from_xyz(-0.3 * step as f32, 0.0, 0.2)
+            .with_rotation(Quat::from_rotation_y(0.1 * step as f32))
+    };
+    for step in 1..=30 {
+        *transform(&mut app, hand) = to(step);
+        *transform(&mut app, own) = to(step);
+        app.update();
+    }
+    look(&mut app, camera, to(30).translation);
+    app.update();
+    assert_eq!([held, own].map(|cloth| simulation(&app, cloth).is_culled()), [true; 2]);
+    let way =
+        to(30).compute_affine() * Transform::from_xyz(0.0, 0.0, 0.2).compute_affine().inverse();
+    let carried = |way: &bevy::math::Affine3A| -> Vec<_> {
+        before.iter().map(|at| way.transform_point3(*at)).collect()
+    };
+    let ways = [(held, way), (own, to(30).compute_affine())];
+    for (cloth, way) in &ways {
+        let off = farthest(&drawn_positions(&app, *cloth), &carried(way));
+        assert!(off < 2e-5, "{cloth}: {off}");
+    }
+    updates(&mut app, 3);
+    for (cloth, way) in &ways {
+        assert!(!simulation(&app, *cloth).is_culled() && ticks(&app, *cloth) > 0);
+        // It has fallen for a few ticks.
+        assert!(farthest(&positions(&app, *cloth), &carried(way)) < 0.05);
+        let tick = simulation(&app, *cloth).last_tick().unwrap();
+        assert!(tick.max_strain < 0.11, "{}", tick.max_strain);
+    }
+}
+
+#[test]
 fn where_nothing_tells_what_is_seen_all_go_on() {
     let mut app = app();
     let plain = spawn(&mut app, (sheet(), Transform::default()));

@@ -113,7 +113,7 @@ fn start_at_skin(
     skins: &Skins,
     failures: &mut Failures,
 ) {
-    if cloth.progress.tick_count > 0 {
+    if cloth.progress.tick_count > 0 || cloth.is_culled() {
         return;
     }
     let ClothSimulation { skin: Some(skin), solver, shape_version, .. } = cloth else { return };
