@@ -134,6 +134,7 @@ pub use cloth::gravity::{ClothGravity, ClothGravityOverride};
 pub use cloth::hang_on_start::{HangOnStart, HangingPlaces};
 pub use cloth::inter_collision::ClothInterCollision;
 pub use cloth::layers::ClothLayers;
+pub use cloth::lod::{ClothBudget, ClothLevel, ClothLod};
 pub use cloth::material::ClothMaterial;
 pub use cloth::pins::{ClothPins, Pin, PinHold, PinSelection};
 pub use cloth::proxy::ClothProxy;

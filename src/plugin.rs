@@ -61,6 +61,7 @@ use crate::cloth::grab::ClothGrab;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::cloth::hang_on_start::HangOnStart;
 use crate::cloth::inter_collision::ClothInterCollision;
+use crate::cloth::lod::{ClothBudget, ClothLod};
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::proxy::ClothProxy;
@@ -94,6 +95,7 @@ use crate::simulation::culling::{Seeing, cull_cloths};
 use crate::simulation::grabbing::apply_grabs;
 use crate::simulation::hanging::{cancel_hanging, hang_cloths};
 use crate::simulation::inter_collision::apply_inter_collision;
+use crate::simulation::lod::{Spent, choose_levels, start_clock, stop_clock, take_levels};
 use crate::simulation::pinning::apply_pins;
 use crate::simulation::pushing::ask_for_push;
 use crate::simulation::ready::tell_ready;
@@ -172,6 +174,8 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothInertia>()
             .register_type::<HangOnStart>()
             .register_type::<ClothCulling>()
+            .register_type::<ClothLod>()
+            .register_type::<ClothBudget>()
             .register_type::<ClothSleepThreshold>()
             .register_type::<ClothPaused>()
             .register_type::<ClothForces>()
@@ -191,6 +195,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<TickColliders>()
             .init_resource::<Disturbances>()
             .init_resource::<Runner>()
+            .init_resource::<Spent>()
             .init_resource::<Islands>()
             .add_observer(tear_down)
             .add_observer(ask_for_teleport)
@@ -208,7 +213,7 @@ impl Plugin for ClothPlugin {
         // Once a frame, before its ticks: note where things are.
         app.add_systems(
             RunFixedMainLoop,
-            (cull_cloths, note_poses)
+            (cull_cloths, choose_levels, note_poses)
                 .chain()
                 .in_set(ClothSystems::TrackPoses)
                 .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
@@ -251,6 +256,16 @@ impl Plugin for ClothPlugin {
                         .in_set(Finish),
                 ),
             );
+
+        // What all of them take, where there is a budget.
+        let measured = || resource_exists::<ClothBudget>;
+        app.add_systems(
+            self.schedule,
+            (
+                start_clock.run_if(measured()).after(Setup).before(Gather),
+                stop_clock.run_if(measured()).after(Finish),
+            ),
+        );
 
         // Each substep, unless fused: forces -> integrate -> correct -> collide.
         use ClothSubstepSystems::{Collide, Correct, Forces, Integrate};
@@ -305,6 +320,7 @@ fn set_up() -> ScheduleConfigs<ScheduleSystem> {
     (
         fit_bodies,
         place_bodies,
+        take_levels,
         set_up_cloths,
         wear_skins,
         apply_changes,

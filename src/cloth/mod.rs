@@ -11,6 +11,7 @@ pub(crate) mod gravity;
 pub(crate) mod hang_on_start;
 pub(crate) mod inter_collision;
 pub(crate) mod layers;
+pub(crate) mod lod;
 pub(crate) mod material;
 pub(crate) mod pins;
 pub(crate) mod proxy;

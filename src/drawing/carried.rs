@@ -1,14 +1,10 @@
 //! A drawn shape goes where the coarser one that is simulated carries it, and where what holds it is.
 
 use bevy::prelude::*;
-use bevy_drape_core::surface::Bond;
 
 use crate::mesh::drawn::{Carrier, ClothMesh, Held};
 use crate::mesh::intake::NormalPlan;
 use crate::simulation::ClothSimulation;
-
-/// Shares of held corners above this are all of them, but for rounding.
-const ALL: f32 = 0.9999;
 
 /// Works out the drawn points from those that are simulated. `to_frame` takes a place in the world into the frame of both.
 pub(super) fn carry(cloth: &ClothSimulation, own: &mut ClothMesh, to_frame: impl Fn(Vec3) -> Vec3) {
@@ -28,7 +24,8 @@ pub(super) fn carry(cloth: &ClothSimulation, own: &mut ClothMesh, to_frame: impl
     let Carrier { proxy, points, held, .. } = &**carrier;
     for (particle, (bond, out)) in proxy.binding.bonds().iter().zip(out).enumerate() {
         let at_zero = on_skin.filter(|skin| skin.at_zero[particle]);
-        let share = if at_zero.is_some() { 1.0 } else { share_of_held(bond, held) };
+        let is_held = |corner: u32| held[corner as usize] != Held::Free;
+        let share = if at_zero.is_some() { 1.0 } else { bond.held(is_held) };
         if share == 0.0 {
             continue;
         }
@@ -39,7 +36,7 @@ pub(super) fn carry(cloth: &ClothSimulation, own: &mut ClothMesh, to_frame: impl
             _ => proxy.binding.rigid(particle, points),
         };
         if place.is_finite() {
-            *out = if share > ALL { place } else { out.lerp(place, smooth(share)) };
+            *out = if share == 1.0 { place } else { out.lerp(place, share) };
         }
     }
 }
@@ -56,14 +53,4 @@ fn note_held(cloth: &ClothSimulation, carrier: &mut Carrier) -> bool {
         carrier.held[pin.particle as usize] = Held::Attached;
     }
     !(attached.is_empty() && on_skin.is_empty())
-}
-
-fn share_of_held(bond: &Bond, held: &[Held]) -> f32 {
-    let corners = bond.corners.into_iter().zip(bond.weights);
-    corners.filter(|(corner, _)| held[*corner as usize] != Held::Free).map(|it| it.1).sum()
-}
-
-/// From 0 to 1, level at both ends.
-fn smooth(part: f32) -> f32 {
-    part * part * (3.0 - 2.0 * part)
 }

@@ -49,6 +49,7 @@ impl Blame {
                 | ClothComponent::ClothTeleport
                 | ClothComponent::ClothInertia
                 | ClothComponent::ClothCulling
+                | ClothComponent::ClothLod
                 | ClothComponent::ClothSleepThreshold
                 | ClothComponent::HangOnStart => true,
                 ClothComponent::SdfCollider | ClothComponent::WindZone => false,

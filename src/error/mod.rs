@@ -140,6 +140,8 @@ pub enum ClothComponent {
     ClothInertia,
     /// [`ClothCulling`](crate::ClothCulling).
     ClothCulling,
+    /// [`ClothLod`](crate::ClothLod).
+    ClothLod,
     /// [`ClothSleepThreshold`](crate::ClothSleepThreshold).
     ClothSleepThreshold,
     /// [`HangOnStart`](crate::HangOnStart).

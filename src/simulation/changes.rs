@@ -38,7 +38,7 @@ pub(crate) fn apply_changes(
         let settings_changed = match &settings {
             Some(settings) => settings.is_changed(),
             None => gone(
-                cloth.in_force.settings != ClothSettings::default(),
+                cloth.in_force.settings != cloth.lod.settings(ClothSettings::default()),
                 Blame::Component(ClothComponent::ClothSettings),
             ),
         };
@@ -46,10 +46,12 @@ pub(crate) fn apply_changes(
             Some(weights) => weights.is_changed(),
             None => gone(cloth.in_force.weights.is_some(), Blame::Weights),
         };
-        if !(material_changed || settings_changed || weights_changed) {
+        let settings = cloth.lod.settings(in_force(&settings));
+        let level_changed = cloth.lod.take_changed();
+        if !(material_changed || settings_changed || level_changed || weights_changed) {
             continue;
         }
-        let (material, settings) = (in_force(&material), in_force(&settings));
+        let material = in_force(&material);
         let cloth = &mut *cloth;
         let mut changed = false;
         let outcome = apply_material(cloth, material, &mut changed).map_err(solver_error);

@@ -13,6 +13,7 @@
 //! | `reference_frame` | teleports, resets, cloths that ride along | `anchors` |
 //! | `pushing` | forces and impulses | |
 //! | `culling` | whether the cloth is seen, where that is asked for | `culling` |
+//! | `lod` | its level of detail | `lod` |
 //! | `sleeping` | whether the cloth has anything to do, and takes a tick | |
 //! | `tick_state` | the tick's input and its result | `step` |
 //! | `progress` | the ticks so far | `step` |
@@ -41,6 +42,7 @@ pub(crate) mod hanging;
 pub(crate) mod holding;
 pub(crate) mod in_force;
 pub(crate) mod inter_collision;
+pub(crate) mod lod;
 pub(crate) mod pinning;
 pub(crate) mod progress;
 pub(crate) mod pushing;
@@ -66,6 +68,7 @@ use crate::mesh::intake::ClothIntake;
 use crate::simulation::culling::Culling;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
+use crate::simulation::lod::Lod;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
@@ -103,6 +106,8 @@ pub struct ClothSimulation {
     pub(crate) pushing: Pushing,
     #[reflect(ignore)]
     pub(crate) culling: Culling,
+    #[reflect(ignore)]
+    pub(crate) lod: Lod,
     #[reflect(ignore)]
     pub(crate) sleep: SleepState,
     #[reflect(ignore)]

@@ -27,6 +27,7 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::culling::Culling;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
+use crate::simulation::lod::Lod;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
@@ -76,13 +77,20 @@ pub(crate) fn set_up_cloths(
     {
         let source = source_of(mesh3d.as_deref(), own);
         let (worn, skinned, has_bounds, taken) = skinned;
+        let asked = match simulation {
+            Some(running) => running.lod.proxy(proxy.as_deref()),
+            None => proxy.as_deref(),
+        };
+        let other_proxy =
+            |running: &ClothSimulation| running.in_force.asked_proxy.as_ref() != asked;
         let same = |running: &&ClothSimulation| {
             let other_skin = match running.skin {
                 Some(_) => skinned.is_some(),
                 None => worn.is_some(),
             };
-            let other_proxy = running.in_force.asked_proxy.as_ref() != proxy.as_deref();
-            !other_skin && !other_proxy && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
+            !other_skin
+                && !other_proxy(running)
+                && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
         };
         let same = simulation.filter(same);
         if let Some(running) = same
@@ -102,24 +110,25 @@ pub(crate) fn set_up_cloths(
             || is_changed(&worn)
             || is_changed(&skinned)
             || meshes.has_changed(source)
-            || meshes.has_changed(proxy.as_deref().and_then(ClothProxy::own_mesh));
+            || meshes.has_changed(asked.and_then(ClothProxy::own_mesh));
         // What failed is tried again only after a change, but a parent's transform may change
         // unseen.
         let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
         let unseen = unseen.map(|blame| failures.blames(entity, blame));
-        let is_gone = proxy.is_none() && failures.blames(entity, Blame::Proxy);
-        if failures.has(entity) && !changed && !is_gone && unseen == [false; 3] {
+        // Of a proxy that was taken away, or given by another level, nothing else tells.
+        let told = failures.blames(entity, Blame::Proxy);
+        let is_gone = asked.is_none() && told;
+        let is_other = is_gone || simulation.is_some_and(other_proxy) && !told;
+        if is_gone {
+            failures.clear(entity, Blame::Proxy);
+        }
+        if failures.has(entity) && !changed && !is_other && unseen == [false; 3] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
         let made = set_up(
             entity,
-            (
-                (&cloth, proxy.as_deref()),
-                in_force(&material),
-                in_force(&settings),
-                weights.as_deref(),
-            ),
+            ((&cloth, asked), in_force(&material), in_force(&settings), weights.as_deref()),
             (source, worn.as_deref(), skinned.as_deref().or(taken.map(|taken| &taken.skinned))),
             (&transforms, &skins),
             &meshes,
@@ -131,6 +140,9 @@ pub(crate) fn set_up_cloths(
             Ok(Some(mut made)) => {
                 // Only elsewhere.
                 made.start.told_ready = same.is_some_and(|running| running.start.told_ready);
+                if let Some(running) = simulation {
+                    made.lod = running.lod.anew();
+                }
                 let before = simulation.filter(|before| made.can_go_on_from(before));
                 if let Some(before) = before
                     && let Err(problem) = made.go_on_from(before)
@@ -344,6 +356,7 @@ fn build(
         frame: ReferenceFrame::default(),
         pushing: Pushing::default(),
         culling: Culling::default(),
+        lod: Lod::default(),
         sleep: SleepState::default(),
         tick: TickState::default(),
         progress: Progress::default(),

@@ -113,8 +113,10 @@ impl ClothSimulation {
             binding.write(&old.points, &old.normals, &mut places);
             let is_held = |particle: u32| before.pinned().binary_search(&particle).is_ok();
             for (particle, bond) in binding.bonds().iter().enumerate() {
-                if bond.supports().all(is_held) {
-                    places[particle] = binding.rigid(particle, &old.points);
+                let share = bond.held(is_held);
+                if share > 0.0 {
+                    let rigid = binding.rigid(particle, &old.points);
+                    places[particle] = places[particle].lerp(rigid, share);
                 }
             }
             places.iter_mut().for_each(|place| *place *= scale);

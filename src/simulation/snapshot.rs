@@ -118,6 +118,7 @@ impl ClothSimulation {
             pushing,
             // This is about who looks.
             culling: _,
+            lod: _,
             sleep,
             // Between ticks there is no result.
             tick: TickState { step, .. },

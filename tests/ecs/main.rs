@@ -19,6 +19,7 @@ mod grab;
 mod hung;
 mod intake;
 mod inter_collision;
+mod lod;
 mod mesh;
 mod pins;
 mod proxy;

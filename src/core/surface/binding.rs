@@ -13,6 +13,9 @@ const CURVATURE: f32 = 0.75;
 /// What is left of a fine surface is left out below this part of its size.
 const NEGLIGIBLE: f32 = 1e-6;
 
+/// Shares above this are all, but for rounding.
+const ALL: f32 = 0.9999;
+
 /// A point of a fine surface on a triangle of a coarse one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bond {
@@ -45,6 +48,14 @@ impl Bond {
     /// The corners that have any weight.
     pub fn supports(&self) -> impl Iterator<Item = u32> + '_ {
         self.corners.into_iter().zip(self.weights).filter(|it| it.1 > 0.0).map(|it| it.0)
+    }
+
+    /// How much of it hangs on corners that are held, from 0 to 1: level at both ends, so that what is drawn between what is held and
+    /// what is free has no edge.
+    pub fn held(&self, is_held: impl Fn(u32) -> bool) -> f32 {
+        let corners = self.corners.into_iter().zip(self.weights);
+        let share: f32 = corners.filter(|(corner, _)| is_held(*corner)).map(|it| it.1).sum();
+        if share > ALL { 1.0 } else { share * share * (3.0 - 2.0 * share) }
     }
 
     /// The weighted mean of the corners' values.

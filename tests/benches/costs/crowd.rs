@@ -1,11 +1,11 @@
-//! A crowd of which few are seen: what culling spares.
+//! A crowd of which few are seen, and fewer are near: what culling and levels of detail spare.
 
 use crate::{
     app::{app_with, compare},
     turns::{Bound, Wrong, heading, line},
 };
 use bevy::{camera::CameraPlugin, prelude::*};
-use bevy_drape::{ClothCulling, ClothSleepThreshold, prelude::*};
+use bevy_drape::{ClothCulling, ClothLod, ClothSleepThreshold, prelude::*};
 
 /// Cloths, and how many of them are before the camera.
 const CROWD: usize = 100;
@@ -21,15 +21,23 @@ fn walk(mut walkers: Query<&mut Transform, With<Walker>>, time: Res<Time>) {
     }
 }
 
-/// All of them in a row, a metre apart, a few before the camera and the others behind it.
-fn crowd(culled: bool) -> App {
+/// Where the rows are \[m\]: half of those that are seen are near.
+const NEAR: f32 = -6.0;
+const FAR: f32 = -14.0;
+
+/// All of them in rows, a metre apart, a few before the camera and the others behind it.
+fn crowd(culled: bool, levels: bool) -> App {
     let mut app = app_with(true, CameraPlugin);
     app.add_systems(FixedUpdate, walk);
     let world = app.world_mut();
     world.spawn((Camera3d::default(), Transform::from_xyz(0.0, 1.5, 0.0)));
     for i in 0..CROWD {
-        let z = if i < SEEN { -12.0 } else { 12.0 };
-        let place = Transform::from_xyz((i % SEEN) as f32 - 4.5, 2.0, z + (i / SEEN) as f32);
+        let z = match i {
+            _ if i < SEEN / 2 => NEAR,
+            _ if i < SEEN => FAR,
+            _ => 12.0 + (i / SEEN) as f32,
+        };
+        let place = Transform::from_xyz((i % 5) as f32 - 2.0, 2.0, z);
         let hand = world.spawn((Walker, place)).id();
         let cloth = (
             Cloth::sheet(Vec2::splat(0.8), UVec2::splat(32)),
@@ -41,6 +49,9 @@ fn crowd(culled: bool) -> App {
         if culled {
             cloth.insert(ClothCulling { after: 0.0 });
         }
+        if levels {
+            cloth.insert(ClothLod::default());
+        }
     }
     app
 }
@@ -48,17 +59,26 @@ fn crowd(culled: bool) -> App {
 /// Not many updates: each moves a hundred thousand particles.
 pub fn crowd_of_few_seen(rounds: usize, wrong: &mut Wrong) {
     heading("a whole update, 100 cloths of 1024, 10 seen, us", "all awake", "culled");
+    let rounds = rounds.div_ceil(4);
+    let culling = || [crowd(false, false), crowd(true, false)];
     let name = "ClothCulling";
-    let turns = compare(name, rounds.div_ceil(4), || [crowd(false), crowd(true)], false, wrong);
-    line(name, &turns, Bound::Times(0.1));
-    let mut app = crowd(true);
+    line(name, &compare(name, rounds, culling, false, wrong), Bound::None);
+    let both = || [crowd(false, false), crowd(true, true)];
+    let name = "ClothCulling and ClothLod, 5 near";
+    line(name, &compare(name, rounds, both, false, wrong), Bound::Times(0.1));
+    let mut app = crowd(true, true);
     (0..10).for_each(|_| app.update());
     let world = app.world_mut();
     let mut cloths = world.query::<&ClothSimulation>();
-    let culled = cloths.iter(world).filter(|cloth| cloth.is_culled()).count();
+    let mut number = |is: &dyn Fn(&ClothSimulation) -> bool| {
+        cloths.iter(world).filter(|cloth| is(cloth)).count()
+    };
+    let culled = number(&|cloth| cloth.is_culled());
+    let far = number(&|cloth| !cloth.is_culled() && cloth.level() == 1);
+    let is_right = (culled, far) == (CROWD - SEEN, SEEN / 2);
     wrong.unless(
-        culled == CROWD - SEEN,
+        is_right,
         name,
-        "not all that are unseen are culled, or some that are seen",
+        "not all that are unseen are culled, or not all that are far do less",
     );
 }

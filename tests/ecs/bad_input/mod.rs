@@ -10,6 +10,7 @@
 //! | `HangOnStart`, which a running cloth does not look at | `hanging` |
 //! | `WindZone`, `ClothGravity`, `ClothWind`, `ClothExecution`, `Time<Fixed>`, components and resources taken away, methods of `ClothSimulation`, `ColliderImpulse`, `ClothFailure` | `surroundings`, `missing`, `together` |
 //! | `Cloth::of_mesh3d`, `ClothWeights`, colours | `intake`; meshes mended in place: `missing` |
+//! | `ClothLod`, `ClothProxy` | `lod`, `proxy` |
 //! | anchors that go, soft and hard | `anchors`, `pins` |
 //! | `SdfCollider`, `SdfShape`, `CustomSdf`, `BakeSdf`, `SdfCells` | `bad_colliders` |
 //! | `.sdf` files and their loader | `fields`; byte by byte: `tests/sdf/saved` |
