@@ -37,25 +37,34 @@ const SPRINT: f32 = 4.0;
 /// Radius of the circle \[m\].
 const CIRCLE: f32 = 1.4;
 
-/// How far the character has come \[m\], and how fast it is \[m/s\].
+/// A character that walks.
 #[derive(Component, Default)]
-struct Walker {
-    way: f32,
-    speed: f32,
+pub struct Walker {
+    /// How far it has come \[m\].
+    pub way: f32,
+    /// How fast it is \[m/s\].
+    pub speed: f32,
 }
 
-/// The animations of a walk and a sprint.
+/// The animations of a walk and a sprint, and who walks.
 #[derive(Component)]
-struct Gaits([AnimationNodeIndex; 2]);
+pub struct Gaits {
+    clips: [AnimationNodeIndex; 2],
+    walker: Entity,
+}
 
 /// Spawns the character; its skirt becomes cloth as soon as it is there.
 fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, assets: Res<AssetServer>) {
     commands.spawn(ground(&mut meshes));
+    spawn_character(&mut commands, &assets, (Walker::default(), place(0.0)));
+}
+
+/// Spawns a character that walks.
+pub fn spawn_character(commands: &mut Commands, assets: &AssetServer, walker: impl Bundle) {
     commands
         .spawn((
             WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(CHARACTER))),
-            Walker::default(),
-            place(0.0),
+            walker,
             // Time begins when it is there.
             Awaited,
             // Capsules on its joints, that fit themselves to its skin.
@@ -79,7 +88,7 @@ fn dress(
             ClothSkin {
                 // The waistband is held, the hem may go 30 cm away.
                 max_distance: SkinMap::color(ColorChannel::Red, 0.0, 0.3),
-                // Nothing goes more than 8 cm into where the skirt would be.
+                // Nothing goes more than 10 cm into where the skirt would be.
                 backstop: Some(SkinBackstop { distance: 0.1.into(), ..default() }),
                 drive: 6.0.into(),
                 ..default()
@@ -108,7 +117,7 @@ fn start(
             for gait in &gaits {
                 player.play(*gait).repeat();
             }
-            let gaits = Gaits([gaits[0], gaits[1]]);
+            let gaits = Gaits { clips: [gaits[0], gaits[1]], walker: ready.entity };
             commands.entity(part).insert((AnimationGraphHandle(graph.clone()), gaits));
         }
     }
@@ -137,12 +146,12 @@ fn walk(mut walkers: Query<(&mut Walker, &mut Transform)>, time: Res<Time>) {
     }
 }
 
-/// Plays the animations as fast as the character goes, and as much of each.
-fn animate(walker: Single<&Walker>, mut players: Query<(&mut AnimationPlayer, &Gaits)>) {
-    let speed = walker.speed;
-    let sprints = ((speed - WALK) / (SPRINT - WALK)).clamp(0.0, 1.0);
-    // One cycle for both: in between, steps are as long as each has its part.
-    for (mut player, Gaits([walk, sprint])) in &mut players {
+/// Plays the animations as fast as each character goes, and as much of each.
+pub fn animate(walkers: Query<&Walker>, mut players: Query<(&mut AnimationPlayer, &Gaits)>) {
+    for (mut player, Gaits { clips: [walk, sprint], walker }) in &mut players {
+        let Ok(&Walker { speed, .. }) = walkers.get(*walker) else { continue };
+        // One cycle for both: in between, steps are as long as each has its part.
+        let sprints = ((speed - WALK) / (SPRINT - WALK)).clamp(0.0, 1.0);
         for (gait, weight, usual) in [(walk, 1.0 - sprints, WALK), (sprint, sprints, SPRINT)] {
             if let Some(gait) = player.animation_mut(*gait) {
                 gait.set_weight(weight).set_speed(speed / usual);

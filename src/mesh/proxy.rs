@@ -214,7 +214,7 @@ fn reduced(fine: &Faces, ratio: f32) -> Result<RawMesh, ProxyProblem> {
 fn simplify(fine: &Faces, ratio: f32) -> Result<Vec<[u32; 3]>, ProxyProblem> {
     use meshopt::SimplifyOptions;
     let corners = fine.triangles.as_flattened();
-    let points: Vec<_> = fine.points.iter().map(|point| point.to_array()).collect();
+    let points: Vec<_> = fine.points.iter().map(Vec3::to_array).collect();
     // Triangles of one size bend and stretch alike; how far the surface goes from the drawn one is measured afterwards.
     let (regular, any_error) = (SimplifyOptions::Regularize, f32::MAX);
     let wanted = (fine.triangles.len() as f32 * ratio).ceil() as usize * 3;
