@@ -1,12 +1,12 @@
 //! A hundred characters of a glTF file in skirts that are cloth, of which few are seen at a time.
 //!
-//! `cargo run --release --example crowd --features demo`
+//! `cargo run --release --example crowd --features demo,simplify`
 //!
 //! They walk around the camera, which turns. A skirt that no view sees stands still (`ClothCulling`), one that is far away does
-//! less (`ClothLod`), and if all of them take longer than 4 ms a frame, the furthest do less still (`ClothBudget`).
+//! less with a quarter of its particles (`ClothLod`, `ClothProxy`), and if all of them take longer than 4 ms a frame, the furthest do less still (`ClothBudget`).
 
 use bevy::prelude::*;
-use bevy_drape::{ClothBudget, ClothCulling, ClothLevel, ClothLod, prelude::*};
+use bevy_drape::{ClothBudget, ClothCulling, ClothLevel, ClothLod, ClothProxy, prelude::*};
 use examples_common::{Caption, Example, View, add_gltf, ground};
 
 // As one of them is dressed there.
@@ -85,7 +85,10 @@ fn spare(skirts: Query<Entity, Added<Cloth>>, mut commands: Commands) {
         commands.entity(skirt).insert((
             ClothCulling::default(),
             ClothLod {
-                levels: vec![ClothLevel::at(6.0).substeps(10), ClothLevel::at(9.0).substeps(6)],
+                levels: vec![
+                    ClothLevel::at(6.0).substeps(10),
+                    ClothLevel::at(9.0).substeps(6).proxy(ClothProxy::ratio(0.25)),
+                ],
                 ..default()
             },
         ));
