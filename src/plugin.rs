@@ -15,7 +15,7 @@
 //! | `mesh` | the rest mesh in: read, welded, made a grid or triangles, shared |
 //! | `cloth` | the components and events of a cloth, and nothing that runs |
 //! | `collider` | the components of colliders and bodies, their shapes and fields, and where they are in a tick |
-//! | `simulation` | the running cloth: set-up, changes, pins, anchors, grabs, pushes, hanging, sleep, snapshots |
+//! | `simulation` | the running cloth: set-up, changes, pins, anchors, grabs, pushes, hanging, sleep, levels of detail, snapshots |
 //! | `wind` | the wind of a tick, and its zones |
 //! | `step` | one tick: gather, solve fused or staged, finish |
 //! | `drawing` | writes a cloth's mesh, once a frame |
