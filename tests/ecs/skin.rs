@@ -596,3 +596,56 @@ fn what_mends_is_worn_and_what_breaks_goes_on() {
     updates(&mut app, 2);
     assert!((position(&app, of.coat, 0).x - 0.5).abs() < 1e-5);
 }
+
+#[test]
+fn garments_of_one_skeleton_do_not_disturb_each_other() {
+    // A coat, and a second one over it that comes, is carried by a proxy, is swapped for another, and goes.
+    let run = |second: bool| {
+        let mut app = app();
+        let of = dressed(&mut app, usual());
+        let mut places = Vec::new();
+        let mut other = None;
+        for frame in 0..120 {
+            walk(&mut app, &of, frame as f32 / 64.0);
+            match frame {
+                10 if second => {
+                    let binds = bind_places().map(|at| Mat4::from_translation(-at));
+                    let inverse_bindposes = add_bindposes(&mut app, &binds);
+                    let skinned = SkinnedMesh { inverse_bindposes, joints: of.joints.to_vec() };
+                    let mesh = Mesh3d(add_mesh(&mut app, coat()));
+                    let cloth = (Cloth::of_mesh3d(), usual(), bevy_drape::ClothProxy::grid(5, 5));
+                    other = Some(spawn(&mut app, (mesh, skinned, cloth, ChildOf(of.root))));
+                }
+                50 if second => {
+                    let wider = coat().scaled_by(Vec3::new(1.1, 1.0, 1.2));
+                    let mesh = Mesh3d(add_mesh(&mut app, wider));
+                    app.world_mut().entity_mut(other.unwrap()).insert(mesh);
+                }
+                90 if second => _ = app.world_mut().despawn(other.take().unwrap()),
+                _ => {}
+            }
+            app.update();
+            if let (Some(other), true) = (other, frame > 12) {
+                assert_eq!(failure(&app, other), None);
+                let running = simulation(&app, other);
+                assert_eq!(running.particle_count(), 25);
+                let places = running.skin_places().unwrap();
+                let limits = running.skin_limits().unwrap();
+                for ((at, place), limit) in running.positions().zip(places).zip(limits) {
+                    assert!(at.distance(*place) < limit.max_distance + CLOSE, "{frame}");
+                }
+                // Swapped, it is the other mesh that is drawn.
+                let widest = |p: &Vec3| (p.x - transform_of(&app, &of).x).abs();
+                assert!(drawn_positions(&app, other).iter().map(widest).fold(0.0, f32::max) < 3.0);
+            }
+            places.push(bits(&app, of.coat));
+            assert_eq!(failure(&app, of.coat), None);
+        }
+        places
+    };
+    assert!(run(false) == run(true), "the first one has the same bits all the time");
+}
+
+fn transform_of(app: &App, of: &Character) -> Vec3 {
+    app.world().get::<Transform>(of.root).unwrap().translation
+}

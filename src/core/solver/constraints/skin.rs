@@ -164,7 +164,7 @@ impl Skin {
             self.place.set(slot, start);
             self.way.set(slot, end - start);
             if self.has_backstops {
-                let [start, end] = motion.normal.map(Vec3::normalize_or_zero);
+                let [start, end] = motion.normal.map(about_unit);
                 self.normal.set(slot, start);
                 self.turn.set(slot, end - start);
             }
@@ -173,10 +173,22 @@ impl Skin {
 
     /// The first particle that has a backstop and whose skin has no normal.
     pub fn without_normal(&self, motions: &[SkinMotion]) -> Option<usize> {
-        let lacks = |motion: &SkinMotion| motion.normal.iter().any(|n| n.try_normalize().is_none());
+        let lacks = |motion: &SkinMotion| {
+            motion.normal.iter().any(|n| !is_about_unit(*n) && n.try_normalize().is_none())
+        };
         let mut all = self.limits.iter().zip(motions);
         all.position(|(limit, motion)| limit.backstop.is_some() && lacks(motion))
     }
+}
+
+/// Whether a normal is as good as of length one: roots are dear where there are thousands.
+fn is_about_unit(normal: Vec3) -> bool {
+    (0.999..1.001).contains(&normal.length_squared())
+}
+
+/// A normal of about length one, or none.
+fn about_unit(normal: Vec3) -> Vec3 {
+    if is_about_unit(normal) { normal } else { normal.normalize_or_zero() }
 }
 
 /// Holds particles to the skin.
@@ -186,8 +198,9 @@ pub(crate) struct HoldToSkin<'a> {
     /// The part of the tick that has passed at the substep's end, and the substep's own.
     pub passed: f32,
     pub part: f32,
-    /// The substep's length, in which drives draw; 0 where the bounds alone hold \[s\].
+    /// The substep's length \[s\], and the time for which drives draw; 0 where the bounds alone hold.
     pub step: f32,
+    pub since: f32,
     pub inverse_mass: &'a [f32],
     pub x: &'a Soa,
     pub d: PartMut<'a>,
@@ -225,7 +238,8 @@ impl Kernel for HoldToSkin<'_> {
                     let drive = Block::load(&skin.drive, slot);
                     for i in 0..LANES {
                         let relative = moved.at(i) - way.at(i) * self.part;
-                        off.set(i, draw(off.at(i), relative, drive.0[i] * self.step));
+                        let [rate, all] = [self.step, self.since].map(|time| drive.0[i] * time);
+                        off.set(i, draw(off.at(i), relative, rate, all));
                     }
                 }
                 let drawn = off;
@@ -315,13 +329,12 @@ fn stop(skin: &Skin, passed: f32, slot: usize, most: &Block, off: &mut Block3) {
     }
 }
 
-/// Where a particle is from its place when a critically damped spring has drawn it for a time of `rate`, in which it would have come
-/// so far by itself. Implicit Euler, so that no rate is too high for a substep.
+/// Where a particle is from its place when a critically damped spring has drawn it for a time of `all`, in the last part of which, `rate`,
+/// it would have come so far by itself. Implicit Euler, so that no rate is too high.
 #[inline(always)]
-fn draw(off: Vec3, relative: Vec3, rate: f32) -> Vec3 {
+fn draw(off: Vec3, relative: Vec3, rate: f32, all: f32) -> Vec3 {
     let before = off - relative;
-    let square = rate * rate;
-    before + (relative - before * square) * (1.0 / (1.0 + 2.0 * rate + square))
+    before + (relative - before * (rate * all)) * (1.0 / (1.0 + 2.0 * all + all * all))
 }
 
 /// A vector that is not longer than `most`.
