@@ -7,7 +7,7 @@ use crate::solver::constraints::skin::{Skin, SkinMotion};
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
-use crate::solver::settings::is_near;
+use crate::solver::settings::{FARTHEST, is_near};
 
 /// The surroundings of a cloth in one tick. Positions are in world space. The default has no length, which
 /// is refused.
@@ -53,7 +53,10 @@ impl StepInput<'_> {
             return Err(SolverError::WrongSkinCount { particles, motions });
         }
         let is_good = |motion: &SkinMotion| {
-            motion.place.into_iter().all(is_near) && motion.normal.into_iter().all(is_near)
+            let all = || motion.place.into_iter().chain(motion.normal);
+            // One comparison for nearly all of them; false for a NaN.
+            let square: f32 = all().map(Vec3::length_squared).sum();
+            square <= FARTHEST * FARTHEST || all().all(is_near)
         };
         if let Some(particle) = self.skin.iter().position(|motion| !is_good(motion)) {
             return Err(SolverError::NonFinite { what: "place on the skin", particle });

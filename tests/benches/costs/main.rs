@@ -48,6 +48,8 @@ enum Part {
     Proxy,
     /// Air, wind and zones.
     Wind,
+    /// Max distance, backstop, drive.
+    Skin,
     /// Impulses, swept contact, soft pins.
     Contact,
     /// Baked fields, and baking them.
@@ -81,6 +83,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Crowd => crowd::crowd_of_few_seen(ticks, wrong),
             Part::Proxy => proxy::few_carry_many(ticks, wrong),
             Part::Wind => solver::wind(side, ticks, wrong)?,
+            Part::Skin => solver::skin(side, ticks, wrong)?,
             Part::Contact => solver::contact(side, ticks, wrong)?,
             Part::Fields => fields::fields(side, ticks, wrong)?,
             Part::Plugin => app::plugin(n, ticks, wrong),

@@ -7,9 +7,9 @@ use bevy::math::{Vec2, Vec3, bounding::Aabb3d, primitives::Sphere};
 use bevy_drape::{
     sdf::{KnownShape, SdfSample, SignedDistance},
     solver::{
-        Air, ClothSolver, Collider, Graph, Gusts, Lattice, MassLumping, Material, PinMotion, Pose,
-        Settings, SoftPin, StepInput, StretchMethod, Substeps, Topology, Wind, WindFlow, WindShape,
-        Zone,
+        Air, Backstop, ClothSolver, Collider, Graph, Gusts, Lattice, MassLumping, Material,
+        PinMotion, Pose, Settings, SkinLimit, SkinMotion, SoftPin, StepInput, StretchMethod,
+        Substeps, Topology, Wind, WindFlow, WindShape, Zone,
     },
 };
 
@@ -21,6 +21,7 @@ const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 pub struct Scene<'a> {
     cloth: ClothSolver,
     pins: Vec<PinMotion>,
+    skin: Vec<SkinMotion>,
     colliders: &'a [Collider<'a>],
     wind: Wind<'a>,
     ticks: u32,
@@ -49,7 +50,7 @@ impl<'a> Scene<'a> {
         let start = topology.rest_positions().to_vec();
         let cloth = ClothSolver::new(topology, &start, material, settings)?;
         let (wind, colliders) = (Wind::default(), &[][..]);
-        Ok(Self { cloth, pins: Vec::new(), colliders, wind, ticks: 0 })
+        Ok(Self { cloth, pins: Vec::new(), skin: Vec::new(), colliders, wind, ticks: 0 })
     }
 
     /// The same, among these.
@@ -73,12 +74,13 @@ impl<'a> Scene<'a> {
     /// Takes a tick, and tells its time \[us\]. One that fails leaves it where it is, and is found out
     /// at the end.
     fn tick(&mut self) -> f64 {
-        let Self { pins, colliders, .. } = self;
+        let Self { pins, skin, colliders, .. } = self;
         let wind = Wind { time: f64::from(self.ticks) / 64.0, ..self.wind };
         let input = StepInput {
             dt: 1.0 / 64.0,
             gravity: GRAVITY,
             pins,
+            skin,
             colliders,
             wind,
             ..StepInput::default()
@@ -241,5 +243,34 @@ pub fn contact(n: usize, rounds: usize, wrong: &mut Wrong) -> Result<(), Box<dyn
     let name = format!("{n} soft pins, on a cloth that hangs");
     let turns = compare(&name, rounds, (&hung, soft), false, wrong);
     line(&name, &turns, Bound::None);
+    Ok(())
+}
+
+/// A cloth that hangs, and the same held near where it hangs.
+pub fn skin(n: usize, rounds: usize, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
+    let lattice = Arc::new(Lattice::sheet(Vec2::splat(2.0), n, n, MassLumping::Lumped)?);
+    let bare = Scene::new(lattice.into(), 0.0)?.hung(n)?;
+    let worn = |limit: SkinLimit| -> Result<Scene<'_>, Box<dyn Error>> {
+        let mut worn = bare.clone();
+        let count = n * n;
+        worn.cloth.set_skin(Some(&vec![limit; count]))?;
+        let still = |particle| SkinMotion {
+            place: [bare.cloth.position(particle); 2],
+            normal: [Vec3::Y; 2],
+        };
+        worn.skin = (0..count).map(still).collect();
+        Ok(worn)
+    };
+    heading("skin, us a tick, a cloth that swings", "without", "with");
+    let far = SkinLimit { max_distance: 10.0, ..SkinLimit::default() };
+    let all =
+        SkinLimit { backstop: Some(Backstop { distance: 10.0, radius: 20.0 }), drive: 0.1, ..far };
+    for (name, limit, bound) in [
+        ("a max distance", far, Bound::Percent(10.0)),
+        ("max distance, backstop, drive", all, Bound::Percent(10.0)),
+    ] {
+        let turns = compare(name, rounds, (&bare, worn(limit)?), false, wrong);
+        line(name, &turns, bound);
+    }
     Ok(())
 }
