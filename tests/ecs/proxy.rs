@@ -315,6 +315,36 @@ fn a_change_of_proxy_moves_nothing() {
 }
 
 #[test]
+fn what_a_moving_hand_holds_stays_in_it() {
+    let mut app = app();
+    let hand = spawn(&mut app, Transform::from_xyz(0.1, 0.2, 0.3));
+    let pins = ClothPins::vertices([0, FINE - 1]).anchored_to(hand);
+    let cloth = spawn(&mut app, (fine(), pins, Transform::default()));
+    set_frame(&mut app, Duration::from_millis(11));
+    updates(&mut app, 5);
+    let in_hand = |app: &App| {
+        let to_hand = app.world().get::<Transform>(hand).unwrap().compute_affine().inverse();
+        let drawn = drawn_positions(app, cloth);
+        [0, FINE as usize - 1].map(|i| to_hand.transform_point3(drawn[i]))
+    };
+    let before = in_hand(&app);
+    for step in 1..=60 {
+        let mut place = transform(&mut app, hand);
+        place.translation += Vec3::new(0.03, 0.01, -0.02);
+        place.rotate_y(0.05);
+        match step % 6 {
+            1 => _ = app.world_mut().entity_mut(cloth).insert(ClothProxy::grid(9, 9)),
+            3 => _ = app.world_mut().entity_mut(cloth).insert(ClothProxy::grid(13, 13)),
+            5 => _ = app.world_mut().entity_mut(cloth).remove::<ClothProxy>(),
+            _ => {}
+        }
+        app.update();
+        let off = farthest(&in_hand(&app), &before);
+        assert!(off < 2e-5, "{step}: {off}");
+    }
+}
+
+#[test]
 fn a_worn_cloth_goes_on_within_its_limits() {
     let mut app = app();
     let of = dressed(&mut app, usual());
