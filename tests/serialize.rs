@@ -8,11 +8,11 @@ mod support;
 
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGrab,
-    ClothGravityOverride, ClothInertia, ClothInterCollision, ClothInterpolation, ClothPaused,
-    ClothSelfCollision, ClothSleepThreshold, ClothSnapshot, ClothTeleport, ClothWeights,
-    ClothWindOverride, ColliderImpulse, ColorChannel, HangingPlaces, SdfColliderDisabled,
-    SdfColliderSnapshot, VertexFactor,
+    ClothCulling, ClothError, ClothErrorKind, ClothExecution, ClothForce, ClothForces, ClothGrab,
+    ClothGravityOverride, ClothInertia, ClothInterCollision, ClothInterpolation, ClothLevel,
+    ClothLod, ClothPaused, ClothProxy, ClothSelfCollision, ClothSkin, ClothSleepThreshold,
+    ClothSnapshot, ClothTeleport, ClothWeights, ClothWindOverride, ColliderImpulse, ColorChannel,
+    HangingPlaces, SdfColliderDisabled, SdfColliderSnapshot, SkinBackstop, SkinMap, VertexFactor,
     prelude::*,
     sdf::shapes::CapsuleBetween,
     solver::{
@@ -77,6 +77,27 @@ fn settings_come_back() {
     comes_back(ClothTeleport::NEVER);
     comes_back(ClothInertia::new(0.3));
     comes_back(ClothSleepThreshold::default());
+    comes_back(ClothCulling { after: 0.1 });
+    comes_back(ClothProxy::grid(3, 7));
+    comes_back(ClothProxy::ratio(0.3));
+    comes_back(ClothLod {
+        levels: vec![
+            ClothLevel::at(3.0),
+            ClothLevel::at(9.0).substeps(4).proxy(ClothProxy::ratio(0.1)),
+        ],
+        given: Some(1),
+    });
+    comes_back(ClothSkin {
+        max_distance: SkinMap::joint_weight("free", 0.0, f32::INFINITY),
+        backstop: Some(SkinBackstop {
+            distance: SkinMap::attribute("BACK", 0.0, 1.0),
+            ..default()
+        }),
+        drive: SkinMap::Data(vec![0.5, 0.25]),
+        draws_mask: true,
+    });
+    // A mesh is an asset.
+    assert!(ron::to_string(&ClothProxy::mesh(Handle::default())).is_err());
     comes_back(ClothPaused { steps: 2 });
     comes_back(SdfColliderDisabled);
     comes_back(HangOnStart { places: HangingPlaces::Rest, ..default() });

@@ -54,8 +54,8 @@ pub struct ClothLevel {
     /// In the place of [`ClothSettings::substeps`](crate::ClothSettings::substeps); `None` changes nothing. The time of a tick goes in
     /// proportion, down to a few. A cloth of stiff threads that hangs from single points rests a little lower with few.
     pub substeps: Option<Substeps>,
-    /// In the place of the cloth's own [`ClothProxy`]; `None` changes nothing. The cloth goes on where it is. Making another shape takes a
-    /// few ticks' time, once for all cloths that are alike, and another solver for each.
+    /// In the place of the cloth's own [`ClothProxy`]; `None` changes nothing. The cloth goes on where it is. Another shape takes
+    /// milliseconds to make, so that by distance one cloth a frame gets one.
     pub proxy: Option<ClothProxy>,
 }
 

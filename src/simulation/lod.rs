@@ -95,6 +95,13 @@ impl Lod {
         }
     }
 
+    /// Whether another shape would be simulated at this level.
+    fn has_other_proxy(&self, level: usize) -> bool {
+        let levels = self.in_force.as_ref().map_or(&[][..], |lod| &lod.levels);
+        let proxy = |level: usize| levels.get(level.checked_sub(1)?)?.proxy.as_ref();
+        proxy(level) != proxy(self.level)
+    }
+
     fn go_to(&mut self, level: usize) {
         self.changed |= level != self.level;
         self.level = level;
@@ -151,6 +158,8 @@ pub(crate) fn choose_levels(
         let count = clock.order.len();
         adapt(budget, &mut clock.since, seconds, passed, count);
     }
+    // Another shape takes milliseconds to make: one a frame is not felt.
+    let mut has_other_shape = false;
     let mut left = budget.as_ref().map_or(0, |budget| budget.raised as usize);
     for (FloatOrd(distance), entity) in &clock.order {
         let Ok((_, mut cloth, _)) = cloths.get_mut(*entity) else { continue };
@@ -158,7 +167,11 @@ pub(crate) fn choose_levels(
         let most = cloth.lod.in_force.as_ref().map_or(0, |lod| lod.levels.len());
         let raised = left.min(most.saturating_sub(level));
         left -= raised;
-        cloth.lod.go_to(level + raised);
+        let level = level + raised;
+        if cloth.lod.has_other_proxy(level) && core::mem::replace(&mut has_other_shape, true) {
+            continue;
+        }
+        cloth.lod.go_to(level);
     }
     if let Some(budget) = &mut budget {
         // More than there is to raise is no use.
