@@ -6,15 +6,23 @@ use crate::mesh::drawn::{Carrier, ClothMesh, Held};
 use crate::mesh::intake::NormalPlan;
 use crate::simulation::ClothSimulation;
 
-/// Works out the drawn points from those that are simulated. `to_frame` takes a place in the world into the frame of both.
-pub(super) fn carry(cloth: &ClothSimulation, own: &mut ClothMesh, to_frame: impl Fn(Vec3) -> Vec3) {
+/// Works out the drawn points from those that are simulated. `to_frame` takes a place in the world into the frame of both, in which lengths
+/// are `scale` times as large.
+pub(super) fn carry(
+    cloth: &ClothSimulation,
+    own: &mut ClothMesh,
+    scale: f32,
+    to_frame: impl Fn(Vec3) -> Vec3,
+) {
     let ClothMesh { carrier: Some(carrier), points: out, joints, .. } = own else { return };
     let Carrier { proxy, points, normals, cells, sums, .. } = &mut **carrier;
     match &proxy.simulated.normals {
         NormalPlan::Grid { .. } => cells.write(points, None, normals),
         NormalPlan::Groups(groups) => groups.write(points, sums, normals),
     }
-    proxy.binding.write(points, normals, out);
+    // The cloth has the size for good that its entity, or its skeleton, gave it.
+    let scale = scale * cloth.in_force.placed.scale;
+    proxy.binding.write(points, normals, scale, out);
 
     let on_skin = cloth.skin.as_ref().and_then(|skin| skin.drawn.as_deref());
     let is_any_at_zero = on_skin.is_some_and(|skin| skin.at_zero.contains(&true));
@@ -33,7 +41,7 @@ pub(super) fn carry(cloth: &ClothSimulation, own: &mut ClothMesh, to_frame: impl
         let place = match on_skin {
             Some(skin) if !is_attached => to_frame(skin.place(particle, &joints.matrices)),
             // What holds a triangle moves it as it is, whatever the cloth around does.
-            _ => proxy.binding.rigid(particle, points),
+            _ => proxy.binding.rigid(particle, points, scale),
         };
         if place.is_finite() {
             *out = if share == 1.0 { place } else { out.lerp(place, share) };

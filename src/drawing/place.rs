@@ -1,7 +1,7 @@
 //! Where the particles of a cloth are drawn, in the frame of its entity.
 
 use bevy::camera::primitives::Aabb;
-use bevy::math::Mat3A;
+use bevy::math::{Mat3A, ops};
 use bevy::prelude::*;
 use bevy_drape_core::surface::Placing;
 
@@ -60,7 +60,8 @@ pub(super) fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) ->
         }
     }
     place_pinned(attachments, anchors, points, now, &inverse);
-    carry(cloth, own, |place| inverse * (place - origin));
+    let scale = ops::cbrt(inverse.determinant().abs());
+    carry(cloth, own, scale, |place| inverse * (place - origin));
     let bounds = Aabb::enclosing(&own.points)?;
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }

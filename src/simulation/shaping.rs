@@ -110,12 +110,12 @@ impl ClothSimulation {
             old.points.iter_mut().for_each(|place| *place /= scale);
             old.update_normals();
             let mut places = vec![Vec3::ZERO; new.points.len()];
-            binding.write(&old.points, &old.normals, &mut places);
+            binding.write(&old.points, &old.normals, 1.0, &mut places);
             let is_held = |particle: u32| before.pinned().binary_search(&particle).is_ok();
             for (particle, bond) in binding.bonds().iter().enumerate() {
                 let share = bond.held(is_held);
                 if share > 0.0 {
-                    let rigid = binding.rigid(particle, &old.points);
+                    let rigid = binding.rigid(particle, &old.points, 1.0);
                     places[particle] = places[particle].lerp(rigid, share);
                 }
             }

@@ -8,8 +8,8 @@ use crate::{
 };
 use bevy::{mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::{
-    ClothErrorKind, ClothPaused, ClothProxy, ClothSkin, ClothWeights, ColorChannel, PinSelection,
-    ProxyProblem, SkinMap, VertexFactor, prelude::*,
+    ClothErrorKind, ClothGravityOverride, ClothPaused, ClothProxy, ClothSkin, ClothWeights,
+    ColorChannel, PinSelection, ProxyProblem, SkinMap, VertexFactor, prelude::*,
 };
 use std::time::Duration;
 
@@ -77,7 +77,7 @@ fn a_cloth_that_has_not_moved_is_drawn_as_it_was_made() {
         (ClothProxy::mesh(own), 49),
     ];
     for (proxy, count) in proxies {
-        let still = (ClothPaused::default(), place());
+        let still = (ClothPaused::default(), ClothGravityOverride(Vec3::ZERO), place());
         let what = format!("{proxy:?}");
         let cloths = [
             spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh.clone()), proxy.clone(), still)),
@@ -96,12 +96,23 @@ fn a_cloth_that_has_not_moved_is_drawn_as_it_was_made() {
             let expected: Vec<_> = rest.iter().map(|p| place().transform_point(*p)).collect();
             let off = farthest(&drawn_positions(&app, *cloth), &expected);
             assert!(off < 5e-6, "{what}: {off}");
+            // Once it has begun, it has its size for good.
+            app.world_mut().entity_mut(*cloth).insert(ClothPaused { steps: 1 });
+            updates(&mut app, 2);
+            let before = drawn_positions(&app, *cloth);
+            transform(&mut app, *cloth).scale = Vec3::splat(1.1);
+            app.update();
+            let off = farthest(&drawn_positions(&app, *cloth), &before);
+            assert!(off < 1e-5, "{what}, scaled: {off}");
+            *transform(&mut app, *cloth) = place();
+            app.update();
         }
         // It moves rigidly with what it is pinned to.
         if !is_own {
             app.world_mut().entity_mut(cloths[1]).remove::<ClothPaused>();
             app.world_mut().entity_mut(cloths[1]).insert(ClothPins::from(PinSelection::All));
             let to = Transform::from_xyz(-1.0, 0.3, 0.2).with_rotation(Quat::from_rotation_z(2.0));
+            updates(&mut app, 3);
             let before = drawn_positions(&app, cloths[1]);
             *transform(&mut app, cloths[1]) = to.with_scale(Vec3::splat(0.6));
             updates(&mut app, 3);

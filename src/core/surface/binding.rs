@@ -152,11 +152,12 @@ impl Binding {
         self.furthest
     }
 
-    /// Writes where the fine points are, when the coarse ones are at `points` and have these normals.
+    /// Writes where the fine points are, when the coarse ones are at `points`, have these normals, and both are `scale` times as large as
+    /// they were bound.
     ///
     /// # Panics
     /// If there are fewer points or normals than corners, or fewer in `out` than fine points.
-    pub fn write(&self, points: &[Vec3], normals: &[[f32; 3]], out: &mut [Vec3]) {
+    pub fn write(&self, points: &[Vec3], normals: &[[f32; 3]], scale: f32, out: &mut [Vec3]) {
         if self.offsets.is_empty() {
             for (bond, out) in self.bonds.iter().zip(out) {
                 *out = bond.curved(points, normals).0;
@@ -164,20 +165,21 @@ impl Binding {
         } else {
             for ((bond, offset), out) in self.bonds.iter().zip(&self.offsets).zip(out) {
                 let (curved, normal) = bond.curved(points, normals);
-                *out = curved + bond.frame(points, normal) * offset.curved;
+                *out = curved + bond.frame(points, normal) * (offset.curved * scale);
             }
         }
     }
 
-    /// Where a fine point is by the three corners of its triangle alone. As rigid as they are, whatever is around.
+    /// Where a fine point is by the three corners of its triangle alone: as rigid as they are, whatever is around. `scale` as in
+    /// [`Binding::write`].
     ///
     /// # Panics
     /// If there is no such point, or a corner is beyond `points`.
-    pub fn rigid(&self, index: usize, points: &[Vec3]) -> Vec3 {
+    pub fn rigid(&self, index: usize, points: &[Vec3], scale: f32) -> Vec3 {
         let bond = &self.bonds[index];
         let flat = bond.mean(bond.of(points).map(|point| *point));
         match self.offsets.get(index) {
-            Some(offset) => flat + bond.flat_frame(points) * offset.flat,
+            Some(offset) => flat + bond.flat_frame(points) * (offset.flat * scale),
             None => flat,
         }
     }
@@ -252,13 +254,13 @@ mod tests {
             let binding = coarse.carry(&fine);
             let turn = Quat::from_euler(bevy_math::EulerRot::XYZ, 0.7, -1.9, 2.3);
             let moved = |points: &[Vec3]| -> Vec<_> {
-                points.iter().map(|p| turn * *p + Vec3::new(3.0, -2.0, 5.0)).collect()
+                points.iter().map(|p| turn * *p * 1.7 + Vec3::new(3.0, -2.0, 5.0)).collect()
             };
             let points = moved(&coarse.points);
             let mut out = vec![Vec3::NAN; fine.points.len()];
-            binding.write(&points, &normals(&points, 5), &mut out);
+            binding.write(&points, &normals(&points, 5), 1.7, &mut out);
             assert!(largest(&out, &moved(&fine.points)) < 5e-6);
-            let rigid: Vec<_> = (0..out.len()).map(|i| binding.rigid(i, &points)).collect();
+            let rigid: Vec<_> = (0..out.len()).map(|i| binding.rigid(i, &points, 1.7)).collect();
             assert!(largest(&rigid, &moved(&fine.points)) < 5e-6);
         }
     }
@@ -275,7 +277,7 @@ mod tests {
         let binding = coarse.carry(&fine);
         let (bent_coarse, bent_fine) = (Patch::new(7, bent), Patch::new(31, bent));
         let mut out = vec![Vec3::NAN; fine.points.len()];
-        binding.write(&bent_coarse.points, &bent_coarse.normals, &mut out);
+        binding.write(&bent_coarse.points, &bent_coarse.normals, 1.0, &mut out);
         let radius = |p: &Vec3| (p.truncate().length() - 1.0).abs();
         let inner = |i: &usize| (6..25).contains(&(i % 31)) && (6..25).contains(&(i / 31));
         let curved = (0..out.len()).filter(inner).map(|i| radius(&out[i])).fold(0.0, f32::max);
@@ -313,8 +315,8 @@ mod tests {
         let binding = coarse.carry(&fine);
         let points = [Vec3::ONE; 16];
         let mut out = vec![Vec3::NAN; 81];
-        binding.write(&points, &normals(&points, 4), &mut out);
+        binding.write(&points, &normals(&points, 4), 1.0, &mut out);
         assert!(out.iter().all(|p| p.is_finite() && p.distance(Vec3::ONE) < 0.2));
-        assert!((0..81).all(|i| binding.rigid(i, &points).is_finite()));
+        assert!((0..81).all(|i| binding.rigid(i, &points, 1.0).is_finite()));
     }
 }
