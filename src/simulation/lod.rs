@@ -102,6 +102,13 @@ impl Lod {
         proxy(level) != proxy(self.level)
     }
 
+    /// The level nearest to another one at which the same shape is simulated as at the present.
+    fn nearest_of_this_shape(&self, wanted: usize) -> usize {
+        let most = self.in_force.as_ref().map_or(0, |lod| lod.levels.len());
+        let same = (0..=most).filter(|level| !self.has_other_proxy(*level));
+        same.min_by_key(|level| level.abs_diff(wanted)).unwrap_or(self.level)
+    }
+
     fn go_to(&mut self, level: usize) {
         self.changed |= level != self.level;
         self.level = level;
@@ -168,9 +175,9 @@ pub(crate) fn choose_levels(
         let raised = left.min(most.saturating_sub(level));
         left -= raised;
         let level = level + raised;
-        if cloth.lod.has_other_proxy(level) && core::mem::replace(&mut has_other_shape, true) {
-            continue;
-        }
+        let waits =
+            cloth.lod.has_other_proxy(level) && core::mem::replace(&mut has_other_shape, true);
+        let level = if waits { cloth.lod.nearest_of_this_shape(level) } else { level };
         cloth.lod.go_to(level);
     }
     if let Some(budget) = &mut budget {
@@ -272,6 +279,18 @@ mod tests {
             let found = lod.by_distance(distance);
             lod.go_to(found);
             assert_eq!(lod.level, level, "{distance}");
+        }
+    }
+
+    #[test]
+    fn what_waits_for_another_shape_goes_as_far_as_it_can() {
+        let mut lod = Lod::default();
+        let coarse = |at| ClothLevel::at(at).proxy(ClothProxy::ratio(0.5));
+        let levels = vec![ClothLevel::at(1.0), ClothLevel::at(2.0), coarse(3.0), coarse(4.0)];
+        lod.set(&ClothLod { levels, given: None });
+        for (at, wanted, reached) in [(0, 4, 2), (1, 3, 2), (0, 1, 1), (4, 0, 3), (3, 4, 4)] {
+            lod.go_to(at);
+            assert_eq!(lod.nearest_of_this_shape(wanted), reached, "{at} to {wanted}");
         }
     }
 
