@@ -66,7 +66,7 @@ pub struct ClothLevel {
 #[derive(Resource, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Resource, Debug, PartialEq, Clone)]
 pub struct ClothBudget {
-    /// Time for all ticks of a frame \[ms\], above 0.
+    /// Time for all ticks of a frame \[ms\], above 0. Another number is told in the log, and raises nothing.
     pub milliseconds: f32,
     /// Time that they take: from gathering to the end of the ticks, averaged over some ten frames \[ms\].
     pub measured: f32,

@@ -38,6 +38,8 @@ pub(crate) struct Lod {
 pub(crate) struct Clock {
     /// Since the last change \[s\].
     since: f32,
+    /// A time that cannot be used has been told of.
+    is_told: bool,
     /// Room to order the cloths in.
     order: Vec<(FloatOrd, Entity)>,
 }
@@ -163,6 +165,14 @@ pub(crate) fn choose_levels(
     if let Some(budget) = &mut budget {
         let passed = time.map_or(0.0, |time| time.delta_secs());
         let count = clock.order.len();
+        let is_bad = budget.time().is_none();
+        if is_bad && !clock.is_told {
+            tracing::error!(
+                "`ClothBudget::milliseconds` is {}, but must be above 0: no level is raised until it is",
+                budget.milliseconds
+            );
+        }
+        clock.is_told = is_bad;
         adapt(budget, &mut clock.since, seconds, passed, count);
     }
     // Another shape takes milliseconds to make: one a frame is not felt.

@@ -5,7 +5,7 @@
 //! section 3: flat facets would be seen. What is left between that and the fine surface at rest turns with the triangle, so that
 //! at rest the fine surface is as it was made.
 
-use super::nearest::{Corners, NearestTriangles};
+use super::nearest::{Found, NearestTriangles};
 use bevy_math::{Mat3, Vec3};
 
 /// How much the surface between three points is curved by their normals: 0 is flat. That of the paper, section 3.
@@ -101,8 +101,8 @@ impl Bond {
 
 impl Binding {
     /// Binds each of `fine` points, whose normals are `fine_normals`, to the nearest of the `triangles` that faces as it does; of
-    /// `points` at rest, whose normals are `normals`. A point without a normal is bound to the nearest of all, and so is one that no
-    /// triangle faces.
+    /// `points` at rest, whose normals are `normals`. A point without a normal is bound to the nearest of all, and so is one near which no
+    /// triangle faces as it does.
     ///
     /// # Panics
     /// If there is no triangle, a corner is beyond the points, or there are fewer normals than points.
@@ -116,11 +116,11 @@ impl Binding {
         let search = NearestTriangles::new(points, triangles);
         let mut furthest = (0, 0.0_f32);
         let bond = |(index, (point, normal)): (usize, (&Vec3, &[f32; 3]))| {
-            let found = search.nearest(*point, Vec3::from_array(*normal));
-            if found.distance > furthest.1 {
-                furthest = (index, found.distance);
+            let Found { corners, weights, distance } =
+                search.nearest(*point, Vec3::from_array(*normal));
+            if distance > furthest.1 {
+                furthest = (index, distance);
             }
-            let Corners { corners, weights } = found.on;
             Bond { corners, weights }
         };
         let bonds: Box<[_]> = fine.iter().zip(fine_normals).enumerate().map(bond).collect();

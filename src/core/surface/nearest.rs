@@ -5,19 +5,15 @@ use bevy_platform::collections::HashMap;
 
 /// Cells along the longest side, at most.
 const MOST_CELLS: f32 = 128.0;
-
-/// A place on a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corners {
-    pub corners: [u32; 3],
-    /// Weights of the corners, of which none is negative and the sum is one.
-    pub weights: [f32; 3],
-}
+/// A triangle that faces along is taken before a nearer one that does not, unless it is further than that by so many cells.
+const DETOUR: f32 = 4.0;
 
 /// The place on a surface that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
-    pub on: Corners,
+    /// The corners of its triangle, and their weights, of which none is negative and the sum is one.
+    pub corners: [u32; 3],
+    pub weights: [f32; 3],
     pub distance: f32,
 }
 
@@ -28,8 +24,10 @@ pub(super) struct NearestTriangles<'a> {
     cells: HashMap<IVec3, Vec<u32>>,
     /// Side of a cell \[m\].
     side: f32,
-    /// The first and the last cell along each axis.
-    bounds: (IVec3, IVec3),
+    /// Where the first cell begins.
+    min: Vec3,
+    /// The last cell along each axis.
+    last: IVec3,
 }
 
 impl<'a> NearestTriangles<'a> {
@@ -43,77 +41,88 @@ impl<'a> NearestTriangles<'a> {
         });
         let mean = boxes.clone().map(|(min, max)| (max - min).max_element()).sum::<f32>()
             / triangles.len() as f32;
-        let (min, max) =
-            boxes.clone().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let around = boxes.clone().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (min, max) = around.unwrap_or_default();
         let side = mean.max((max - min).max_element() / MOST_CELLS);
         let side = if side > 0.0 { side } else { 1.0 };
-        let mut cells = HashMap::<IVec3, Vec<u32>>::new();
-        let mut bounds = (IVec3::MAX, IVec3::MIN);
+        let cells = HashMap::new();
+        let last = ((max - min) / side).floor().as_ivec3();
+        let mut all = Self { points, triangles, cells, side, min, last };
         for (number, (min, max)) in (0_u32..).zip(boxes) {
-            let (first, last) = (cell(min, side), cell(max, side));
-            bounds = (bounds.0.min(first), bounds.1.max(last));
-            for_each_cell(first, last, |at| cells.entry(at).or_default().push(number));
+            for_each_cell(all.cell(min), all.cell(max), |at| {
+                all.cells.entry(at).or_default().push(number);
+            });
         }
-        Self { points, triangles, cells, side, bounds }
+        all
     }
 
-    /// The nearest place of all triangles that face along `normal`; of all triangles where none does, or the normal is zero. Of equal
-    /// ones that of the first triangle.
+    /// The nearest place of the triangles that face along `normal`; of all, where none of those is about as near, or the normal is zero.
+    /// Of equal ones that of the first triangle.
     pub fn nearest(&self, point: Vec3, normal: Vec3) -> Found {
-        self.search(point, |corners| {
-            let [a, b, c] = corners;
-            normal == Vec3::ZERO || (b - a).cross(c - a).dot(normal) > 0.0
-        })
-        .or_else(|| self.search(point, |_| true))
-        .expect("there is a triangle")
-    }
-
-    fn search(&self, point: Vec3, takes: impl Fn([Vec3; 3]) -> bool) -> Option<Found> {
-        let home = cell(point, self.side);
-        let (first, last) = self.bounds;
-        // Rings of cells further than this have no triangle.
-        let reach = (home - first).abs().max((home - last).abs()).max_element();
-        // Before that there are none either.
-        let start = (first - home).max(home - last).max(IVec3::ZERO).max_element();
-        let mut best: Option<(f32, u32, [f32; 3])> = None;
-        for ring in start..=reach {
-            for_each_of_ring(home, ring, self.bounds, |at| {
+        // What is outside begins at the nearest cell: all others are further by as many cells as they are from that.
+        let home = self.cell(point);
+        let (mut any, mut facing) = (None, None);
+        for ring in 0..=self.last.max_element() {
+            for_each_of_ring(home, ring, self.last, |at| {
                 for &number in self.cells.get(&at).map_or(&[][..], |cell| cell) {
-                    let corners = self.corners(number);
-                    if !takes(corners) {
-                        continue;
-                    }
-                    let weights = nearest_of(corners, point);
-                    let [a, b, c] = corners;
-                    let place = a * weights[0] + b * weights[1] + c * weights[2];
-                    let square = place.distance_squared(point);
-                    let is_nearer = best.is_none_or(|(least, first, _)| {
-                        square < least || square == least && number < first
-                    });
-                    if is_nearer {
-                        best = Some((square, number, weights));
-                    }
+                    self.look(number, point, normal, &mut any, &mut facing);
                 }
             });
             // What lies beyond is a whole ring away.
-            if best.is_some_and(|(square, ..)| square.sqrt() <= ring as f32 * self.side) {
+            let reached = ring as f32 * self.side;
+            let is_reached = |best: Option<Best>, more: f32| {
+                best.is_some_and(|(square, ..)| square.sqrt() + more <= reached)
+            };
+            if is_reached(facing, 0.0) || is_reached(any, DETOUR * self.side) {
                 break;
             }
         }
-        best.map(|(square, number, weights)| Found {
-            on: Corners { corners: self.triangles[number as usize], weights },
-            distance: square.sqrt(),
-        })
+        // Each triangle is in some cell.
+        let (nearest, number, weights) = any.unwrap_or((f32::INFINITY, 0, [1.0, 0.0, 0.0]));
+        let most = nearest.sqrt() + DETOUR * self.side;
+        let facing = facing.filter(|(square, ..): &Best| square.sqrt() <= most);
+        let (square, number, weights) = facing.unwrap_or((nearest, number, weights));
+        Found { corners: self.triangles[number as usize], weights, distance: square.sqrt() }
+    }
+
+    fn look(
+        &self,
+        number: u32,
+        point: Vec3,
+        normal: Vec3,
+        any: &mut Option<Best>,
+        facing: &mut Option<Best>,
+    ) {
+        let [a, b, c] = self.corners(number);
+        let weights = nearest_of([a, b, c], point);
+        let place = a * weights[0] + b * weights[1] + c * weights[2];
+        let square = place.distance_squared(point);
+        let improve = |best: &mut Option<Best>| {
+            let is_nearer = best.is_none_or(|(least, first, _)| {
+                square < least || square == least && number < first
+            });
+            if is_nearer {
+                *best = Some((square, number, weights));
+            }
+        };
+        improve(any);
+        if normal == Vec3::ZERO || (b - a).cross(c - a).dot(normal) > 0.0 {
+            improve(facing);
+        }
     }
 
     fn corners(&self, number: u32) -> [Vec3; 3] {
         self.triangles[number as usize].map(|corner| self.points[corner as usize])
     }
+
+    /// The cell that a point is in, or is nearest to.
+    fn cell(&self, point: Vec3) -> IVec3 {
+        ((point - self.min) / self.side).floor().as_ivec3().clamp(IVec3::ZERO, self.last)
+    }
 }
 
-fn cell(point: Vec3, side: f32) -> IVec3 {
-    (point / side).floor().as_ivec3()
-}
+/// The square of a distance, the number of a triangle, and the weights of its corners.
+type Best = (f32, u32, [f32; 3]);
 
 fn for_each_cell(first: IVec3, last: IVec3, mut act: impl FnMut(IVec3)) {
     for z in first.z..=last.z {
@@ -125,10 +134,9 @@ fn for_each_cell(first: IVec3, last: IVec3, mut act: impl FnMut(IVec3)) {
     }
 }
 
-/// The cells that are `ring` cells away along some axis, and no more along any; within bounds.
-fn for_each_of_ring(home: IVec3, ring: i32, bounds: (IVec3, IVec3), mut act: impl FnMut(IVec3)) {
-    let first = (home - ring).max(bounds.0);
-    let last = (home + ring).min(bounds.1);
+/// The cells, from zero to the last, that are `ring` cells away along some axis, and no more along any.
+fn for_each_of_ring(home: IVec3, ring: i32, end: IVec3, mut act: impl FnMut(IVec3)) {
+    let (first, last) = ((home - ring).max(IVec3::ZERO), (home + ring).min(end));
     for z in first.z..=last.z {
         for y in first.y..=last.y {
             let is_face = (z - home.z).abs() == ring || (y - home.y).abs() == ring;
@@ -223,24 +231,45 @@ mod tests {
 
     #[test]
     fn the_grid_finds_what_a_look_at_all_finds() {
-        let points = vectors(120);
+        // Small ones here and there, so that the nearest that faces along may be far.
+        let centres: Vec<_> = vectors(40).into_iter().flat_map(|centre| [centre; 3]).collect();
+        let points: Vec<_> = centres.iter().zip(vectors(160)).map(|(c, p)| c + p * 0.1).collect();
         let triangles: Vec<_> = (0..40).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let search = NearestTriangles::new(&points, &triangles);
-        for (point, normal) in vectors(100).into_iter().zip(vectors(100)) {
-            let point = point * 4.0;
-            let of_all = (0..40)
-                .filter(|&i| {
-                    let [a, b, c] = search.corners(i);
-                    (b - a).cross(c - a).dot(normal) > 0.0
-                })
-                .map(|i| {
-                    let corners = search.corners(i);
+        let mut seen = [0; 2];
+        for (point, normal) in vectors(200).into_iter().zip(vectors(201).into_iter().skip(1)) {
+            let point = point * 1.5;
+            let of_all = |takes: &dyn Fn(Vec3) -> bool| {
+                let facing = (0..40)
+                    .map(|i| search.corners(i))
+                    .filter(|[a, b, c]| takes((b - a).cross(c - a)));
+                let distance = |corners: [Vec3; 3]| {
                     let w = nearest_of(corners, point);
                     (corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2]).distance(point)
-                })
-                .fold(f32::INFINITY, f32::min);
+                };
+                facing.map(distance).fold(f32::INFINITY, f32::min)
+            };
+            let (any, facing) = (of_all(&|_| true), of_all(&|side| side.dot(normal) > 0.0));
+            let is_near = facing <= any + DETOUR * search.side;
+            let expected = if is_near { facing } else { any };
             let found = search.nearest(point, normal);
-            assert!((found.distance - of_all).abs() < 1e-5, "{} {of_all}", found.distance);
+            assert!((found.distance - expected).abs() < 1e-5, "{} {expected}", found.distance);
+            seen[usize::from(is_near)] += 1;
+        }
+        assert!(seen[0] > 0 && seen[1] > 50, "{seen:?}");
+    }
+
+    #[test]
+    fn what_is_far_away_finds_what_is_there() {
+        // A millimetre of surface, sought from as far as a mesh may be.
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|p| p * 1e-3 - Vec3::splat(5e-4));
+        let triangles = [[0, 2, 1]];
+        let search = NearestTriangles::new(&points, &triangles);
+        for point in [Vec3::splat(1e6), Vec3::splat(-1e6), Vec3::new(1e6, -1e6, 0.0)] {
+            for normal in [Vec3::Y, Vec3::NEG_Y, Vec3::ZERO] {
+                let found = search.nearest(point, normal);
+                assert!((found.distance / point.length() - 1.0).abs() < 1e-5);
+            }
         }
     }
 }
