@@ -104,8 +104,8 @@ impl ClothSimulation {
             Binding::new(&new.points, &new.normals, &old.triangles, &old.points, &old.normals);
         // At the start of the last tick, from where it is drawn, and at its end.
         let mut at = |blend| {
-            let from_origin =
-                Placing { blend, turn: Mat3::IDENTITY, shift: before.solver.origin() };
+            // Near the cloth's own origin: far from the world's, places are coarse.
+            let from_origin = Placing { blend, turn: Mat3::IDENTITY, shift: Vec3::ZERO };
             from_origin.write(&before.solver, &mut old.points);
             old.points.iter_mut().for_each(|place| *place /= scale);
             old.update_normals();
@@ -119,7 +119,8 @@ impl ClothSimulation {
                     places[particle] = places[particle].lerp(rigid, share);
                 }
             }
-            places.iter_mut().for_each(|place| *place *= scale);
+            let origin = before.solver.origin();
+            places.iter_mut().for_each(|place| *place = *place * scale + origin);
             places
         };
         let (starts, ends) = (at(0.0), at(1.0));
