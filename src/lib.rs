@@ -150,6 +150,7 @@ pub use collider::bake::{BakeSdf, SdfCells};
 pub use collider::body::{BodyCapsule, ClothBody, ClothBodyFitted};
 pub use collider::impulse::ColliderImpulse;
 pub use collider::load::{DistanceFieldLoader, LoadFieldError};
+pub use collider::mass::{BodyImpulse, ColliderBody, ColliderMass};
 pub use collider::shape::{CustomSdf, SdfShape};
 pub use collider::snapshot::SdfColliderSnapshot;
 pub use collider::{SdfCollider, SdfColliderDisabled};

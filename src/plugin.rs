@@ -78,7 +78,9 @@ use crate::collider::body::parts::{fit_bodies, forget_body, place_bodies};
 use crate::collider::disturbance::{Disturbances, note_disturbances};
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
+use crate::collider::mass::{BodyImpulse, ColliderBody, ColliderMass};
 use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
+use crate::collider::tick_bodies::{forget_mass, gather_bodies};
 use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::drawing::draw_cloths;
@@ -106,6 +108,7 @@ use crate::simulation::skin::taken::{TakenSkin, give_back, put_on};
 use crate::simulation::skin::wear::wear_skins;
 use crate::simulation::sleeping::choose_steps;
 use crate::simulation::snapshot::{ClothSnapshot, restore_cloths};
+use crate::step::bodies::{share_bodies, tell_bodies};
 use crate::step::impulses::sum_impulses;
 use crate::step::islands::Islands;
 use crate::step::islands::form::form_islands;
@@ -184,6 +187,9 @@ impl Plugin for ClothPlugin {
             .register_type::<SdfColliderDisabled>()
             .register_type::<ClothBody>()
             .register_type::<ColliderImpulse>()
+            .register_type::<ColliderMass>()
+            .register_type::<ColliderBody>()
+            .register_type::<BodyImpulse>()
             .register_type::<ClothSnapshot>()
             .register_type::<SdfColliderSnapshot>()
             .register_type::<BakeSdf>()
@@ -203,6 +209,7 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_push)
             .add_observer(forget_collider)
             .add_observer(forget_body)
+            .add_observer(forget_mass)
             .add_observer(restore_collider)
             .add_observer(forget_zone)
             .add_observer(cancel_bake)
@@ -231,12 +238,14 @@ impl Plugin for ClothPlugin {
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
+                        gather_bodies,
                         note_disturbances,
                         gather_pins,
                         gather_step,
                         gather_zones,
                         gather_air,
                         choose_steps,
+                        share_bodies,
                         form_islands,
                         tell_entangled,
                     )
@@ -251,7 +260,7 @@ impl Plugin for ClothPlugin {
                     )
                         .chain()
                         .in_set(Solve),
-                    (sum_impulses, finish_tick, settle_islands, forget_states)
+                    (sum_impulses, tell_bodies, finish_tick, settle_islands, forget_states)
                         .chain()
                         .in_set(Finish),
                 ),

@@ -102,7 +102,7 @@ fn settings_come_back() {
     comes_back(SdfColliderDisabled);
     comes_back(HangOnStart { places: HangingPlaces::Rest, ..default() });
     comes_back(ClothExecution::Staged);
-    comes_back(ColliderImpulse(Vec3::Z));
+    comes_back(ColliderImpulse { linear: Vec3::Z, angular: Vec3::X });
     comes_back(ClothWeights {
         mass: VertexFactor::Color { channel: ColorChannel::Blue, at_zero: 1.0, at_one: 2.0 },
         stiffness: VertexFactor::Data(vec![1.0, 0.1, 3.0]),

@@ -6,8 +6,10 @@ pub(crate) mod check;
 pub(crate) mod disturbance;
 pub(crate) mod impulse;
 pub(crate) mod load;
+pub(crate) mod mass;
 pub(crate) mod shape;
 pub(crate) mod snapshot;
+pub(crate) mod tick_bodies;
 pub(crate) mod tick_colliders;
 
 use std::sync::Arc;

@@ -9,6 +9,7 @@ use crate::cloth::layers::ClothLayers;
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::FieldSource;
 use crate::collider::shape::SdfShape;
+use crate::collider::tick_bodies::TickBody;
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
@@ -59,9 +60,17 @@ pub(crate) struct Gathered {
     pub friction: f32,
     pub layers: ClothLayers,
     pub measured: bool,
+    /// The body that it is a part of, if cloths move it.
+    pub body: Option<TickBody>,
 }
 
 impl TickColliders {
+    /// What is known of a collider in the tick.
+    pub(crate) fn gathered_mut(&mut self, entity: Entity) -> Option<&mut Gathered> {
+        let place = self.colliders.binary_search_by_key(&entity, |collider| collider.entity);
+        place.ok().map(|at| &mut self.colliders[at])
+    }
+
     /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
     /// left out.
     pub fn colliders<'a>(
@@ -77,7 +86,9 @@ impl TickColliders {
                 friction: collider.friction,
                 layers: collider.layers.0,
                 key: collider.entity.to_bits(),
-                measured: collider.measured,
+                measured: collider.measured || collider.body.is_some(),
+                centre: collider.body.map_or(Vec3::ZERO, |body| body.center_of_mass),
+                mobility: collider.body.as_ref().and_then(TickBody::part),
             })
         }));
         colliders
@@ -282,7 +293,7 @@ fn gather(
     let motion =
         collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));
     let shape = collider.shape.clone();
-    Ok(Gathered { entity, shape, motion, friction, layers, measured: false })
+    Ok(Gathered { entity, shape, motion, friction, layers, measured: false, body: None })
 }
 
 /// When `SdfCollider` is removed, drops it from the tick, clears its errors and forgets its motion.

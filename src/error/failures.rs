@@ -52,7 +52,9 @@ impl Blame {
                 | ClothComponent::ClothLod
                 | ClothComponent::ClothSleepThreshold
                 | ClothComponent::HangOnStart => true,
-                ClothComponent::SdfCollider | ClothComponent::WindZone => false,
+                ClothComponent::SdfCollider
+                | ClothComponent::ColliderMass
+                | ClothComponent::WindZone => false,
             },
             Self::Shape
             | Self::Proxy

@@ -148,6 +148,8 @@ pub enum ClothComponent {
     HangOnStart,
     /// [`SdfCollider`](crate::SdfCollider).
     SdfCollider,
+    /// [`ColliderMass`](crate::ColliderMass).
+    ColliderMass,
     /// [`WindZone`](crate::WindZone).
     WindZone,
 }

@@ -16,7 +16,7 @@ use crate::collider::tick_colliders::ColliderRoom;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Anchor;
 use crate::solver::{
-    ClothSolver, Collider, ParameterError, Pose, RigidMotion, SolverError, TickReport,
+    ClothSolver, Collider, Impulse, ParameterError, Pose, RigidMotion, SolverError, TickReport,
 };
 
 /// Requests for a cloth's next tick, and the motion of its reference frame in this one.
@@ -115,6 +115,11 @@ impl ReferenceFrame {
     /// A vector that [`ReferenceFrame::seen`] gave, in the world again.
     pub fn in_world(&self, seen: Vec3) -> Vec3 {
         self.turn_of_ride().map_or(seen, |turn| turn * seen)
+    }
+
+    /// An impulse that was seen in the ride, in the world.
+    pub fn impulse_in_world(&self, Impulse { linear, angular }: Impulse) -> Impulse {
+        Impulse { linear: self.in_world(linear), angular: self.in_world(angular) }
     }
 
     /// How far the ride has turned at the middle of the tick.

@@ -6,6 +6,7 @@ use crate::collider::impulse::ColliderImpulse;
 use crate::collider::tick_colliders::TickColliders;
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
+use crate::solver::Impulse;
 
 /// Sums up what the cloths of the tick gave, before their outcomes are taken.
 pub(crate) fn sum_impulses(
@@ -32,8 +33,8 @@ pub(crate) fn sum_impulses(
         };
         let given = cloths
             .iter_many(order.iter())
-            .map(|(_, cloth)| cloth.frame.in_world(cloth.solver.impulse(place)));
-        let sum = given.sum();
-        impulse.set_if_neq(ColliderImpulse(sum));
+            .map(|(_, cloth)| cloth.frame.impulse_in_world(cloth.solver.impulse(place)));
+        let sum: Impulse = given.sum();
+        impulse.set_if_neq(sum.into());
     }
 }

@@ -1,5 +1,6 @@
 //! One tick: gather -> solve -> finish. The solver does the work; here it meets the world.
 
+pub(crate) mod bodies;
 pub(crate) mod impulses;
 pub(crate) mod islands;
 

@@ -282,7 +282,7 @@ fn a_collider_is_given_the_weight_that_rests_on_it() {
     // Asked for after it stands still.
     app.world_mut().entity_mut(plane).insert(ColliderImpulse::default());
     updates(&mut app, 2);
-    let given = app.world().get::<ColliderImpulse>(plane).unwrap().0;
+    let given = app.world().get::<ColliderImpulse>(plane).unwrap().linear;
     let solver_mass: f32 = {
         let material = *app.world().get::<ClothMaterial>(cloth).unwrap();
         material.area_density * 1.0

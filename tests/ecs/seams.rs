@@ -129,7 +129,7 @@ fn everything_at_once_gives_the_same_bits_in_both_forms_at_every_frame_rate() {
         let mut pushed = false;
         while app.world().get::<ClothSimulation>(cloth).is_none_or(|c| c.tick_count() < 45) {
             app.update();
-            pushed |= app.world().get::<ColliderImpulse>(ball).unwrap().0 != Vec3::ZERO;
+            pushed |= app.world().get::<ColliderImpulse>(ball).unwrap().linear != Vec3::ZERO;
         }
         check_is_graph(&app, cloth, graph);
         assert_eq!(failure(&app, cloth), None);
@@ -366,7 +366,7 @@ fn impulses_are_in_the_worlds_axes_in_a_ride_that_turns() {
         let mut sum = Vec3::ZERO;
         for _ in 0..8 {
             app.update();
-            sum += app.world().get::<ColliderImpulse>(floor).unwrap().0;
+            sum += app.world().get::<ColliderImpulse>(floor).unwrap().linear;
         }
         // A floor without friction is pushed down, and nowhere else.
         assert!(sum.y < -0.01 && sum.x.abs() < 0.25 * TURN * sum.y.abs(), "{sum}");

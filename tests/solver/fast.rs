@@ -176,7 +176,7 @@ fn give(solver: &mut ClothSolver, collider: Collider) -> (DVec3, DVec3) {
     };
     let before = momentum(solver);
     solver.tick(&input).unwrap();
-    let given = solver.impulse(0).as_dvec3();
+    let given = solver.impulse(0).linear.as_dvec3();
     (given, before - momentum(solver) - given)
 }
 

@@ -61,7 +61,7 @@ fn what_the_cloth_loses_the_point_that_it_hangs_from_is_given() {
         let (mut given, mut fallen) = (DVec3::ZERO, DVec3::ZERO);
         for _ in 0..120 {
             run(&mut solver, 1, GRAVITY, &[collider]);
-            given += solver.impulse(0).as_dvec3();
+            given += solver.impulse(0).linear.as_dvec3();
             fallen += GRAVITY.as_dvec3() * mass * f64::from(TICK);
         }
         // The velocity is half a substep behind: half of its weight is still to come.

@@ -144,7 +144,7 @@ fn busy(
             take_tick(&mut solver, &input, staged);
             let is_cut = shared && rayon::current_num_threads() > 1;
             assert_eq!(solver.band_count() > 1, is_cut, "{}", variant.what);
-            (bits(&solver), solver.impulse(0).to_array().map(f32::to_bits))
+            (bits(&solver), solver.impulse(0).linear.to_array().map(f32::to_bits))
         })
         .collect()
 }

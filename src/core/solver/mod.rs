@@ -93,7 +93,7 @@ pub use crate::solver::cloth_contact::{InterCollision, SelfCollision};
 pub use crate::solver::constraints::pin_motion::PinMotion;
 pub use crate::solver::constraints::skin::{Backstop, SkinLimit, SkinMotion};
 pub use crate::solver::constraints::soft_pins::SoftPin;
-pub use crate::solver::contact::{Collider, ColliderMotion, Pose};
+pub use crate::solver::contact::{Collider, ColliderMotion, Impulse, Mobility, Pose};
 pub use crate::solver::error::SolverError;
 pub use crate::solver::forces::aerodynamics::Air;
 pub use crate::solver::forces::external::{PushOn, PushWith};
@@ -301,16 +301,30 @@ impl ClothSolver {
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
-        self.state.contacts.begin_tick(input.colliders);
+        self.state.contacts.begin_tick(input.colliders, self.state.origin);
         self.done = 0;
         self.plan.substeps
     }
 
-    /// Momentum that the cloth gave a collider in the last tick \[kg m/s\], by the collider's place in
-    /// the input; zero where it was not asked to be [`measured`](Collider::measured), and after a tick
-    /// that was undone.
-    pub fn impulse(&self, collider: usize) -> Vec3 {
+    /// What the cloth gave a collider in the last tick, by the collider's place in the input: momentum, and angular momentum
+    /// about its [`centre`](Collider::centre). Zero where it was not asked to be [`measured`](Collider::measured), and after a
+    /// tick that was undone.
+    pub fn impulse(&self, collider: usize) -> Impulse {
         self.state.contacts.impulses.of(collider)
+    }
+
+    /// The impulse that whatever moves a body is to give it after the last tick, by its place in the input, for the cloth to carry it
+    /// (see [`Mobility`]). Over time it sums up to [`impulse`](Self::impulse); it is a tick ahead, as far as the cloth is expected
+    /// to go on as it does.
+    pub fn body_impulse(&self, collider: usize) -> Impulse {
+        self.state.contacts.impulses.answer(collider)
+    }
+
+    /// The same for a tick that the cloth does not take, as it sleeps, by the body's [`key`](Collider::key).
+    pub fn body_impulse_at_rest(&self, key: u64) -> Impulse {
+        let contacts = &self.state.contacts;
+        let at = contacts.keys.position(key);
+        at.map_or(Impulse::ZERO, |collider| contacts.impulses.expected(collider))
     }
 
     /// Ends the tick.
@@ -329,6 +343,7 @@ impl ClothSolver {
             return Err(SolverError::Diverged);
         }
         self.survey = survey;
+        self.state.contacts.impulses.end_tick();
         Ok(TickReport {
             substeps: self.plan.substeps,
             max_strain: survey.max_strain,

@@ -34,6 +34,8 @@ use crate::solver::simd::soa::{Array, Soa, ValuesMut};
 /// Least part of the inverse masses of a spring's ends that a correction divides by: what holds both ends would else
 /// be pulled at without bound.
 pub(crate) const LEAST_MOBILITY: f32 = 0.2;
+/// Square of a normal's length below which it is that of a body which yields.
+const YIELDS: f32 = 0.9999;
 /// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
 const GIVING: f32 = 0.1;
 
@@ -54,6 +56,10 @@ pub(crate) struct ActiveSet {
     pub velocity: Soa,
     /// The collider that a particle lies on, by slot: its index.
     pub holder: Array,
+    /// Approach to a body that contact has undone in this substep, outward, by slot \[m\]; zero once it has answered.
+    pub pressed: Soa,
+    /// Room for the slots of the particles that a body answers to.
+    pub answering: Vec<usize>,
     /// A particle's displacement before any correction, by slot \[m\].
     pub unpulled: Soa,
     /// Part of the pulls carried on that was left out for good, by slot \[m\]; known where a collider is measured.
@@ -148,6 +154,8 @@ impl ActiveSet {
             edges: EdgeMemory::new(),
             keys: Keys::default(),
             velocity: Soa::zeros(slots),
+            pressed: Soa::zeros(slots),
+            answering: Vec::new(),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
             impulses: Impulses::default(),
@@ -166,7 +174,7 @@ impl ActiveSet {
     }
 
     /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places.
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3) {
         if self.keys.go_on(colliders) {
             let place = |collider| self.keys.place(collider);
             self.edges.renumber(place);
@@ -175,7 +183,10 @@ impl ActiveSet {
                 *holder = place(*holder as usize).unwrap_or(usize::MAX) as f32;
             }
         }
-        self.impulses.begin_tick(colliders);
+        self.impulses.begin_tick(colliders, origin);
+        if colliders.iter().any(|collider| collider.mobility.is_some()) {
+            self.answering.reserve(self.lost.len());
+        }
     }
 
     /// Forgets what the particle of a slot lies on.
@@ -227,6 +238,14 @@ impl Contacts<'_> {
     pub fn add(&mut self, slot: usize, load: &Block) {
         self.load.add(slot, load);
     }
+}
+
+/// The part of what corrections moved a particle by that its slip is about, where the normal `n` is that of its surface: the part
+/// along the surface. On a body that yields, which has a shorter normal, they move it across the surface too.
+#[inline(always)]
+pub(crate) fn slipped(pulled: Vec3, n: Vec3) -> Vec3 {
+    let along = pulled - n * n.dot(pulled);
+    if n.dot(n) < YIELDS { pulled } else { along }
 }
 
 /// Divides pulls at particles into the part along their surfaces of normals `n`, which moves them, and the load.

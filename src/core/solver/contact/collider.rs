@@ -4,6 +4,7 @@ use bevy_math::bounding::Aabb3d;
 use bevy_math::{Mat3, Quat, Vec3};
 
 use crate::sdf::{KnownShape, SignedDistance};
+use crate::solver::contact::mobility::{Deviation, Mobility};
 
 /// Where a collider is: uniform scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,7 @@ impl Pose {
         }
     }
 
-    fn apply(&self, point: Vec3) -> Vec3 {
+    pub(super) fn apply(&self, point: Vec3) -> Vec3 {
         self.rotation * (point * self.scale) + self.translation
     }
 }
@@ -109,13 +110,26 @@ pub struct Collider<'a> {
     /// Whether the impulse that the cloth gives it is asked for, see
     /// [`ClothSolver::impulse`](crate::solver::ClothSolver::impulse).
     pub measured: bool,
+    /// The place in its own frame that angular impulses are about: its centre of mass, where it is a body \[m\].
+    pub centre: Vec3,
+    /// What the cloth moves it by within the tick, where it is a body that is moved. Its impulse is asked for then.
+    pub mobility: Option<Mobility>,
 }
 
 impl<'a> Collider<'a> {
     /// A collider that stays at a pose in world space, with a friction of 0.5, in all layers.
     pub fn new(shape: &'a dyn SignedDistance, pose: Pose) -> Self {
         let motion = ColliderMotion::new(shape, pose, pose);
-        Self { shape, motion, friction: 0.5, layers: u32::MAX, key: 0, measured: false }
+        Self {
+            shape,
+            motion,
+            friction: 0.5,
+            layers: u32::MAX,
+            key: 0,
+            measured: false,
+            centre: Vec3::ZERO,
+            mobility: None,
+        }
     }
 
     /// The collider between other poses.
@@ -143,9 +157,23 @@ impl<'a> Collider<'a> {
         Self { measured: true, ..self }
     }
 
+    /// A body that the cloth moves, with its centre of mass there in its own frame \[m\].
+    pub fn moved_by(self, mobility: Mobility, centre: Vec3) -> Self {
+        Self { centre, mobility: Some(mobility), ..self }
+    }
+
+    /// Where its centre of mass is planned to be after a part of the tick, in world space \[m\].
+    pub(super) fn centre_at(&self, part: f32) -> Vec3 {
+        self.motion.start.interpolate(&self.motion.end, part).apply(self.centre)
+    }
+
     /// Whether every number can be used.
     pub(crate) fn is_usable(&self) -> bool {
-        self.motion.valid && self.friction >= 0.0 && self.friction <= 1e3
+        self.motion.valid
+            && self.friction >= 0.0
+            && self.friction <= 1e3
+            && self.centre.is_finite()
+            && self.mobility.is_none_or(|mobility| mobility.is_valid())
     }
 }
 
@@ -233,17 +261,29 @@ pub(super) struct Motion<'a> {
     /// Least radius of curvature of the surface where it is convex \[m\].
     pub least_radius: f32,
     pub measured: bool,
+    /// Whether it is a body that the cloth moves.
+    pub yields: bool,
+    /// The place that angular impulses are about, when the substep begins and when it ends \[m\].
+    pub centre: [Vec3; 2],
 }
 
 impl<'a> Motion<'a> {
-    /// From part `from` of the tick to part `to`.
-    pub fn new(collider: &Collider<'a>, origin: Vec3, friction: f32, from: f32, to: f32) -> Self {
+    /// From part `from` of the tick to part `to`, with how far the collider has `deviated` from its planned way at both.
+    pub fn new(
+        collider: &Collider<'a>,
+        origin: Vec3,
+        friction: f32,
+        [from, to]: [f32; 2],
+        deviated: [Deviation; 2],
+    ) -> Self {
         // Seen from the cloth: far from the world's origin, poses on the way would be rounded, and so the
         // collider's speed.
         let seen = |pose: Pose| Pose { translation: pose.translation - origin, ..pose };
         let (start, end) = (seen(collider.motion.start), seen(collider.motion.end));
-        let before = start.interpolate(&end, from);
-        let after = start.interpolate(&end, to);
+        let planned = [from, to].map(|part| start.interpolate(&end, part));
+        let centres = planned.map(|pose| pose.apply(collider.centre));
+        let at = |i: usize| deviated[i].apply(&planned[i], centres[i]);
+        let (before, after) = (at(0), at(1));
         let moves = before != after;
         let reach = match collider.shape.bounds() {
             _ if !moves => 0.0,
@@ -268,7 +308,9 @@ impl<'a> Motion<'a> {
             // The rest is for what is not met head on: a way may cut off a part of a curved side.
             fast: 0.125 * collider.shape.core_depth() * after.scale,
             least_radius: collider.shape.least_radius() * after.scale,
-            measured: collider.measured,
+            measured: collider.measured || collider.mobility.is_some(),
+            yields: collider.mobility.is_some(),
+            centre: [centres[0] + deviated[0].shift, centres[1] + deviated[1].shift],
         }
     }
 }

@@ -3,9 +3,10 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::ContactSettings;
+use crate::solver::contact::collider::Motion;
 use crate::solver::contact::hold::Hold;
 use crate::solver::contact::push_out::{Near, Pushed};
-use crate::solver::simd::block::Block3;
+use crate::solver::simd::block::{Block3, larger};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, ValuesMut};
@@ -18,6 +19,7 @@ pub(super) struct Found<'a> {
     pub loose: ValuesMut<'a>,
     pub velocity: PartMut<'a>,
     pub holder: ValuesMut<'a>,
+    pub pressed: PartMut<'a>,
 }
 
 impl CutAt for Found<'_> {
@@ -28,6 +30,7 @@ impl CutAt for Found<'_> {
         let (loose, loose_below) = self.loose.cut(slot);
         let (velocity, velocity_below) = self.velocity.cut(slot);
         let (holder, holder_below) = self.holder.cut(slot);
+        let (pressed, pressed_below) = self.pressed.cut(slot);
         let below = Self {
             blocks: blocks_below,
             normal: normal_below,
@@ -35,21 +38,24 @@ impl CutAt for Found<'_> {
             loose: loose_below,
             velocity: velocity_below,
             holder: holder_below,
+            pressed: pressed_below,
         };
-        (Self { blocks, normal, slip, loose, velocity, holder }, below)
+        (Self { blocks, normal, slip, loose, velocity, holder, pressed }, below)
     }
 }
 
 impl Found<'_> {
-    /// Takes a block's particles that touch into the active set.
+    /// Takes a block's particles that touch into the active set. The approach of fast ones has been `stopped` before \[m\].
     #[inline(always)]
     pub fn take(
         &mut self,
         slot: usize,
         near: &Near,
         pushed: &Pushed,
+        stopped: &Block3,
         hold: &Hold,
-        (friction, collider): (f32, usize),
+        motion: &Motion<'_>,
+        collider: usize,
         settings: &ContactSettings,
     ) {
         self.blocks.row(slot, 1)[0] = true;
@@ -61,7 +67,7 @@ impl Found<'_> {
         let mut holders = self.holder.blocks(slot, 1);
         let mut holder = holders.at(0);
         let mut slip = slips.at(0);
-        let rate = 1.0 / settings.step;
+        let (rate, friction) = (1.0 / settings.step, motion.friction);
         for i in 0..LANES {
             let touches = near.depth.0[i] > 0.0;
             let n = near.normals.at(i);
@@ -75,6 +81,16 @@ impl Found<'_> {
             let free = if goes.abs() > settings.epsilon { 1.0 } else { free };
             slip.0[i] = if touches { free } else { slip.0[i] };
             loose.0[i] = if touches { pushed.loose(i, friction) } else { loose.0[i] };
+        }
+        if motion.measured {
+            let mut pressed = Block3::load(&self.pressed, slot);
+            for i in 0..LANES {
+                let n = near.normals.at(i);
+                let all = pushed.undone.0[i] + larger(stopped.at(i).dot(n), 0.0);
+                let touches = near.depth.0[i] > 0.0;
+                pressed.set(i, if touches { n * all } else { pressed.at(i) });
+            }
+            pressed.store(&mut self.pressed, slot);
         }
         velocity.store(&mut self.velocity, slot);
         slips.set(0, slip);

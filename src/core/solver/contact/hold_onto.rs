@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::contact::active_set::ActiveSet;
+use crate::solver::contact::active_set::{ActiveSet, slipped};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
@@ -128,7 +128,7 @@ impl Kernel for NoteUnfollowed<'_> {
             for i in 0..LANES {
                 let n = n.at(i);
                 let pulled = d.at(i) - unpulled.at(i);
-                let slid = pulled - n * n.dot(pulled);
+                let slid = slipped(pulled, n);
                 let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
                 let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
                 noted.set(i, noted.at(i) + unfollowed * part);

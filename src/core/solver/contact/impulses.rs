@@ -1,4 +1,4 @@
-//! Momentum that the cloth gives to the colliders that are measured.
+//! Momentum that the cloth gives to the colliders that are measured, and where it has moved those of them that are bodies.
 //!
 //! The pulls of a cloth sum up to none, and so does what is carried on of them (`integrate::houbolt`). Where a collider bears
 //! a pull that is not noted, what is carried on of the opposite pulls has no counterpart: half of it moves the cloth in the
@@ -8,26 +8,69 @@
 use bevy_math::{Mat3, Vec3};
 
 use crate::solver::contact::collider::Collider;
+use crate::solver::contact::coupling::Coupling;
+use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 
 /// The impulses of a tick.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Impulses {
     /// By collider; `None` where it is not measured. Empty where none is.
-    colliders: Vec<Option<Impulse>>,
+    colliders: Vec<Option<Account>>,
+    /// By collider, the first one of its body, which has the account of all of them. Empty where each is a body by itself.
+    first: Vec<usize>,
+    /// Room to find them in: colliders by their bodies.
+    by_body: Vec<(u64, usize)>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Impulse {
-    /// Momentum that the cloth has given \[kg m/s\].
-    given: Vec3,
-    /// Momentum that it gives in the substeps to come, as pulls are carried on.
-    owed: Vec3,
+/// What a collider is given in a tick.
+#[derive(Clone, Copy, Debug)]
+struct Account {
+    /// Impulse that the cloth has given.
+    given: Impulse,
+    /// Impulse that it gives in the substeps to come, as pulls are carried on.
+    owed: Impulse,
+    /// The place that angular impulses are about, in the cloth's coordinates \[m\].
+    about: Vec3,
+    /// What it moves by, where it is a body.
+    mobility: Option<Mobility>,
+    /// How far that has moved it from where it was planned to be, up to the substep.
+    deviation: Deviation,
+    /// Whether the cloth may have come to it in this tick.
+    met: bool,
+    /// What goes on from tick to tick.
+    coupling: Coupling,
+    /// What the engine is to be given of the last tick.
+    answer: Impulse,
 }
 
-/// Momentum that a collider is given in a substep, times the substep \[kg m\].
+impl Account {
+    fn owing(owed: Impulse, coupling: Coupling) -> Self {
+        Self {
+            given: Impulse::ZERO,
+            owed,
+            about: Vec3::ZERO,
+            mobility: None,
+            deviation: Deviation::NONE,
+            met: false,
+            coupling,
+            answer: Impulse::ZERO,
+        }
+    }
+
+    /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.
+    fn velocity(&self, part: f32) -> Twist {
+        let unplanned = self.given - self.coupling.expected * part;
+        self.mobility.map_or(Twist::default(), |mobility| mobility.motion(unplanned))
+    }
+}
+
+/// Momentum that a collider is given at a place in a substep, times the substep \[kg m\].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Share {
     pub collider: usize,
+    /// In the cloth's coordinates \[m\].
+    pub at: Vec3,
     pub given: Vec3,
     pub owed: Vec3,
 }
@@ -39,21 +82,83 @@ impl Impulses {
             return;
         }
         let mut colliders = vec![None; count.max(self.colliders.len())];
-        for (collider, impulse) in self.colliders.iter().enumerate() {
+        for (collider, account) in self.colliders.iter().enumerate() {
             if let Some(to) = place(collider).and_then(|place| colliders.get_mut(place)) {
-                *to = *impulse;
+                *to = *account;
             }
         }
         self.colliders = colliders;
     }
 
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>]) {
-        let count = if colliders.iter().any(|c| c.measured) { colliders.len() } else { 0 };
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3) {
+        let is_asked = |collider: &Collider<'_>| collider.measured || collider.mobility.is_some();
+        let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
         self.colliders.resize(count, None);
-        for (impulse, collider) in self.colliders.iter_mut().zip(colliders) {
-            let owed = impulse.unwrap_or_default().owed;
-            *impulse = collider.measured.then_some(Impulse { given: Vec3::ZERO, owed });
+        self.join_bodies(colliders);
+        for (account, collider) in self.colliders.iter_mut().zip(colliders) {
+            let before = account.take();
+            let owed = before.map_or(Impulse::ZERO, |account| account.owed);
+            let mut coupling = before.map_or(Coupling::NONE, |account| account.coupling);
+            match collider.mobility {
+                None => coupling = Coupling::NONE,
+                Some(Mobility { informed: false, .. }) => coupling.expected = Impulse::ZERO,
+                Some(_) => (),
+            }
+            *account = is_asked(collider).then(|| Account {
+                about: collider.centre_at(0.0) - origin,
+                mobility: collider.mobility,
+                ..Account::owing(owed, coupling)
+            });
+        }
+    }
+
+    /// Finds which colliders are of one body.
+    fn join_bodies(&mut self, colliders: &[Collider<'_>]) {
+        let Self { first, by_body, .. } = self;
+        first.clear();
+        by_body.clear();
+        let bodies = colliders.iter().map(|c| c.mobility.map_or(0, |mobility| mobility.body));
+        by_body.extend(bodies.zip(0..).filter(|&(body, _)| body != 0));
+        if by_body.len() < 2 {
+            return;
+        }
+        by_body.sort_unstable();
+        first.extend(0..colliders.len());
+        for pair in 1..by_body.len() {
+            let ((before, at), (body, collider)) = (by_body[pair - 1], by_body[pair]);
+            if body == before {
+                first[collider] = first[at];
+            }
+        }
+    }
+
+    /// The collider that has a collider's account.
+    fn first(&self, collider: usize) -> usize {
+        self.first.get(collider).copied().unwrap_or(collider)
+    }
+
+    /// Moves bodies as far as they go in a substep of length `step` that ends at part `to` of the tick.
+    pub fn end_substep(&mut self, colliders: &[Collider<'_>], origin: Vec3, to: f32, step: f32) {
+        for (account, collider) in self.colliders.iter_mut().zip(colliders) {
+            let Some(account) = account else { continue };
+            account.about = collider.centre_at(to) - origin;
+            if account.met && account.mobility.is_some() {
+                account.deviation = account.deviation.after(&account.velocity(to), step);
+                let apart = account.coupling.ahead_at(to).and(&account.deviation);
+                account.about += apart.shift;
+            }
+        }
+    }
+
+    /// Ends the tick.
+    pub fn end_tick(&mut self) {
+        for account in self.colliders.iter_mut().flatten() {
+            let Account { given, deviation, .. } = *account;
+            account.answer = match account.mobility {
+                Some(body) => account.coupling.end_tick(given, &deviation, body.inverse_mass),
+                None => given,
+            };
         }
     }
 
@@ -64,9 +169,9 @@ impl Impulses {
 
     /// Begins a substep that carries on a part of the pulls, or none.
     pub fn carry_on(&mut self, part: Option<f32>) {
-        for impulse in self.colliders.iter_mut().flatten() {
-            impulse.owed *= part.unwrap_or(0.0);
-            impulse.given += impulse.owed;
+        for account in self.colliders.iter_mut().flatten() {
+            account.owed = account.owed * part.unwrap_or(0.0);
+            account.given += account.owed;
         }
     }
 
@@ -75,38 +180,99 @@ impl Impulses {
         if !self.are_measured() {
             return;
         }
-        for Share { collider, given, owed } in shares {
-            if let Some(Some(impulse)) = self.colliders.get_mut(collider) {
-                impulse.given += given / step;
-                impulse.owed += owed / step;
+        for Share { collider, at, given, owed } in shares {
+            if let Some(account) = self.account_mut(collider) {
+                let arm = at - account.about;
+                account.given += Impulse::at(arm, given / step);
+                account.owed += Impulse::at(arm, owed / step);
             }
         }
     }
 
-    /// Turns what is owed with the cloth.
-    pub fn turn(&mut self, turn: Mat3) {
-        for impulse in self.colliders.iter_mut().flatten() {
-            impulse.owed = turn * impulse.owed;
+    /// Gives a collider what has been summed up about its place in a substep of length `step`, times the substep.
+    pub fn give_sum(&mut self, collider: usize, given: Impulse, owed: Impulse, step: f32) {
+        if let Some(account) = self.account_mut(collider) {
+            account.given += given * (1.0 / step);
+            account.owed += owed * (1.0 / step);
         }
     }
 
-    /// Momentum that is owed, to be kept with the rest of the state.
-    pub fn owed(&self) -> Vec<Option<Vec3>> {
-        self.colliders.iter().map(|impulse| impulse.map(|impulse| impulse.owed)).collect()
+    /// Notes that the cloth may have come to a collider.
+    pub fn meet(&mut self, collider: usize) {
+        if let Some(account) = self.account_mut(collider) {
+            account.met = true;
+        }
     }
 
-    /// Puts back what was owed.
-    pub fn set_owed(&mut self, owed: &[Option<Vec3>]) {
-        let impulse = |owed| Impulse { given: Vec3::ZERO, owed };
-        self.colliders = owed.iter().map(|owed| owed.map(impulse)).collect();
+    /// What moves a collider that is a body; `None` where it is none.
+    pub fn mobility(&self, collider: usize) -> Option<Mobility> {
+        self.account(collider)?.mobility
+    }
+
+    /// How far the cloth has moved a body from its planned way, up to now.
+    pub fn deviation(&self, collider: usize) -> Deviation {
+        self.account(collider).map_or(Deviation::NONE, |account| account.deviation)
+    }
+
+    /// How far it is from where its engine has it after a part of the tick, if the cloth has `moved` it so far.
+    pub fn apart(&self, collider: usize, part: f32, moved: &Deviation) -> Deviation {
+        self.account(collider)
+            .map_or(Deviation::NONE, |account| account.coupling.ahead_at(part).and(moved))
+    }
+
+    /// Velocity that a body has beside the planned one, after a part of the tick.
+    pub(super) fn velocity(&self, collider: usize, part: f32) -> Twist {
+        self.account(collider).map_or(Twist::default(), |account| account.velocity(part))
+    }
+
+    fn account(&self, collider: usize) -> Option<&Account> {
+        self.colliders.get(self.first(collider))?.as_ref()
+    }
+
+    fn account_mut(&mut self, collider: usize) -> Option<&mut Account> {
+        let first = self.first(collider);
+        self.colliders.get_mut(first)?.as_mut()
+    }
+
+    /// Turns what is owed with the cloth.
+    pub fn turn(&mut self, turn: Mat3) {
+        for account in self.colliders.iter_mut().flatten() {
+            account.owed = account.owed.turned(turn);
+            account.coupling.expected = account.coupling.expected.turned(turn);
+            account.coupling.ahead.shift = turn * account.coupling.ahead.shift;
+        }
+    }
+
+    /// What is owed and remembered, to be kept with the rest of the state.
+    pub fn kept(&self) -> Vec<Option<(Impulse, Coupling)>> {
+        let kept = |account: Account| (account.owed, account.coupling);
+        self.colliders.iter().map(|account| account.map(kept)).collect()
+    }
+
+    /// Puts back what was kept.
+    pub fn put_back(&mut self, kept: &[Option<(Impulse, Coupling)>]) {
+        let account = |(owed, coupling)| Account::owing(owed, coupling);
+        self.colliders = kept.iter().map(|kept| kept.map(account)).collect();
     }
 
     pub fn clear(&mut self) {
         self.colliders.clear();
     }
 
-    /// Momentum that a collider was given in the tick \[kg m/s\]; zero where it is not measured.
-    pub fn of(&self, collider: usize) -> Vec3 {
-        self.colliders.get(collider).copied().flatten().unwrap_or_default().given
+    /// What a collider was given in the tick, with the others of its body; none where it is not measured.
+    pub fn of(&self, collider: usize) -> Impulse {
+        self.account(collider).map_or(Impulse::ZERO, |account| account.given)
+    }
+
+    /// What the engine of a body is to be given of the last tick. The first collider of the body has it, the others have none.
+    pub fn answer(&self, collider: usize) -> Impulse {
+        let account = self.account(collider).filter(|_| self.first(collider) == collider);
+        account.map_or(Impulse::ZERO, |account| account.answer)
+    }
+
+    /// What it is to be given in a tick that the cloth does not take, as it sleeps: as much as in the last one.
+    pub fn expected(&self, collider: usize) -> Impulse {
+        let account = self.account(collider).filter(|_| self.first(collider) == collider);
+        account.map_or(Impulse::ZERO, |account| account.coupling.expected)
     }
 }

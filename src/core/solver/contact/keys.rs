@@ -30,6 +30,11 @@ impl Keys {
         true
     }
 
+    /// Where the collider of a key is in this tick.
+    pub fn position(&self, key: u64) -> Option<usize> {
+        self.now.iter().position(|&known| known == key)
+    }
+
     /// Where a collider of the tick before is now.
     pub fn place(&self, collider: usize) -> Option<usize> {
         match self.before.get(collider) {

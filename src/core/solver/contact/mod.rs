@@ -21,7 +21,10 @@
 //! | `hold` | after the corrections: how those particles were held |
 //! | `found` | during contact: the active set of the next substep |
 //! | `let_go` | after contact: particles of the active set that touch nothing any more |
-//! | `impulses`, `ledger` | momentum given to the colliders that are measured |
+//! | `impulse`, `impulses`, `ledger` | momentum given to the colliders that are measured |
+//! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
+//! | `coupling` | what is remembered of such a body from tick to tick, and what its engine is given |
+//! | `answer`, `linear` | after contact: a body and the particles that lie on it go on together |
 //! | `edges` | edges and faces: near a rim or tip (`candidates`), nearest place (`search`), solved together (`solve`) |
 //!
 //! Friction is in four places. `friction` brakes a particle that rests or slides. `Pushed::slip` in `push_out` tells
@@ -29,17 +32,22 @@
 //! its own, at the impact. So has `edges/solve`, for pressed edges and faces.
 
 mod active_set;
+mod answer;
 mod broad_phase;
 mod collider;
+mod coupling;
 mod edges;
 mod found;
 mod friction;
 mod hold;
 mod hold_onto;
+mod impulse;
 mod impulses;
 mod keys;
 mod ledger;
 mod let_go;
+mod linear;
+mod mobility;
 mod push_out;
 mod response;
 mod swept;
@@ -47,6 +55,10 @@ mod swept;
 use bevy_math::Vec3;
 
 pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
+pub use crate::solver::contact::impulse::Impulse;
+pub use crate::solver::contact::mobility::Mobility;
+
+pub(super) use crate::solver::contact::coupling::Coupling;
 
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,
@@ -56,12 +68,12 @@ pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmSta
 pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 pub(super) use crate::solver::contact::response::FurthestWay;
 
+use crate::solver::contact::answer::Answer;
 use crate::solver::contact::broad_phase::Awake;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::{HoldEdges, Nearby, Rule};
 use crate::solver::contact::found::Found;
 use crate::solver::contact::hold::Held;
-use crate::solver::contact::impulses::Share;
 use crate::solver::contact::let_go::LetGo;
 use crate::solver::contact::push_out::Tally;
 use crate::solver::contact::response::MeetCollider;
@@ -149,7 +161,7 @@ impl ResolveContacts<'_> {
         let ContactSettings { epsilon, layers, step, .. } = self.settings;
         let layout = self.bands.rows.layout;
         let notes = self.pull.is_some();
-        self.set.give_yielding(self.inverse_mass, self.d, notes, step);
+        self.set.give_yielding(self.inverse_mass, [self.x, self.d], notes, step);
         self.broad_phase.begin_substep();
         self.broad_phase.wake(
             isa,
@@ -168,8 +180,14 @@ impl ResolveContacts<'_> {
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
-            self.set.give_taken(self.inverse_mass, self.d, notes, step);
+            self.set.give_taken(self.inverse_mass, [self.x, self.d], notes, step);
         }
+        self.set.impulses.end_substep(
+            self.colliders,
+            self.origin,
+            self.span.to,
+            self.settings.step,
+        );
         self.set.turn();
         touching
     }
@@ -181,7 +199,15 @@ impl ResolveContacts<'_> {
         let Awake { collider, first, gone } = broad_phase.awake[k];
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
-        let motion = Motion::new(collider_now, self.origin, self.settings.friction, from, to);
+        set.impulses.meet(collider);
+        let moved = set.impulses.deviation(collider);
+        let moves = set.impulses.velocity(collider, to);
+        let moved = [moved, moved.after(&moves, self.settings.step)];
+        let apart = |i: usize| set.impulses.apart(collider, [from, to][i], &moved[i]);
+        let apart = [apart(0), apart(1)];
+        let before = set.impulses.of(collider);
+        let span = [from, to];
+        let motion = Motion::new(collider_now, self.origin, self.settings.friction, span, apart);
         broad_phase.awake[k].gone = gone + motion.reach;
         // Particles that another collider has pushed have gone further.
         let way = way + broad_phase.pushed + motion.reach;
@@ -229,6 +255,7 @@ impl ResolveContacts<'_> {
                     loose: ValuesMut::all(&mut set.next.loose),
                     velocity: set.velocity.part_mut(),
                     holder: ValuesMut::all(&mut set.holder),
+                    pressed: set.pressed.part_mut(),
                 },
             },
         );
@@ -237,10 +264,10 @@ impl ResolveContacts<'_> {
         }
         broad_phase.struck |= met.struck;
         broad_phase.pushed += met.deepest;
-        let Tally { given, owed, left, touching } = &met.tally;
+        let Tally { left, touching, .. } = &met.tally;
         if motion.measured {
-            let share = Share { collider, given: sum(given), owed: sum(owed) };
-            set.impulses.give([share], self.settings.step);
+            let (given, owed) = (met.tally.given(), met.tally.owed());
+            set.impulses.give_sum(collider, given, owed, self.settings.step);
         }
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let mut touching = touching.iter().sum();
@@ -272,42 +299,71 @@ impl ResolveContacts<'_> {
             broad_phase.pushed += held.pushed;
             touching += held.touching;
             if motion.measured {
-                set.impulses.give([held.share(collider)], self.settings.step);
+                set.impulses.give_sum(collider, held.given, Impulse::ZERO, self.settings.step);
             }
         }
         if is_left {
-            let given = self.calm(first, gone, &motion, deepest);
+            let mobility = self.set.impulses.mobility(collider);
+            let given = self.calm(first, gone, &motion, deepest, mobility);
             if motion.measured {
-                let share = Share { collider, given, owed: Vec3::ZERO };
-                self.set.impulses.give([share], self.settings.step);
+                let step = self.settings.step;
+                self.set.impulses.give_sum(collider, given, Impulse::ZERO, step);
             }
         }
+        if let Some(mobility) = self.set.impulses.mobility(collider) {
+            self.answer(collider, &motion, mobility, before);
+        }
         touching
+    }
+
+    /// Lets a body and what lies on it share what it was given since `before`.
+    fn answer(
+        &mut self,
+        collider: usize,
+        motion: &Motion<'_>,
+        mobility: Mobility,
+        before: Impulse,
+    ) {
+        let (set, step) = (&mut *self.set, self.settings.step);
+        let given = set.impulses.of(collider) - before;
+        let (inverse_mass, x) = (&*self.inverse_mass, &*self.x);
+        let (d, pull) = (&mut *self.d, self.pull.as_deref_mut());
+        let taken =
+            Answer { collider, mobility, motion, given, step, inverse_mass, x, d, pull, set }.run();
+        self.set.impulses.give_sum(collider, taken * step, Impulse::ZERO, step);
     }
 
     /// Calms the cloth around particles that are so deep inside a collider that they need more than one substep to come
     /// out. Particles within [`CALMED`] times that depth keep their displacements, but their speed is limited to the
     /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound. Returns what the
-    /// collider is given by that, times the substep \[kg m\].
+    /// collider is given by that, times the substep.
     #[inline(never)]
-    fn calm(&mut self, first: usize, gone: f32, motion: &Motion<'_>, deepest: f32) -> Vec3 {
+    fn calm(
+        &mut self,
+        first: usize,
+        gone: f32,
+        motion: &Motion<'_>,
+        deepest: f32,
+        mobility: Option<Mobility>,
+    ) -> Impulse {
         // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
         self.set.next.give_way();
         self.broad_phase.struck = true;
         let most = self.settings.most_push;
         let layout = self.bands.rows.layout;
-        let mut given = Vec3::ZERO;
+        let near = CALMED * deepest;
+        let mut given = Impulse::ZERO;
+        // A body goes with the cloth as the cloth goes with it.
+        let mass = mobility.map_or(0.0, |_| self.mass_within(first, gone, motion, near));
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
                 let slot = layout.slot(row, column);
-                // What is known may be less than the distance, and depends on where the world's origin is.
-                if self.broad_phase.until[first + slot / LANES] > gone + CALMED * deepest
-                    || self.gap(slot, motion) > CALMED * deepest
-                {
+                if self.is_beyond(first, slot, gone, motion, near) {
                     continue;
                 }
                 let w = Block::load(self.inverse_mass, slot);
                 let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
+                let starts = x;
                 for i in 0..LANES {
                     let at = x.at(i) + d.at(i);
                     // Far from the collider's origin, what stands still would seem to move.
@@ -316,15 +372,48 @@ impl ResolveContacts<'_> {
                     let relative = d.at(i) - surface;
                     let way = larger(relative.dot(relative).sqrt(), LEAST_SLIDING);
                     let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
+                    let arm = starts.at(i) - motion.centre[0];
+                    let gives = mobility.map_or(0.0, |mobility| mobility.most_at(arm));
+                    let beyond = beyond / (1.0 + mass * gives);
                     d.set(i, d.at(i) - relative * beyond);
                     x.set(i, x.at(i) + relative * beyond);
-                    given += relative * (beyond / larger(w.0[i], f32::MIN_POSITIVE));
+                    let lost = relative * (beyond / larger(w.0[i], f32::MIN_POSITIVE));
+                    given += Impulse::at(arm, lost);
                 }
                 d.store(self.d, slot);
                 x.store(self.x, slot);
             }
         }
         given
+    }
+
+    /// Whether a block's particles are all further from a collider than `near`.
+    fn is_beyond(
+        &self,
+        first: usize,
+        slot: usize,
+        gone: f32,
+        motion: &Motion<'_>,
+        near: f32,
+    ) -> bool {
+        // What is known may be less than the distance, and depends on where the world's origin is.
+        self.broad_phase.until[first + slot / LANES] > gone + near || self.gap(slot, motion) > near
+    }
+
+    /// Mass of the particles in blocks that are that near to a collider \[kg\].
+    fn mass_within(&self, first: usize, gone: f32, motion: &Motion<'_>, near: f32) -> f32 {
+        let layout = self.bands.rows.layout;
+        let mut mass = 0.0;
+        for row in 0..layout.rows {
+            for column in (0..layout.columns).step_by(LANES) {
+                let slot = layout.slot(row, column);
+                if !self.is_beyond(first, slot, gone, motion, near) {
+                    let free = self.inverse_mass[slot..slot + LANES].iter().filter(|&&w| w > 0.0);
+                    mass += free.map(|w| 1.0 / w).sum::<f32>();
+                }
+            }
+        }
+        mass
     }
 
     /// Least distance beyond epsilon of the particles of a block that are not held \[m\].
@@ -336,14 +425,4 @@ impl ResolveContacts<'_> {
             least.min(distance * motion.after.scale - self.settings.epsilon)
         })
     }
-}
-
-/// The sum over the lanes, in their order.
-#[inline(always)]
-fn sum(block: &Block3) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    for i in 0..LANES {
-        sum += block.at(i);
-    }
-    sum
 }

@@ -6,6 +6,7 @@ use crate::sdf::{PointBlock, SampleBlock};
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::friction::Sliding;
 use crate::solver::contact::hold::Hold;
+use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::{BLOW, ContactSettings, HEAVY, LEAST_SLIDING, LEAST_SLIP, LIGHT};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
@@ -17,6 +18,9 @@ pub(super) struct Tally {
     pub given: Block3,
     /// And will yet, as pulls are carried on \[kg m\].
     pub owed: Block3,
+    /// Angular momentum of both about its centre, times the substep \[kg m2\].
+    pub given_turn: Block3,
+    pub owed_turn: Block3,
     /// How far they are still inside, as they may come out no faster \[m\].
     pub left: Block,
     /// How many touched it.
@@ -26,7 +30,14 @@ pub(super) struct Tally {
 impl Default for Tally {
     fn default() -> Self {
         let none = Block3::ZERO;
-        Self { given: none, owed: none, left: Block::ZERO, touching: [0; LANES] }
+        Self {
+            given: none,
+            owed: none,
+            given_turn: none,
+            owed_turn: none,
+            left: Block::ZERO,
+            touching: [0; LANES],
+        }
     }
 }
 
@@ -35,6 +46,8 @@ impl Merge for Tally {
         for i in 0..LANES {
             self.given.set(i, self.given.at(i) + below.given.at(i));
             self.owed.set(i, self.owed.at(i) + below.owed.at(i));
+            self.given_turn.set(i, self.given_turn.at(i) + below.given_turn.at(i));
+            self.owed_turn.set(i, self.owed_turn.at(i) + below.owed_turn.at(i));
             self.left.0[i] = larger(self.left.0[i], below.left.0[i]);
             self.touching[i] += below.touching[i];
         }
@@ -42,12 +55,38 @@ impl Merge for Tally {
     }
 }
 
+impl Tally {
+    /// Adds what a particle at an arm from the collider's centre gives and owes it.
+    #[inline(always)]
+    pub fn give(&mut self, lane: usize, arm: Vec3, given: Vec3, owed: Vec3) {
+        self.given.set(lane, self.given.at(lane) + given);
+        self.owed.set(lane, self.owed.at(lane) + owed);
+        self.given_turn.set(lane, self.given_turn.at(lane) + arm.cross(given));
+        self.owed_turn.set(lane, self.owed_turn.at(lane) + arm.cross(owed));
+    }
+
+    /// The sum over the particles of what they gave.
+    pub fn given(&self) -> Impulse {
+        Impulse { linear: sum(&self.given), angular: sum(&self.given_turn) }
+    }
+
+    /// The sum over the particles of what they owe.
+    pub fn owed(&self) -> Impulse {
+        Impulse { linear: sum(&self.owed), angular: sum(&self.owed_turn) }
+    }
+}
+
+/// The sum over the lanes, in their order.
+fn sum(block: &Block3) -> Vec3 {
+    (0..LANES).fold(Vec3::ZERO, |sum, i| sum + block.at(i))
+}
+
 /// The response of contact to a block of particles.
 pub(super) struct Pushed {
     /// How far the collider moves at each \[m\].
     pub surface: Block3,
     /// Approach that was undone \[m\].
-    undone: Block,
+    pub undone: Block,
     /// How far they went along the surface before friction \[m\].
     went: Block,
     /// Displacements that contact has held back \[m\].
@@ -221,9 +260,8 @@ impl ParticleContact<'_> {
                 let given = (into_d.at(i) - pushed.unfollowed.at(i) - turned) * mass;
                 let touching = depth.0[i] > 0.0;
                 let owed = if touching { turned * (mass * notes) } else { Vec3::ZERO };
-                tally.owed.set(i, tally.owed.at(i) + owed);
                 let given = if touching { given } else { Vec3::ZERO };
-                tally.given.set(i, tally.given.at(i) - given);
+                tally.give(i, x.at(i) - motion.centre[0], -given, owed);
             }
         }
         pushed
@@ -260,7 +298,7 @@ impl Near {
         &self,
         noted: &Block3,
         before: &Block3,
-        w: &Block,
+        (w, arms): (&Block, &Block3),
         pushed: &Pushed,
         hold: &Hold,
         settings: &ContactSettings,
@@ -271,7 +309,7 @@ impl Near {
             let forgotten = noted.at(i) + before.at(i);
             let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, settings)) * mass);
             let forgotten = if self.depth.0[i] > 0.0 { forgotten } else { Vec3::ZERO };
-            tally.owed.set(i, tally.owed.at(i) + forgotten);
+            tally.give(i, arms.at(i), Vec3::ZERO, forgotten);
         }
     }
 }

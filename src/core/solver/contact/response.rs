@@ -7,7 +7,7 @@ use crate::solver::contact::found::Found;
 use crate::solver::contact::hold::{Held, Hold};
 use crate::solver::contact::push_out::{ParticleContact, Tally};
 use crate::solver::contact::swept::Sweep;
-use crate::solver::simd::block::{Block, Blocks, Blocks3, Blocks3Mut, larger};
+use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Cut, Largest, Merge, cut_between_rows};
@@ -120,14 +120,18 @@ impl Kernel for MeetCollider<'_> {
                 }
                 let (w, mut x, mut d) = (w.at(block), xs.at(block), ds.at(block));
                 let pulled = d;
+                let mut stopped = Block3::ZERO;
                 if self.is_fast {
                     self.held.free(first + block * LANES, &mut d, sweep.slow());
                     ds.set(block, d);
                     // Of copies: what a call is shown has to be in memory, and would stay there.
-                    let (mut swept, given) = (d, &mut met.tally.given);
-                    if sweep.block(&{ w }, &{ x }, &mut swept, given) {
+                    let (mut swept, tally) = (d, &mut met.tally);
+                    if sweep.block(&{ w }, &{ x }, &mut swept, tally) {
                         met.struck = true;
                         ds.set(block, swept);
+                        for i in 0..LANES {
+                            stopped.set(i, swept.at(i) - d.at(i));
+                        }
                         d = swept;
                     }
                 }
@@ -153,7 +157,7 @@ impl Kernel for MeetCollider<'_> {
                     Some(hold) => hold,
                     None => Hold::NONE,
                 };
-                let before = d;
+                let (starts, before) = (x, d);
                 let tally = &mut met.tally;
                 let pushed = meeting.push_out(&near, &w, &mut x, &mut d, &hold, tally);
                 xs.set(block, x);
@@ -162,24 +166,29 @@ impl Kernel for MeetCollider<'_> {
                     let noted = pulls.at(block);
                     pulls.set(block, near.kept(&noted, &before, &d, &pushed, &hold, &settings));
                     if motion.measured {
-                        near.forget(&noted, &before, &w, &pushed, &hold, &settings, tally);
+                        let arms = arms(&starts, motion);
+                        near.forget(&noted, &before, (&w, &arms), &pushed, &hold, &settings, tally);
                     }
                 }
                 if held.is_some() {
                     self.held.let_go(slot, &near.depth);
                 }
-                self.found.take(
-                    slot,
-                    &near,
-                    &pushed,
-                    &hold,
-                    (motion.friction, self.collider),
-                    &settings,
-                );
+                let collider = self.collider;
+                self.found.take(slot, &near, &pushed, &stopped, &hold, motion, collider, &settings);
             }
         }
         met
     }
+}
+
+/// How far a block's particles are from the collider's centre, as the substep begins.
+#[inline(always)]
+fn arms(x: &Block3, motion: &Motion<'_>) -> Block3 {
+    let mut arms = Block3::ZERO;
+    for i in 0..LANES {
+        arms.set(i, x.at(i) - motion.centre[0]);
+    }
+    arms
 }
 
 impl Cut for MeetCollider<'_> {

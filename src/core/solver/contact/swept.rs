@@ -8,6 +8,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::collider::Motion;
+use crate::solver::contact::push_out::Tally;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
 
@@ -44,11 +45,11 @@ impl Sweep<'_> {
     }
 
     /// Changes the displacements of particles that would pass through the surface, and adds what the
-    /// collider is given of their momentum, times the substep, to `given`. Tells whether there were any.
+    /// collider is given of their momentum, times the substep, to the `tally`. Tells whether there were any.
     ///
     /// Scalar, and never inlined: this is for the few that are fast.
     #[inline(never)]
-    pub fn block(&self, w: &Block, x: &Block3, d: &mut Block3, given: &mut Block3) -> bool {
+    pub fn block(&self, w: &Block, x: &Block3, d: &mut Block3, tally: &mut Tally) -> bool {
         let mut met = false;
         let slow = self.epsilon + self.motion.fast;
         for lane in 0..LANES {
@@ -68,7 +69,8 @@ impl Sweep<'_> {
                 d.set(lane, way + changed);
                 met = true;
                 if self.motion.measured {
-                    given.set(lane, given.at(lane) - changed / w);
+                    let arm = start - self.motion.centre[0];
+                    tally.give(lane, arm, changed / -w, Vec3::ZERO);
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::contact::{ActiveSet, EdgeMemory, Freed, WarmStart};
+use crate::solver::contact::{ActiveSet, Coupling, EdgeMemory, Freed, Impulse, WarmStart};
 use crate::solver::settings::is_near;
 use crate::solver::simd::soa::Soa;
 use crate::solver::snapshot::{by_particle, by_slot};
@@ -23,8 +23,8 @@ pub(super) struct SavedContacts {
     warm: Vec<SavedWarmStart>,
     /// Particles that pass through a collider, which one, and how long yet \[s\].
     freed: Vec<([u32; 2], f32)>,
-    /// Momentum that measured colliders are owed, of pulls that are carried on \[kg m/s\].
-    owed: Vec<Option<Vec3>>,
+    /// What measured colliders are owed, of pulls that are carried on, and what is remembered of those that are bodies.
+    owed: Vec<Option<(Impulse, Coupling)>>,
 }
 
 /// The impulse that a collider is expected to press on an edge with.
@@ -63,6 +63,8 @@ impl SavedContacts {
             edges,
             velocity,
             holder,
+            pressed: _,
+            answering: _,
             unpulled: _,
             dropped: _,
             impulses,
@@ -92,7 +94,7 @@ impl SavedContacts {
             holders: values(holder).into_iter().map(|holder| holder as u32).collect(),
             warm: warm.iter().map(|warm| SavedWarmStart::of(warm, particle)).collect(),
             freed: freed.iter().map(|it| ([particle(it.slot), it.collider], it.left)).collect(),
-            owed: impulses.owed(),
+            owed: impulses.kept(),
         })
     }
 
@@ -100,7 +102,7 @@ impl SavedContacts {
     pub fn put_back(&self, topology: &Topology, set: &mut ActiveSet) {
         let Self { normals, before, slips, loose, velocities, holders, warm, freed, owed } = self;
         let by_slot = |vectors: &[Vec3]| by_slot(topology, vectors);
-        set.impulses.set_owed(owed);
+        set.impulses.put_back(owed);
         (set.now.normal, set.before.normal) = (by_slot(normals), by_slot(before));
         set.velocity = by_slot(velocities);
         for particle in 0..topology.particle_count() {
@@ -142,6 +144,10 @@ impl SavedContacts {
             && freed
                 .iter()
                 .all(|&([particle, _], left)| (particle as usize) < particles && left.is_finite())
-            && owed.iter().flatten().all(|owed| is_near(*owed))
+            && owed.iter().flatten().all(|(owed, coupling)| {
+                let Coupling { expected, ahead } = coupling;
+                let all = [owed.linear, owed.angular, expected.linear, expected.angular];
+                all.into_iter().all(is_near) && ahead.is_valid()
+            })
     }
 }

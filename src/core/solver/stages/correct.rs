@@ -64,12 +64,12 @@ impl ClothSolver {
     fn hold_onto_colliders(&mut self) {
         let part = self.carried();
         self.state.contacts.impulses.carry_on(part);
-        let State { d, pull, contacts, .. } = &mut self.state;
+        let State { x, d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
             let carried = self.workspace.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.pins.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            contacts.give_left_out(inverse_mass, step);
+            contacts.give_left_out(inverse_mass, x, step);
         }
     }
 

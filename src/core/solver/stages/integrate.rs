@@ -50,11 +50,11 @@ impl ClothSolver {
         };
         parallel::run(self.isa, integrate);
         let ratio = plan.step / self.state.last_step;
-        let State { d, pull, contacts, .. } = &mut self.state;
+        let State { x, d, pull, contacts, .. } = &mut self.state;
         let ActiveSet { edges, impulses, .. } = contacts;
         let pull = self.workspace.carries.then_some(pull);
         let inverse_mass = &self.pins.inverse_mass;
-        edges.start_warm(ratio * ratio, plan.step, inverse_mass, d, pull, impulses);
+        edges.start_warm(ratio * ratio, plan.step, inverse_mass, x, d, pull, impulses);
         self.state.last_step = plan.step;
     }
 

@@ -97,14 +97,17 @@ impl EdgeMemory {
         ratio: f32,
         step: f32,
         inverse_mass: &[f32],
+        x: &Soa,
         d: &mut Soa,
         mut pull: Option<&mut Soa>,
         impulses: &mut Impulses,
     ) {
         for warm in &mut self.warm {
             warm.impulse *= ratio;
+            let mut at = Vec3::ZERO;
             for (slot, part) in warm.corners.into_iter().zip(warm.parts) {
                 let slot = slot as usize;
+                at += x.get(slot) * part;
                 let by = warm.impulse * (part * inverse_mass[slot]);
                 d.set(slot, d.get(slot) + by);
                 // It is no pull of the cloth.
@@ -113,7 +116,7 @@ impl EdgeMemory {
                 }
             }
             let (collider, given) = (warm.collider as usize, -warm.impulse);
-            impulses.give([Share { collider, given, owed: Vec3::ZERO }], step);
+            impulses.give([Share { collider, at, given, owed: Vec3::ZERO }], step);
         }
     }
 

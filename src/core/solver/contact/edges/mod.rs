@@ -37,7 +37,7 @@ use crate::solver::contact::collider::Motion;
 use crate::solver::contact::edges::candidates::{FindClose, Inside};
 use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
-use crate::solver::contact::impulses::Share;
+use crate::solver::contact::impulse::Impulse;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
@@ -135,8 +135,8 @@ pub(super) struct HoldEdges<'a> {
 pub(super) struct EdgesHeld {
     /// How far any particle was moved at most \[m\].
     pub pushed: f32,
-    /// Momentum that the collider is given, times the substep \[kg m\].
-    pub given: Vec3,
+    /// What the collider is given, times the substep.
+    pub given: Impulse,
     /// How many ends of edges are held that do not lie on the collider by themselves.
     pub touching: u32,
 }
@@ -217,12 +217,5 @@ impl HoldEdges<'_> {
         if let Some(pull) = &mut self.pull {
             pull.set(slot, pull.get(slot) - by);
         }
-    }
-}
-
-impl EdgesHeld {
-    /// The share of a collider in the momentum.
-    pub fn share(&self, collider: usize) -> Share {
-        Share { collider, given: self.given, owed: Vec3::ZERO }
     }
 }

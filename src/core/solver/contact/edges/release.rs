@@ -9,11 +9,14 @@ use bevy_math::Vec3;
 
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::contact::edges::{EdgeMemory, Freed, HoldEdges};
+use crate::solver::contact::impulse::Impulse;
 use crate::solver::simd::block::larger;
 
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
+/// Multiple of that length at which a thread is hooked in a body that the cloth moves.
+const CARRYING: f32 = 2.5;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
 const PASSING_LIMITS: f32 = 1.05;
@@ -25,7 +28,7 @@ const HOOKED_DEPTH: f32 = 2.0;
 impl HoldEdges<'_> {
     /// Particles that pass through the collider go on doing so until they are out of it. Their edges are looked at, though
     /// they may be inside. Returns what the collider is given as it slows them down, times the substep \[kg m\].
-    pub(super) fn keep_passing(&mut self) -> Vec3 {
+    pub(super) fn keep_passing(&mut self) -> Impulse {
         let longest = 1.0 + (PASSING_LIMITS * self.max_strain).max(PASSING_STRAIN);
         let (collider, epsilon) = (self.collider as u32, self.settings.epsilon);
         let EdgeMemory { freed, next_freed, .. } = &mut self.set.edges;
@@ -54,7 +57,7 @@ impl HoldEdges<'_> {
                 next_freed.push(Freed { slot, collider, left });
             }
         }
-        let mut given = Vec3::ZERO;
+        let mut given = Impulse::ZERO;
         for i in 0..self.set.edges.freed.len() {
             let Freed { slot, collider: of, .. } = self.set.edges.freed[i];
             let slot = slot as usize;
@@ -63,7 +66,8 @@ impl HoldEdges<'_> {
                 let w = self.inverse_mass[slot];
                 // What is pinned goes where its pin does.
                 if w > 0.0 {
-                    given -= self.slow_down(slot) / w;
+                    let arm = self.x.get(slot) - self.motion.centre[0];
+                    given += Impulse::at(arm, self.slow_down(slot) / -w);
                 }
             }
         }
@@ -88,6 +92,8 @@ impl HoldEdges<'_> {
     /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on.
     pub(super) fn is_hooked(&mut self, edge: u32, depth: f32, length: f32) -> bool {
         let longest = 1.0 + (HOOKED_LIMITS * self.max_strain).max(HOOKED_STRAIN);
+        // A body that a cloth carries may stretch threads as far, and goes where they pull it.
+        let longest = if self.motion.yields { CARRYING * longest } else { longest };
         let hooked = self.rule.is_slow
             && depth > HOOKED_DEPTH * self.settings.epsilon
             && length > longest * self.edges.rest(edge);

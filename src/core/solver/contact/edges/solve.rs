@@ -8,6 +8,7 @@ use crate::solver::contact::BLOW;
 use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::contact_point::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
+use crate::solver::contact::impulse::Impulse;
 use crate::solver::simd::block::larger;
 
 /// Rounds of the solution.
@@ -133,7 +134,8 @@ impl HoldEdges<'_> {
             let mut changed = 0.0;
             for press in &mut system.presses {
                 let by = self.push(press, &mut system.bodies);
-                held.given -= by * press.mass;
+                let arm = press.place.between(self.x) - self.motion.centre[0];
+                held.given += Impulse::at(arm, by * -press.mass);
                 changed = larger(by.abs().max_element(), changed);
             }
             if changed < found && system.limited.is_empty() {

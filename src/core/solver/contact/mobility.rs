@@ -1,0 +1,127 @@
+//! Rigid bodies that answer to what presses on them, within a tick.
+//!
+//! An engine moves its bodies once a tick. Were a cloth to meet them on the ways that the engine has planned, and the
+//! engine told afterwards of what the cloth has done, a body that the cloth carries would be thrown: the reaction comes half a tick
+//! late, and feeds each swing. So a body takes part in the substeps. It goes its planned way, and departs from it by what the
+//! cloth's impulses make of it up to each substep. At the tick's end the engine is given their sum.
+//!
+//! The planned way may contain an impulse already that the engine was given beforehand, as the cloth was expected to go on carrying the
+//! body (`coupling`). It is taken back evenly through the tick.
+
+use bevy_math::{Mat3, Quat, Vec3};
+
+use crate::solver::contact::collider::Pose;
+use crate::solver::contact::impulse::Impulse;
+
+/// What a body's velocity changes by for an impulse, and where about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mobility {
+    /// One over the mass \[1/kg\]; zero where nothing shifts it.
+    pub inverse_mass: f32,
+    /// Inverse of the inertia tensor about the centre of mass, in world axes \[1/(kg m2)\]; zero where nothing turns it.
+    pub inverse_inertia: Mat3,
+    /// Tells its body from others, as an entity's bits do: colliders of one body move as one. Zero: it is a body by itself.
+    pub body: u64,
+    /// Whether the body was given [`ClothSolver::body_impulse`](crate::solver::ClothSolver::body_impulse) after the last
+    /// tick. One that sleeps is not.
+    pub informed: bool,
+}
+
+impl Mobility {
+    /// The motion that an impulse makes.
+    pub(super) fn motion(&self, impulse: Impulse) -> Twist {
+        Twist {
+            linear: impulse.linear * self.inverse_mass,
+            angular: self.inverse_inertia * impulse.angular,
+        }
+    }
+
+    /// Most that an impulse of one at an arm may move it there \[1/kg\].
+    pub(super) fn most_at(&self, arm: Vec3) -> f32 {
+        let inertia = self.inverse_inertia;
+        let largest = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        self.inverse_mass + largest * arm.length_squared()
+    }
+
+    /// Whether every number can be used.
+    pub(crate) fn is_valid(&self) -> bool {
+        let Self { inverse_mass, inverse_inertia, .. } = self;
+        let mass = *inverse_mass >= 0.0 && inverse_mass.is_finite();
+        let inertia = inverse_inertia.is_finite()
+            && inverse_inertia.x_axis.x >= 0.0
+            && inverse_inertia.y_axis.y >= 0.0
+            && inverse_inertia.z_axis.z >= 0.0;
+        mass && inertia
+    }
+}
+
+/// A velocity, or a small displacement, of a rigid body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Twist {
+    pub linear: Vec3,
+    pub angular: Vec3,
+}
+
+impl Twist {
+    /// What it does at an arm from the centre.
+    #[inline(always)]
+    pub fn at(&self, arm: Vec3) -> Vec3 {
+        self.linear + self.angular.cross(arm)
+    }
+}
+
+/// How far a body is from where it was planned to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Deviation {
+    /// How far its centre of mass is shifted \[m\].
+    pub shift: Vec3,
+    /// How far it is turned about it.
+    pub turn: Quat,
+}
+
+impl Deviation {
+    /// None.
+    pub const NONE: Self = Self { shift: Vec3::ZERO, turn: Quat::IDENTITY };
+
+    /// The same, after `time` of a velocity.
+    pub(super) fn after(&self, velocity: &Twist, time: f32) -> Self {
+        let half = velocity.angular * (0.5 * time);
+        // A turn by `2 atan |half|`, without transcendental functions: exact enough for what a substep turns.
+        let by = Quat::from_xyzw(half.x, half.y, half.z, 1.0).normalize();
+        let turn = (by * self.turn).normalize();
+        Self { shift: self.shift + velocity.linear * time, turn }
+    }
+
+    /// Both of them.
+    pub(super) fn and(&self, then: &Self) -> Self {
+        let turn = if self.turn == Quat::IDENTITY {
+            then.turn
+        } else {
+            (then.turn * self.turn).normalize()
+        };
+        Self { shift: self.shift + then.shift, turn }
+    }
+
+    /// Whether every number can be used.
+    pub(crate) fn is_valid(&self) -> bool {
+        self.shift.is_finite() && (self.turn.length_squared() - 1.0).abs() < 1e-3
+    }
+
+    /// A part of it.
+    pub(super) fn part(&self, part: f32) -> Self {
+        if self.turn == Quat::IDENTITY {
+            return Self { shift: self.shift * part, ..Self::NONE };
+        }
+        Self { shift: self.shift * part, turn: Quat::IDENTITY.lerp(self.turn, part) }
+    }
+
+    /// Where a pose is by it, that turns about `centre`.
+    pub(super) fn apply(&self, pose: &Pose, centre: Vec3) -> Pose {
+        if *self == Self::NONE {
+            return *pose;
+        }
+        let translation = centre + self.turn * (pose.translation - centre) + self.shift;
+        Pose { translation, rotation: (self.turn * pose.rotation).normalize(), ..*pose }
+    }
+}

@@ -1,0 +1,133 @@
+//! Bodies that cloths move: shared out between the cloths near them, and given what came of it.
+
+use bevy::prelude::*;
+
+use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass};
+use crate::collider::tick_colliders::TickColliders;
+use crate::sdf::DistanceField;
+use crate::simulation::ClothSimulation;
+use crate::solver::Impulse;
+
+/// How far from a body a cloth may be to count as near it \[m\].
+const NEAR: f32 = 0.05;
+/// Part by which what cloths do to a body that sleeps may change: of what they did, and of its weight.
+const UNCHANGED: f32 = 0.1;
+/// Acceleration that stands for its weight \[m/s2\].
+const GRAVITY: f32 = 9.81;
+
+/// Counts the cloths near each body: each meets an equal part of it. Together they would else stop it several times.
+pub(crate) fn share_bodies(cloths: Query<&ClothSimulation>, mut snapshot: ResMut<TickColliders>) {
+    for gathered in snapshot.bypass_change_detection().colliders.iter_mut() {
+        let (Some(body), Some(motion)) = (&mut gathered.body, gathered.motion) else { continue };
+        let is_near = |cloth: &&ClothSimulation| {
+            let (low, high) = cloth.solver.bounds();
+            let bounds = motion.bounds().filter(|_| cloth.tick.step.runs);
+            bounds.is_some_and(|bounds| {
+                let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+                (low - max).max(min - high).max_element() < NEAR
+            })
+        };
+        body.cloths = cloths.iter().filter(is_near).count() as u32;
+    }
+}
+
+/// What cloths have done to a body in a tick.
+#[derive(Clone, Copy, Default)]
+struct Done {
+    /// What they gave it.
+    given: Impulse,
+    /// What it is to be given.
+    answer: Impulse,
+    /// How many took the tick.
+    ran: u32,
+}
+
+/// Tells bodies what they are to be given in the tick.
+pub(crate) fn tell_bodies(
+    cloths: Query<(Entity, &ClothSimulation)>,
+    mut bodies: Query<(&ColliderMass, &mut BodyImpulse, &mut BodyMemory)>,
+    snapshot: Res<TickColliders>,
+    fields: Option<Res<Assets<DistanceField>>>,
+    time: Res<Time>,
+    mut order: Local<Vec<Entity>>,
+) {
+    if bodies.is_empty() {
+        return;
+    }
+    order.clear();
+    order.extend(cloths.iter().map(|(entity, _)| entity));
+    // Floating point sums depend on their order, which must not on that of archetypes.
+    order.sort_unstable();
+    for (_, mut impulse, mut memory) in &mut bodies {
+        impulse.set_if_neq(BodyImpulse::default());
+        memory.informed = true;
+    }
+    let present = snapshot.present().filter(|(it, _)| it.shape.get(fields.as_deref()).is_some());
+    for (place, (collider, _)) in present.enumerate() {
+        let Some(body) = collider.body else { continue };
+        let Ok((mass, mut impulse, mut memory)) = bodies.get_mut(body.entity) else {
+            continue;
+        };
+        let key = collider.entity.to_bits();
+        let done = done(cloths.iter_many(order.iter()), place, key);
+        match body.mobility {
+            Some(_) => {
+                memory.at_rest = None;
+                let Impulse { linear, angular } = done.answer;
+                let all = BodyImpulse {
+                    linear: impulse.linear + linear,
+                    angular: impulse.angular + angular,
+                    wakes: false,
+                };
+                impulse.set_if_neq(all);
+            }
+            None => {
+                memory.informed = false;
+                let weight = mass.mass * GRAVITY * time.delta_secs();
+                let wakes = memory.has_changed(done.given, done.ran, weight);
+                if wakes {
+                    impulse.wakes = true;
+                }
+            }
+        }
+    }
+}
+
+/// What cloths have done to a collider, by its place and its key.
+fn done<'a>(
+    cloths: impl Iterator<Item = (Entity, &'a ClothSimulation)>,
+    place: usize,
+    key: u64,
+) -> Done {
+    let mut done = Done::default();
+    for (_, cloth) in cloths {
+        let turn = |impulse| cloth.frame.impulse_in_world(impulse);
+        if cloth.tick.ran() {
+            done.given += turn(cloth.solver.impulse(place));
+            done.answer += turn(cloth.solver.body_impulse(place));
+            done.ran += 1;
+        } else {
+            // One that sleeps carries it as before.
+            done.answer += cloth.solver.body_impulse_at_rest(key);
+        }
+    }
+    done
+}
+
+impl BodyMemory {
+    /// Whether cloths do anything else to a body that sleeps than they did when it fell asleep, beside its weight in a tick
+    /// \[kg m/s\].
+    fn has_changed(&mut self, given: Impulse, ran: u32, weight: f32) -> bool {
+        match self.at_rest {
+            Some((before, then)) if then == ran => {
+                let change = (given.linear - before.linear).length();
+                change > UNCHANGED * (before.linear.length() + weight)
+            }
+            // Another cloth fell asleep, or woke.
+            _ => {
+                self.at_rest = Some((given, ran));
+                false
+            }
+        }
+    }
+}

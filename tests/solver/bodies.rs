@@ -1,0 +1,356 @@
+//! Rigid bodies that cloths move, held to invariants: energy does not grow, momentum stays, what is carried comes to rest where the
+//! cloth bears its weight.
+
+use std::sync::Arc;
+
+use bevy::math::{
+    DVec3, Mat3, Quat, Vec2, Vec3,
+    primitives::{Cuboid, Sphere},
+};
+use bevy_drape::sdf::SignedDistance;
+use bevy_drape::solver::{
+    ClothSolver, Collider, Isa, Mobility, PinMotion, Pose, Settings, StepInput,
+};
+
+use crate::support::solver::*;
+
+const GRAVITY: f32 = 9.81;
+const RADIUS: f32 = 0.15;
+
+/// A rigid body in an engine of the simplest kind: velocities, then places, once a tick.
+#[derive(Clone, Copy)]
+struct Body {
+    mass: f32,
+    inertia: f32,
+    place: Vec3,
+    turn: Quat,
+    velocity: Vec3,
+    spin: Vec3,
+    /// Whether it answers to the cloth within the tick, or only afterwards.
+    is_in_substeps: bool,
+}
+
+impl Body {
+    fn ball(mass: f32, place: Vec3) -> Self {
+        Self {
+            mass,
+            inertia: 0.4 * mass * RADIUS * RADIUS,
+            place,
+            turn: Quat::IDENTITY,
+            velocity: Vec3::ZERO,
+            spin: Vec3::ZERO,
+            is_in_substeps: true,
+        }
+    }
+
+    fn pose(&self) -> Pose {
+        Pose { translation: self.place, rotation: self.turn, scale: 1.0 }
+    }
+
+    /// One tick: the engine moves the body, then the cloth is stepped, then the engine is told.
+    fn tick(&mut self, cloth: &mut ClothSolver, shape: &dyn SignedDistance, input: &StepInput) {
+        let (from, dt) = (self.pose(), input.dt);
+        self.velocity += input.gravity * dt;
+        self.place += self.velocity * dt;
+        self.turn = (Quat::from_scaled_axis(self.spin * dt) * self.turn).normalize();
+        let collider = Collider::new(shape, from).moving_to(self.pose());
+        let mobility = Mobility {
+            inverse_mass: 1.0 / self.mass,
+            inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / self.inertia)),
+            body: 0,
+            informed: true,
+        };
+        let collider = match self.is_in_substeps {
+            true => collider.moved_by(mobility, Vec3::ZERO),
+            false => collider.measured(),
+        };
+        let colliders = [Collider { key: 1, ..collider }];
+        cloth.tick(&StepInput { colliders: &colliders, ..*input }).unwrap();
+        let given = match self.is_in_substeps {
+            true => cloth.body_impulse(0),
+            false => cloth.impulse(0),
+        };
+        self.velocity += given.linear / self.mass;
+        self.spin += given.angular / self.inertia;
+    }
+
+    /// Its velocities, less what it was given ahead of time.
+    fn own(&self, cloth: &ClothSolver) -> (Vec3, Vec3) {
+        let ahead = cloth.body_impulse_at_rest(1);
+        (self.velocity - ahead.linear / self.mass, self.spin - ahead.angular / self.inertia)
+    }
+}
+
+/// A metre of cloth of 0.2 kg held at its four corners, and where its pins are.
+fn hammock() -> (ClothSolver, Vec<PinMotion>) {
+    let lattice = sheet(Vec2::ONE, 32, 32, Settings::default().lumping);
+    let rest = lattice.rest_positions().to_vec();
+    let material = bevy_drape::solver::Material { area_density: 0.2, ..Default::default() };
+    let mut solver = ClothSolver::new(lattice, &rest, material, Settings::default()).unwrap();
+    solver.set_pins(&[0, 31, 31 * 32, 32 * 32 - 1]).unwrap();
+    let pin = |&pin: &u32| PinMotion { start: rest[pin as usize], end: rest[pin as usize] };
+    let pins = solver.pins().iter().map(pin).collect();
+    (solver, pins)
+}
+
+/// Kinetic energy and height of cloth and body \[J\].
+fn energy(cloth: &ClothSolver, body: &Body) -> f32 {
+    let (velocity, spin) = body.own(cloth);
+    let count = cloth.topology().particle_count();
+    let of_cloth = (0..count).map(|i| {
+        // Held ones weigh as much as they would free.
+        let mass = 0.2 / count as f32;
+        mass * (0.5 * cloth.velocity(i).length_squared() + GRAVITY * cloth.position(i).y)
+    });
+    of_cloth.sum::<f32>()
+        + body.mass * (0.5 * velocity.length_squared() + GRAVITY * body.place.y)
+        + 0.5 * body.inertia * spin.length_squared()
+}
+
+/// What a ball that is dropped onto a hammock does.
+struct Dropped {
+    /// Heights of its centre in the tenth second \[m\].
+    low: f32,
+    high: f32,
+    /// By how much the energy was above what it was at first at most, of what the drop of the ball sets free.
+    gain: f32,
+    bits: Vec<[u32; 3]>,
+}
+
+fn drop_onto_hammock(mass: f32, is_in_substeps: bool, isa: Isa, rate: f32) -> Dropped {
+    let (mut cloth, pins) = hammock();
+    cloth.set_isa(isa);
+    let gravity = Vec3::NEG_Y * GRAVITY;
+    let input = StepInput { dt: 1.0 / rate, gravity, pins: &pins, ..StepInput::default() };
+    let mut ball =
+        Body { is_in_substeps, ..Body::ball(mass, Vec3::Y * (0.35 + RADIUS + 0.005)) };
+    let shape = Sphere::new(RADIUS);
+    let at_first = energy(&cloth, &ball);
+    let mut dropped = Dropped { low: f32::MAX, high: f32::MIN, gain: 0.0, bits: Vec::new() };
+    for tick in 0..(10.0 * rate) as u32 {
+        ball.tick(&mut cloth, &shape, &input);
+        let gain = (energy(&cloth, &ball) - at_first) / (mass * GRAVITY * 0.35);
+        dropped.gain = dropped.gain.max(gain);
+        if tick as f32 >= 9.0 * rate || ball.place.y < -5.0 {
+            dropped.low = dropped.low.min(ball.place.y);
+            dropped.high = dropped.high.max(ball.place.y);
+        }
+        dropped.bits.push(ball.place.to_array().map(f32::to_bits));
+    }
+    dropped
+}
+
+#[test]
+fn a_hammock_carries_balls_of_any_mass() {
+    for mass in [0.05, 0.2, 1.0, 3.0, 10.0] {
+        let Dropped { low, high, gain, .. } = drop_onto_hammock(mass, true, Isa::detect(), 64.0);
+        let amplitude = 0.5 * (high - low);
+        println!("{mass} kg: amplitude {amplitude} m, gain {gain}");
+        assert!(amplitude < 5e-3, "{mass} kg swings by {amplitude} m");
+        assert!(gain < 0.01, "{mass} kg: energy grew by {gain}");
+        // It hangs below the pins, and not at the end of what the cloth gives.
+        assert!((-0.35..0.05).contains(&low), "{mass} kg is at {low} m");
+    }
+}
+
+#[test]
+fn slow_ticks_carry_them_too() {
+    for mass in [0.05, 1.0, 10.0] {
+        let Dropped { low, high, gain, .. } = drop_onto_hammock(mass, true, Isa::detect(), 30.0);
+        assert!(high - low < 1e-2 && gain < 0.01, "{mass} kg: {low} to {high} m, gain {gain}");
+    }
+}
+
+#[test]
+fn a_ball_that_is_told_afterwards_is_thrown() {
+    // What bodies in the substeps are for.
+    let Dropped { low, gain, .. } = drop_onto_hammock(1.0, false, Isa::detect(), 64.0);
+    assert!(gain > 0.5 || low < -4.0, "it is carried as well: {low} m, gain {gain}");
+}
+
+#[test]
+fn a_ball_rests_where_the_cloth_bears_its_weight() {
+    let gravity = Vec3::NEG_Y * GRAVITY;
+    for mass in [0.2_f32, 1.0, 3.0] {
+        let Dropped { low, high, .. } = drop_onto_hammock(mass, true, Isa::detect(), 64.0);
+        let rests = 0.5 * (low + high);
+        // Held there, a little lower and a little higher.
+        let borne = |height: f32| {
+            let (mut cloth, pins) = hammock();
+            let input =
+                StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+            let shape = Sphere::new(RADIUS);
+            let at = |tick: i32| height + (0.2 - 0.005 * tick as f32).max(0.0);
+            let mut force = 0.0;
+            for tick in 0..640 {
+                let pose = |tick| Pose::from_translation(Vec3::Y * at(tick));
+                let ball = Collider::new(&shape, pose(tick)).moving_to(pose(tick + 1)).measured();
+                cloth.tick(&StepInput { colliders: &[ball], ..input }).unwrap();
+                if tick >= 576 {
+                    force += cloth.impulse(0).linear.y;
+                }
+            }
+            force / GRAVITY
+        };
+        let [least, most] = [5e-3, -5e-3].map(|by| borne(rests + by));
+        println!("{mass} kg at {rests} m: the cloth bears {least} to {most} kg within 5 mm");
+        assert!(least < mass && mass < most, "{mass} kg: {least} to {most}");
+    }
+}
+
+#[test]
+fn the_bits_are_those_of_every_instruction_set() {
+    let expected = drop_onto_hammock(1.0, true, Isa::detect(), 64.0).bits;
+    for isa in Isa::available() {
+        assert_eq!(drop_onto_hammock(1.0, true, isa, 64.0).bits, expected, "{isa:?}");
+    }
+}
+
+/// Linear and angular momentum, and kinetic energy, of cloth and body.
+fn momentum(cloth: &ClothSolver, body: &Body) -> (DVec3, DVec3, f64) {
+    let (velocity, spin) = body.own(cloth);
+    let (velocity, spin) = (velocity.as_dvec3(), spin.as_dvec3());
+    let (mass, inertia) = (f64::from(body.mass), f64::from(body.inertia));
+    let mut linear = velocity * mass;
+    let mut angular = body.place.as_dvec3().cross(linear) + spin * inertia;
+    let mut energy = 0.5 * (mass * velocity.length_squared() + inertia * spin.length_squared());
+    for i in 0..cloth.topology().particle_count() {
+        let (mass, velocity) = (f64::from(cloth.mass(i)), cloth.velocity(i).as_dvec3());
+        linear += velocity * mass;
+        angular += cloth.position(i).as_dvec3().cross(velocity * mass);
+        energy += 0.5 * mass * velocity.length_squared();
+    }
+    (linear, angular, energy)
+}
+
+#[test]
+fn a_sheet_that_hits_a_free_box_keeps_momentum() {
+    // As it is, from the side, and beside the middle.
+    let ways = [(Vec3::ZERO, 0.0, 1e-3), (Vec3::X * 3.0, 0.0, 6e-3), (Vec3::ZERO, 0.3, 6e-3)];
+    for (along, aside, of_angular) in ways {
+        for ratio in [0.1, 0.3, 1.0, 10.0, 100.0] {
+            let lattice = sheet(Vec2::ONE, 48, 48, Settings::default().lumping);
+            let place = |&p: &Vec3| p + Vec3::X * aside;
+            let places: Vec<_> = lattice.rest_positions().iter().map(place).collect();
+            let material =
+                bevy_drape::solver::Material { area_density: 0.2, drag: 0.0, ..Default::default() };
+            let settings = Settings::default();
+            let mut cloth = ClothSolver::new(lattice, &places, material, settings).unwrap();
+            for i in 0..places.len() {
+                cloth.set_velocity(i, Vec3::NEG_Y * 5.0 + along).unwrap();
+            }
+            let mass = 0.2 * ratio;
+            let inertia = mass / 6.0 * 0.3 * 0.3;
+            let mut body = Body { inertia, ..Body::ball(mass, Vec3::NEG_Y * 0.3) };
+            let before = momentum(&cloth, &body);
+            let shape = Cuboid::from_length(0.3);
+            let input = StepInput { dt: 1.0 / 64.0, ..StepInput::default() };
+            for _ in 0..64 {
+                body.tick(&mut cloth, &shape, &input);
+                let energy = momentum(&cloth, &body).2;
+                assert!(energy < before.2 * 1.001, "ratio {ratio}: {energy} of {} J", before.2);
+            }
+            let after = momentum(&cloth, &body);
+            let size = before.0.length();
+            let linear = (after.0 - before.0).length() / size;
+            let angular = (after.1 - before.1).length() / (size * 0.3);
+            println!("ratio {ratio}, {along} {aside}: {linear:.1e} {angular:.1e}");
+            assert!(linear < 2e-4, "ratio {ratio}: linear momentum changes by {linear}");
+            assert!(angular < of_angular, "ratio {ratio}: angular momentum changes by {angular}");
+            // It was hit at all.
+            assert!(body.velocity.y < -0.02, "{}", body.velocity);
+        }
+    }
+}
+
+#[test]
+fn colliders_of_one_body_move_as_one() {
+    // A ball as two halves of its weight that are one body, at the same place.
+    let run = |bodies: &[u64]| {
+        let (mut cloth, pins) = hammock();
+        let gravity = Vec3::NEG_Y * GRAVITY;
+        let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+        let (shape, mut ball) = (Sphere::new(RADIUS), Body::ball(1.0, Vec3::Y * 0.2));
+        for _ in 0..192 {
+            let from = ball.pose();
+            ball.velocity += gravity / 64.0;
+            ball.place += ball.velocity / 64.0;
+            let mobility = |body| Mobility {
+                inverse_mass: 1.0,
+                inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / ball.inertia)),
+                body,
+                informed: true,
+            };
+            let part = |(key, &body): (u64, &u64)| {
+                let part = Collider::new(&shape, from).moving_to(ball.pose());
+                Collider { key, ..part }.moved_by(mobility(body), Vec3::ZERO)
+            };
+            let parts: Vec<_> = (1..).zip(bodies).map(part).collect();
+            cloth.tick(&StepInput { colliders: &parts, ..input }).unwrap();
+            for i in 0..bodies.len() {
+                ball.velocity += cloth.body_impulse(i).linear;
+            }
+        }
+        ball.place
+    };
+    let (one, of_one) = (run(&[7]), run(&[7, 7]));
+    assert!(one.distance(of_one) < 2e-3, "{one} and {of_one}");
+    assert!(one.y < 0.0 && one.y > -0.2, "{one}");
+}
+
+#[test]
+fn a_body_without_contact_costs_no_bit() {
+    let run = |moved: bool| {
+        let (mut cloth, pins) = hammock();
+        let gravity = Vec3::NEG_Y * GRAVITY;
+        let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+        let (shape, pose) = (Sphere::new(RADIUS), Pose::from_translation(Vec3::Y));
+        for _ in 0..32 {
+            let ball = Collider::new(&shape, pose);
+            let mobility = Mobility {
+                inverse_mass: 1.0,
+                inverse_inertia: Mat3::IDENTITY,
+                body: 0,
+                informed: true,
+            };
+            let ball = if moved { ball.moved_by(mobility, Vec3::ZERO) } else { ball };
+            cloth.tick(&StepInput { colliders: &[ball], ..input }).unwrap();
+        }
+        bits(&cloth)
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn masses_that_cannot_be_used_are_refused() {
+    let good = Mobility {
+        inverse_mass: 1.0,
+        inverse_inertia: Mat3::IDENTITY,
+        body: 0,
+        informed: true,
+    };
+    let (mut cloth, pins) = hammock();
+    let shape = Sphere::new(RADIUS);
+    let mut refuses = |mobility, center| {
+        let ball = Collider::new(&shape, Pose::IDENTITY).moved_by(mobility, center);
+        let colliders = [ball];
+        let input = StepInput {
+            dt: 1.0 / 64.0,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
+        cloth.tick(&input).is_err()
+    };
+    for inverse_mass in [-1.0, f32::NAN, f32::INFINITY] {
+        assert!(refuses(Mobility { inverse_mass, ..good }, Vec3::ZERO), "{inverse_mass}");
+    }
+    for inertia in [-1.0, f32::NAN, f32::INFINITY] {
+        let inverse_inertia = Mat3::from_diagonal(Vec3::new(1.0, inertia, 1.0));
+        assert!(refuses(Mobility { inverse_inertia, ..good }, Vec3::ZERO), "{inertia}");
+    }
+    assert!(refuses(good, Vec3::NAN));
+    assert!(!refuses(good, Vec3::ZERO));
+    let immovable = Mobility { inverse_mass: 0.0, inverse_inertia: Mat3::ZERO, ..good };
+    assert!(!refuses(immovable, Vec3::ZERO));
+}
