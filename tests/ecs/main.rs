@@ -7,6 +7,7 @@ mod anchors;
 mod app;
 mod bad_colliders;
 mod bad_input;
+mod bodies;
 mod body;
 mod colliders;
 mod culling;

@@ -1,8 +1,6 @@
 //! Rigid bodies that cloths move, held to invariants: energy does not grow, momentum stays, what is carried comes to rest where the
 //! cloth bears its weight.
 
-use std::sync::Arc;
-
 use bevy::math::{
     DVec3, Mat3, Quat, Vec2, Vec3,
     primitives::{Cuboid, Sphere},
@@ -122,8 +120,7 @@ fn drop_onto_hammock(mass: f32, is_in_substeps: bool, isa: Isa, rate: f32) -> Dr
     cloth.set_isa(isa);
     let gravity = Vec3::NEG_Y * GRAVITY;
     let input = StepInput { dt: 1.0 / rate, gravity, pins: &pins, ..StepInput::default() };
-    let mut ball =
-        Body { is_in_substeps, ..Body::ball(mass, Vec3::Y * (0.35 + RADIUS + 0.005)) };
+    let mut ball = Body { is_in_substeps, ..Body::ball(mass, Vec3::Y * (0.35 + RADIUS + 0.005)) };
     let shape = Sphere::new(RADIUS);
     let at_first = energy(&cloth, &ball);
     let mut dropped = Dropped { low: f32::MAX, high: f32::MIN, gain: 0.0, bits: Vec::new() };
@@ -177,10 +174,9 @@ fn a_ball_rests_where_the_cloth_bears_its_weight() {
         // Held there, a little lower and a little higher.
         let borne = |height: f32| {
             let (mut cloth, pins) = hammock();
-            let input =
-                StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+            let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
             let shape = Sphere::new(RADIUS);
-            let at = |tick: i32| height + (0.2 - 0.005 * tick as f32).max(0.0);
+            let at = |tick: i32| height + (0.4 - 0.002 * tick as f32).max(0.0);
             let mut force = 0.0;
             for tick in 0..640 {
                 let pose = |tick| Pose::from_translation(Vec3::Y * at(tick));
@@ -201,7 +197,7 @@ fn a_ball_rests_where_the_cloth_bears_its_weight() {
 #[test]
 fn the_bits_are_those_of_every_instruction_set() {
     let expected = drop_onto_hammock(1.0, true, Isa::detect(), 64.0).bits;
-    for isa in Isa::available() {
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
         assert_eq!(drop_onto_hammock(1.0, true, isa, 64.0).bits, expected, "{isa:?}");
     }
 }
@@ -323,12 +319,8 @@ fn a_body_without_contact_costs_no_bit() {
 
 #[test]
 fn masses_that_cannot_be_used_are_refused() {
-    let good = Mobility {
-        inverse_mass: 1.0,
-        inverse_inertia: Mat3::IDENTITY,
-        body: 0,
-        informed: true,
-    };
+    let good =
+        Mobility { inverse_mass: 1.0, inverse_inertia: Mat3::IDENTITY, body: 0, informed: true };
     let (mut cloth, pins) = hammock();
     let shape = Sphere::new(RADIUS);
     let mut refuses = |mobility, center| {

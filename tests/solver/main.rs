@@ -6,6 +6,7 @@ mod air;
 mod automatic;
 mod bending;
 mod bending_friction;
+mod bodies;
 mod carry;
 mod contact;
 mod determinism;

@@ -42,11 +42,15 @@ fn what_is_asked_of_a_running_cloth() {
 fn impulses_that_are_no_numbers() {
     let (mut app, good) = world();
     let floor = SdfCollider::from(InfinitePlane3d::default());
-    let floor = (floor, ColliderImpulse(Vec3::NAN), Transform::from_xyz(0.0, -9.0, 0.0));
+    let floor = (
+        floor,
+        ColliderImpulse { linear: Vec3::NAN, angular: Vec3::NAN },
+        Transform::from_xyz(0.0, -9.0, 0.0),
+    );
     let floor = spawn(&mut app, floor);
-    let none = spawn(&mut app, ColliderImpulse(Vec3::splat(INF)));
+    let none = spawn(&mut app, ColliderImpulse { linear: Vec3::splat(INF), ..default() });
     updates(&mut app, 20);
-    assert_eq!(app.world().get::<ColliderImpulse>(floor), Some(&ColliderImpulse(Vec3::ZERO)));
+    assert_eq!(app.world().get::<ColliderImpulse>(floor), Some(&ColliderImpulse::default()));
     assert_eq!((failure(&app, floor), failure(&app, none)), (None, None));
     assert!(bits(&app, good) == alone(20));
 }

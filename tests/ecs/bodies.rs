@@ -1,0 +1,236 @@
+//! Bodies of a game that cloths move: `ColliderMass`, `BodyImpulse`, `ColliderBody`.
+
+use std::time::Duration;
+
+use crate::support::app::*;
+use bevy::{prelude::*, time::TimeUpdateStrategy};
+use bevy_drape::{
+    BodyImpulse, ClothComponent, ClothErrorKind, ClothSystems, ColliderBody, ColliderMass,
+    prelude::*,
+};
+
+const GRAVITY: f32 = 9.81;
+const RADIUS: f32 = 0.15;
+
+/// What a game's own engine knows of a body.
+#[derive(Component, Default)]
+struct Moves {
+    velocity: Vec3,
+    spin: Vec3,
+    /// How long it has been still \[s\].
+    still: f32,
+    falls_asleep: bool,
+}
+
+fn fall(mut bodies: Query<(&mut Transform, &mut Moves, &mut ColliderMass)>, time: Res<Time>) {
+    let dt = time.delta_secs();
+    for (mut place, mut body, mut mass) in &mut bodies {
+        if mass.sleeps {
+            continue;
+        }
+        body.velocity.y -= GRAVITY * dt;
+        place.translation += body.velocity * dt;
+        place.rotation = (Quat::from_scaled_axis(body.spin * dt) * place.rotation).normalize();
+        body.still = if body.velocity.length() < 0.01 { body.still + dt } else { 0.0 };
+        if body.falls_asleep && body.still > 0.5 {
+            (body.velocity, body.spin, mass.sleeps) = (Vec3::ZERO, Vec3::ZERO, true);
+        }
+    }
+}
+
+fn be_pushed(mut bodies: Query<(&mut Moves, &BodyImpulse, &mut ColliderMass)>) {
+    for (mut body, impulse, mut mass) in &mut bodies {
+        if mass.sleeps {
+            if impulse.wakes {
+                (mass.sleeps, body.still) = (false, 0.0);
+            }
+            continue;
+        }
+        body.velocity += impulse.linear / mass.mass;
+        body.spin += impulse.angular / mass.principal_inertia;
+    }
+}
+
+fn engine() -> App {
+    let mut app = app();
+    app.add_systems(FixedUpdate, fall)
+        .add_systems(FixedPostUpdate, be_pushed.after(ClothSystems::Finish));
+    app
+}
+
+fn ball(mass: f32, at: Vec3) -> impl Bundle {
+    let collider = (SdfCollider::from(Sphere::new(RADIUS)), ColliderMass::sphere(mass, RADIUS));
+    (collider, Moves::default(), Transform::from_translation(at))
+}
+
+/// A metre of cloth held at its corners.
+fn hammock(size: Vec2, count: UVec2) -> impl Bundle {
+    let last = count.x * count.y - 1;
+    let corners = [0, count.x - 1, last + 1 - count.x, last];
+    (Cloth::sheet(size, count), ClothPins::vertices(corners))
+}
+
+fn insert(app: &mut App, entity: Entity, bundle: impl Bundle) {
+    app.world_mut().entity_mut(entity).insert(bundle);
+}
+
+fn place(app: &App, entity: Entity) -> Vec3 {
+    app.world().get::<Transform>(entity).unwrap().translation
+}
+
+/// How far a body goes up and down in a second \[m\].
+fn swing(app: &mut App, body: Entity) -> f32 {
+    let mut heights = Vec::new();
+    for _ in 0..64 {
+        app.update();
+        heights.push(place(app, body).y);
+    }
+    heights.iter().fold(f32::MIN, |a, &b| a.max(b))
+        - heights.iter().fold(f32::MAX, |a, &b| a.min(b))
+}
+
+#[test]
+fn a_hammock_carries_a_ball_of_the_game() {
+    let mut app = engine();
+    spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(24)));
+    let body = spawn(&mut app, ball(2.0, Vec3::Y * 0.4));
+    updates(&mut app, 9 * 64);
+    assert!(swing(&mut app, body) < 0.01);
+    let at = place(&app, body);
+    assert!((-0.3..0.0).contains(&at.y) && at.xz().length() < 0.02, "{at}");
+    assert_eq!(failure(&app, body), None);
+}
+
+#[test]
+fn two_strips_carry_it_together() {
+    let mut app = engine();
+    for side in [-0.2, 0.2] {
+        let strip = spawn(&mut app, hammock(Vec2::new(0.2, 1.0), UVec2::new(8, 40)));
+        insert(&mut app, strip, Transform::from_xyz(side, 0.0, 0.0));
+    }
+    let size = Vec3::new(0.6, 0.1, 0.2);
+    let plank = (SdfCollider::from(Cuboid::from_size(size)), ColliderMass::cuboid(0.4, size));
+    let plank = spawn(&mut app, (plank, Moves::default(), Transform::from_xyz(0.0, 0.2, 0.0)));
+    updates(&mut app, 9 * 64);
+    assert!(swing(&mut app, plank) < 0.01);
+    let at = place(&app, plank);
+    assert!((-0.3..0.06).contains(&at.y) && at.xz().length() < 0.05, "{at}");
+}
+
+#[test]
+fn both_fall_asleep_and_wake_together() {
+    let mut app = engine();
+    let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(24)));
+    let body = spawn(&mut app, ball(1.0, Vec3::Y * 0.2));
+    app.world_mut().get_mut::<Moves>(body).unwrap().falls_asleep = true;
+    let sleeps = |app: &App| app.world().get::<ColliderMass>(body).unwrap().sleeps;
+    let mut ticks = 0;
+    while !(sleeps(&app) && simulation(&app, cloth).is_asleep()) {
+        app.update();
+        ticks += 1;
+        assert!(ticks < 40 * 64, "awake: {} {}", sleeps(&app), simulation(&app, cloth).is_asleep());
+    }
+    let at = place(&app, body);
+    updates(&mut app, 128);
+    assert!(sleeps(&app) && simulation(&app, cloth).is_asleep());
+    assert_eq!(place(&app, body), at);
+    // One corner is let go.
+    insert(&mut app, cloth, ClothPins::vertices([0, 23, 24 * 24 - 1]));
+    updates(&mut app, 64);
+    assert!(!sleeps(&app), "the ball sleeps in the air");
+    assert!(place(&app, body).y < at.y - 0.2, "{at} to {}", place(&app, body));
+}
+
+#[test]
+fn a_cloth_that_sleeps_goes_on_carrying_what_does_not() {
+    let mut app = engine();
+    let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(24)));
+    let body = spawn(&mut app, ball(0.5, Vec3::Y * 0.17));
+    insert(&mut app, cloth, bevy_drape::ClothSleepThreshold { distance: 0.05, time: 0.5 });
+    updates(&mut app, 30 * 64);
+    assert!(swing(&mut app, body) < 5e-3);
+    let at = place(&app, body);
+    updates(&mut app, 10 * 64);
+    assert!(place(&app, body).distance(at) < 5e-3, "{at} to {}", place(&app, body));
+}
+
+#[test]
+fn a_body_of_two_colliders_is_one() {
+    let mut app = engine();
+    spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(24)));
+    let body = ColliderMass::cuboid(1.0, Vec3::new(0.4, 0.1, 0.1));
+    let body = spawn(&mut app, (body, Moves::default(), Transform::from_xyz(0.0, 0.2, 0.0)));
+    for side in [-0.1, 0.1] {
+        let part = SdfCollider::from(Cuboid::new(0.2, 0.1, 0.1));
+        let part = (part, ColliderBody(body), ChildOf(body), Transform::from_xyz(side, 0.0, 0.0));
+        spawn(&mut app, part);
+    }
+    updates(&mut app, 9 * 64);
+    assert!(swing(&mut app, body) < 0.015);
+    let at = place(&app, body);
+    assert!((-0.3..0.05).contains(&at.y), "{at}");
+}
+
+#[test]
+fn masses_out_of_range_are_told_and_the_rest_goes_on() {
+    let good = ColliderMass::sphere(1.0, RADIUS);
+    for bad in [
+        ColliderMass { mass: 0.0, ..good },
+        ColliderMass { mass: f32::INFINITY, ..good },
+        ColliderMass { mass: f32::NAN, ..good },
+        ColliderMass { principal_inertia: Vec3::new(1.0, 0.0, 1.0), ..good },
+        ColliderMass { principal_inertia: Vec3::NAN, ..good },
+        ColliderMass { principal_axes: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), ..good },
+        ColliderMass { center_of_mass: Vec3::NAN, ..good },
+    ] {
+        let mut app = app();
+        let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(8)));
+        let body = (SdfCollider::from(Sphere::new(RADIUS)), bad);
+        let body = spawn(&mut app, (body, Transform::from_xyz(0.0, -0.2, 0.0)));
+        updates(&mut app, 64);
+        let told = failure(&app, body).expect("it is told");
+        let ClothErrorKind::Parameter { component: ClothComponent::ColliderMass, .. } = told.kind
+        else {
+            panic!("{told}")
+        };
+        // It stays a collider, and nothing moves it.
+        assert_eq!(failure(&app, cloth), None);
+        assert_eq!(*app.world().get::<BodyImpulse>(body).unwrap(), BodyImpulse::default());
+        assert!(simulation(&app, cloth).last_tick().unwrap().contact_count > 0);
+        insert(&mut app, body, good);
+        updates(&mut app, 4);
+        assert_eq!(failure(&app, body), None);
+        assert!(app.world().get::<BodyImpulse>(body).unwrap().linear.y < 0.0);
+    }
+}
+
+#[test]
+fn the_frame_rate_makes_no_difference() {
+    let run = |frame: TimeUpdateStrategy, frames: usize| {
+        let mut app = engine();
+        let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(16)));
+        let body = spawn(&mut app, ball(0.5, Vec3::Y * 0.2));
+        app.insert_resource(frame);
+        updates(&mut app, frames);
+        assert_eq!(simulation(&app, cloth).tick_count(), 60);
+        (bits(&app, cloth), place(&app, body).to_array().map(f32::to_bits))
+    };
+    let each = run(TimeUpdateStrategy::FixedTimesteps(1), 60);
+    assert_eq!(run(TimeUpdateStrategy::FixedTimesteps(3), 20), each);
+    let slow = TimeUpdateStrategy::ManualDuration(Duration::from_micros(15625 / 5));
+    assert_eq!(run(slow, 300), each);
+}
+
+#[test]
+fn a_body_that_loses_its_mass_is_a_wall_again() {
+    let mut app = engine();
+    let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(16)));
+    let body = spawn(&mut app, ball(0.5, Vec3::Y * 0.16));
+    updates(&mut app, 6 * 64);
+    app.world_mut().entity_mut(body).remove::<ColliderMass>();
+    let at = place(&app, body);
+    updates(&mut app, 64);
+    assert_eq!(place(&app, body), at);
+    assert_eq!(failure(&app, body), None);
+    assert!(simulation(&app, cloth).last_tick().unwrap().contact_count > 0);
+}
