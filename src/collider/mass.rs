@@ -89,13 +89,12 @@ impl ColliderMass {
     }
 
     /// How a body answers to impulses that is turned so.
-    pub(crate) fn mobility(&self, rotation: Quat, body: u64, informed: bool) -> Mobility {
+    pub(crate) fn mobility(&self, rotation: Quat, informed: bool) -> Mobility {
         let axes = Mat3::from_quat(rotation * self.principal_axes);
         let inverse = Mat3::from_diagonal(self.principal_inertia.recip());
         Mobility {
             inverse_mass: self.mass.recip(),
             inverse_inertia: axes * inverse * axes.transpose(),
-            body,
             informed,
         }
     }

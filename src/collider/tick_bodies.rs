@@ -8,7 +8,7 @@ use crate::collider::tick_colliders::TickColliders;
 use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
 use crate::pose::to_local;
-use crate::solver::Mobility;
+use crate::solver::{Collider, ColliderMotion, Mobility, Pose};
 
 /// The body that a collider is a part of.
 #[derive(Clone, Copy)]
@@ -31,6 +31,34 @@ impl TickBody {
         let (inverse_mass, inverse_inertia) = (inverse_mass * cloths, inverse_inertia * cloths);
         Some(Mobility { inverse_mass, inverse_inertia, ..self.mobility? })
     }
+
+    /// A collider as a part of it.
+    pub fn of<'a>(&self, collider: Collider<'a>) -> Collider<'a> {
+        Collider {
+            measured: true,
+            centre: self.center_of_mass,
+            body: self.entity.to_bits(),
+            mobility: self.part(),
+            ..collider
+        }
+    }
+}
+
+/// A body that is no collider: pins may pull at it.
+pub(crate) struct LoneBody {
+    pub body: TickBody,
+    /// Where it is.
+    pub motion: ColliderMotion,
+}
+
+impl LoneBody {
+    /// The collider that stands for it, which nothing collides with.
+    pub fn collider(&self) -> Collider<'static> {
+        static PLACE: Sphere = Sphere { radius: 1e-3 };
+        let Self { body, motion } = self;
+        let collider = Collider::new(&PLACE, motion.start()).in_layers(0).measured();
+        body.of(Collider { key: body.entity.to_bits(), ..collider })
+    }
 }
 
 /// A collider that may be of a body.
@@ -43,7 +71,10 @@ pub(crate) fn gather_bodies(
     transforms: TransformHelper,
     mut snapshot: ResMut<TickColliders>,
     mut failures: Failures,
+    mut with_parts: Local<Vec<Entity>>,
 ) {
+    with_parts.clear();
+    snapshot.bypass_change_detection().lone_bodies.clear();
     for gathered in snapshot.bypass_change_detection().colliders.iter_mut() {
         gathered.body = None;
     }
@@ -56,21 +87,43 @@ pub(crate) fn gather_bodies(
         let entity = part.map_or(collider, |part| part.0);
         let Ok((_, mass, memory)) = bodies.get(entity) else { continue };
         let Some(gathered) = snapshot.gathered_mut(collider) else { continue };
-        let Some(motion) = gathered.motion.filter(|_| mass.check().is_ok()) else { continue };
-        // Its own scale may be uneven, which does not matter here.
-        let Ok(global) = transforms.compute_global_transform(entity) else { continue };
-        let (center, rotation) = (global.transform_point(mass.center_of_mass), global.rotation());
-        if !(center.is_finite() && rotation.is_finite()) {
+        let Some(motion) = gathered.motion else { continue };
+        let Some((mut body, center)) = body_now(entity, &mass, memory, &transforms) else {
+            continue;
+        };
+        body.center_of_mass = to_local(&motion.end(), center);
+        gathered.body = Some(body);
+        with_parts.push(entity);
+    }
+    with_parts.sort_unstable();
+    for (entity, mass, memory) in &bodies {
+        if with_parts.binary_search(&entity).is_ok() {
             continue;
         }
-        let mobility = mass.mobility(rotation, entity.to_bits(), memory.informed);
-        gathered.body = Some(TickBody {
-            entity,
-            mobility: (!mass.sleeps).then_some(mobility),
-            center_of_mass: to_local(&motion.end(), center),
-            cloths: 1,
-        });
+        if let Some((body, center)) = body_now(entity, &mass, memory, &transforms) {
+            let pose = Pose::from_translation(center);
+            let motion = ColliderMotion::new(&Sphere::new(1e-3), pose, pose);
+            snapshot.lone_bodies.push(LoneBody { body, motion });
+        }
     }
+}
+
+/// A body as it is now, with the place of its centre of mass; `None` where a number of it or its place cannot be used, of which
+/// is told elsewhere.
+fn body_now(
+    entity: Entity,
+    mass: &ColliderMass,
+    memory: &BodyMemory,
+    transforms: &TransformHelper,
+) -> Option<(TickBody, Vec3)> {
+    mass.check().ok()?;
+    // Its own scale may be uneven, which does not matter here.
+    let global = transforms.compute_global_transform(entity).ok()?;
+    let (center, rotation) = (global.transform_point(mass.center_of_mass), global.rotation());
+    let usable = center.is_finite() && rotation.is_finite();
+    let mobility = (!mass.sleeps).then(|| mass.mobility(rotation, memory.informed));
+    let body = TickBody { entity, mobility, center_of_mass: Vec3::ZERO, cloths: 1 };
+    usable.then_some((body, center))
 }
 
 /// When `ColliderMass` is removed, clears its errors. The collider stays where its engine has it.

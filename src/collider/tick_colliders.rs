@@ -9,7 +9,7 @@ use crate::cloth::layers::ClothLayers;
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::FieldSource;
 use crate::collider::shape::SdfShape;
-use crate::collider::tick_bodies::TickBody;
+use crate::collider::tick_bodies::{LoneBody, TickBody};
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
@@ -47,6 +47,8 @@ impl ColliderPose {
 #[derive(Resource, Default)]
 pub(crate) struct TickColliders {
     pub(crate) colliders: Vec<Gathered>,
+    /// Bodies that are no colliders.
+    pub(crate) lone_bodies: Vec<LoneBody>,
     /// Counts the changes: as long as it stays, all stand still and are what they were.
     pub(crate) version: u64,
 }
@@ -80,18 +82,35 @@ impl TickColliders {
     ) -> Vec<solver::Collider<'a>> {
         let mut colliders = room.reuse();
         colliders.extend(self.present().filter_map(|(collider, motion)| {
-            Some(solver::Collider {
+            let known = solver::Collider {
                 shape: collider.shape.get(fields)?,
                 motion,
                 friction: collider.friction,
                 layers: collider.layers.0,
                 key: collider.entity.to_bits(),
-                measured: collider.measured || collider.body.is_some(),
-                centre: collider.body.map_or(Vec3::ZERO, |body| body.center_of_mass),
-                mobility: collider.body.as_ref().and_then(TickBody::part),
-            })
+                measured: collider.measured,
+                centre: Vec3::ZERO,
+                body: 0,
+                mobility: None,
+            };
+            Some(collider.body.map_or(known, |body| body.of(known)))
         }));
+        let lone = |it: &LoneBody| -> solver::Collider<'a> { it.collider() };
+        colliders.extend(self.lone_bodies.iter().map(lone));
         colliders
+    }
+
+    /// The bodies of the tick's colliders, with the places of these and their keys.
+    pub(crate) fn bodies(
+        &self,
+        fields: Option<&Assets<DistanceField>>,
+    ) -> impl Iterator<Item = (usize, &TickBody, u64)> {
+        let present = self.present().filter(move |(it, _)| it.shape.get(fields).is_some());
+        let present = present.map(|(it, _)| (it.body.as_ref(), it.entity.to_bits()));
+        let lone = self.lone_bodies.iter();
+        let lone = lone.map(|LoneBody { body, .. }| (Some(body), body.entity.to_bits()));
+        let all = present.chain(lone).enumerate();
+        all.filter_map(|(place, (body, key))| Some((place, body?, key)))
     }
 
     /// The colliders that are present, in the order in which the solver takes them.

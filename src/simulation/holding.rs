@@ -4,10 +4,11 @@ use bevy::prelude::*;
 
 use crate::pose::to_world;
 use crate::simulation::ClothSimulation;
-use crate::simulation::attachments::{Attachments, Pulled};
+use crate::simulation::attachments::{Anchor, Attachments, Pulled};
 use crate::simulation::grabbed::Grabbed;
 use crate::simulation::skin::Skin;
-use crate::solver::{ClothSolver, PinMotion, RigidMotion};
+use crate::simulation::tick_state::Motions;
+use crate::solver::{ClothSolver, PinMotion, PinPull, RigidMotion};
 
 /// The particles of a cloth that are held, and by what.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,19 +27,24 @@ impl Holding {
         solver: &ClothSolver,
         skin: Option<&Skin>,
         ride: Option<RigidMotion>,
-        motions: &mut Vec<PinMotion>,
+        body: impl Fn(Entity) -> Option<Entity>,
+        Motions { pins: motions, pulls, .. }: &mut Motions,
     ) {
         let Attachments { anchors, attached, pulled, .. } = &mut self.attachments;
         let back = ride.map(|ride| ride.inverse());
         let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
         motions.clear();
+        pulls.clear();
         let motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
         let mut on_skin = skin.into_iter().flat_map(|skin| skin.ways(solver)).peekable();
         for pin in attached {
             while let Some(way) = on_skin.next_if(|(particle, ..)| *particle < pin.particle) {
                 motions.push(motion(way));
             }
-            let anchor = &anchors[pin.anchor as usize].pose;
+            let Anchor { entity, pose: anchor, .. } = &anchors[pin.anchor as usize];
+            if let Some(body) = body(*entity) {
+                pulls.push(PinPull { pin: motions.len() as u32, body: body.to_bits() });
+            }
             let start = if pin.fresh {
                 solver.position(pin.particle as usize)
             } else {
@@ -87,6 +93,8 @@ pub(crate) fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
     // Room for every motion now, so that no tick needs any.
     cloth.tick.motions.pins.clear();
     cloth.tick.motions.pins.reserve_exact(particles.len() + springs.len());
+    cloth.tick.motions.pulls.clear();
+    cloth.tick.motions.pulls.reserve_exact(particles.len());
     // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
     // has no reason to refuse them.
     if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {

@@ -6,6 +6,7 @@ use crate::cloth::events::{ClothSlept, ClothWoke};
 use crate::cloth::forces::ClothForces;
 use crate::cloth::sleep::{ClothPaused, ClothSleepThreshold};
 use crate::collider::disturbance::Disturbances;
+use crate::collider::mass::{ColliderBody, ColliderMass};
 use crate::error::ClothComponent;
 use crate::error::failures::Failures;
 use crate::simulation::ClothSimulation;
@@ -98,10 +99,16 @@ pub(crate) fn choose_steps(
         Option<&mut ClothPaused>,
         Option<&ClothForces>,
     )>,
+    bodies: Query<(Has<ColliderMass>, Option<&ColliderBody>)>,
     disturbances: Res<Disturbances>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
+    let body = |anchor| match bodies.get(anchor) {
+        Ok((_, Some(part))) => Some(part.0),
+        Ok((true, None)) => Some(anchor),
+        _ => None,
+    };
     for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;
         let outcome = cloth.sleep.set_sleep(sleep);
@@ -136,7 +143,7 @@ pub(crate) fn choose_steps(
             let TickState { step, motions, .. } = tick;
             step.gravity = frame.seen(step.gravity);
             step.wind.velocity = frame.seen(step.wind.velocity);
-            held.gather_motions(solver, skin.as_deref(), frame.ride, &mut motions.pins);
+            held.gather_motions(solver, skin.as_deref(), frame.ride, body, motions);
             if let Some(skin) = skin {
                 skin.gather_motions(frame.ride, &mut motions.skin);
             }

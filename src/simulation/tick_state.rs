@@ -4,7 +4,9 @@ use bevy::prelude::*;
 
 use crate::cloth::wind::ClothWind;
 use crate::collider::tick_colliders::ColliderRoom;
-use crate::solver::{Collider, PinMotion, SkinMotion, SolverError, StepInput, TickReport, Zone};
+use crate::solver::{
+    Collider, PinMotion, PinPull, SkinMotion, SolverError, StepInput, TickReport, Zone,
+};
 
 /// This tick of a cloth, from gathering its input until its result is looked at.
 #[derive(Default)]
@@ -22,6 +24,8 @@ pub(crate) struct TickState {
 pub(crate) struct Motions {
     /// Of each held particle, hard pins first.
     pub(crate) pins: Vec<PinMotion>,
+    /// Those of the hard ones that pull at bodies.
+    pub(crate) pulls: Vec<PinPull>,
     /// Of each particle's place on the skin, where the cloth has one.
     pub(crate) skin: Vec<SkinMotion>,
 }
@@ -76,6 +80,7 @@ pub(crate) fn input<'a>(
         dt: step.dt,
         gravity: step.gravity,
         pins: &motions.pins,
+        pulls: &motions.pulls,
         skin: &motions.skin,
         colliders,
         wind,

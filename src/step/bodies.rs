@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass};
+use crate::collider::tick_bodies::LoneBody;
 use crate::collider::tick_colliders::TickColliders;
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
@@ -17,17 +18,27 @@ const GRAVITY: f32 = 9.81;
 
 /// Counts the cloths near each body: each meets an equal part of it. Together they would else stop it several times.
 pub(crate) fn share_bodies(cloths: Query<&ClothSimulation>, mut snapshot: ResMut<TickColliders>) {
-    for gathered in snapshot.bypass_change_detection().colliders.iter_mut() {
+    let TickColliders { colliders, lone_bodies, .. } = snapshot.bypass_change_detection();
+    let pulls = |cloth: &ClothSimulation, body: Entity| {
+        let mut pulls = cloth.tick.motions.pulls.iter();
+        cloth.tick.step.runs && pulls.any(|pull| pull.body == body.to_bits())
+    };
+    for gathered in colliders {
         let (Some(body), Some(motion)) = (&mut gathered.body, gathered.motion) else { continue };
+        let entity = body.entity;
         let is_near = |cloth: &&ClothSimulation| {
             let (low, high) = cloth.solver.bounds();
             let bounds = motion.bounds().filter(|_| cloth.tick.step.runs);
-            bounds.is_some_and(|bounds| {
+            let touches = bounds.is_some_and(|bounds| {
                 let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
                 (low - max).max(min - high).max_element() < NEAR
-            })
+            });
+            touches || pulls(cloth, entity)
         };
         body.cloths = cloths.iter().filter(is_near).count() as u32;
+    }
+    for LoneBody { body, .. } in lone_bodies {
+        body.cloths = cloths.iter().filter(|cloth| pulls(cloth, body.entity)).count() as u32;
     }
 }
 
@@ -62,13 +73,10 @@ pub(crate) fn tell_bodies(
         impulse.set_if_neq(BodyImpulse::default());
         memory.informed = true;
     }
-    let present = snapshot.present().filter(|(it, _)| it.shape.get(fields.as_deref()).is_some());
-    for (place, (collider, _)) in present.enumerate() {
-        let Some(body) = collider.body else { continue };
+    for (place, body, key) in snapshot.bodies(fields.as_deref()) {
         let Ok((mass, mut impulse, mut memory)) = bodies.get_mut(body.entity) else {
             continue;
         };
-        let key = collider.entity.to_bits();
         let done = done(cloths.iter_many(order.iter()), place, key);
         match body.mobility {
             Some(_) => {

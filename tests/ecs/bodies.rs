@@ -234,3 +234,69 @@ fn a_body_that_loses_its_mass_is_a_wall_again() {
     assert_eq!(failure(&app, body), None);
     assert!(simulation(&app, cloth).last_tick().unwrap().contact_count > 0);
 }
+
+/// A crate that hangs in a sheet by all of its lower edge, or by its corners; the upper edge is held.
+fn hung(app: &mut App, mass: f32, corners: bool, is_collider: bool) -> (Entity, Entity) {
+    let size = Vec3::new(1.0, 0.1, 0.1);
+    let crate_ = (ColliderMass::cuboid(mass, size), Moves::default());
+    let crate_ = spawn(app, (crate_, Transform::from_xyz(0.0, -1.05, 0.0)));
+    if is_collider {
+        insert(app, crate_, SdfCollider::from(Cuboid::from_size(size)));
+    }
+    let lower = if corners { vec![600, 624] } else { (600..625).collect() };
+    let pins = ClothPins::vertices(0..25).and(ClothPins::vertices(lower).anchored_to(crate_));
+    let upright = Transform::from_xyz(0.0, -0.5, 0.0)
+        .with_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
+    let cloth = (Cloth::sheet(Vec2::ONE, UVec2::splat(25)), pins, upright);
+    (spawn(app, cloth), crate_)
+}
+
+#[test]
+fn pins_pull_at_what_they_are_on() {
+    for (mass, corners, is_collider) in
+        [(0.1, false, false), (1.0, false, true), (10.0, false, false), (1.0, true, false)]
+    {
+        let mut app = engine();
+        let (cloth, body) = hung(&mut app, mass, corners, is_collider);
+        updates(&mut app, 9 * 64);
+        let what = format!("{mass} kg, corners: {corners}");
+        assert!(swing(&mut app, body) < 5e-3, "{what}");
+        let at = place(&app, body);
+        assert!((-1.2..-1.02).contains(&at.y) && at.xz().length() < 0.02, "{what}: {at}");
+        assert_eq!((failure(&app, cloth), failure(&app, body)), (None, None), "{what}");
+        // What holds the cloth is on the crate still.
+        let corner = position(&app, cloth, 600) - at;
+        assert!((corner.length() - 0.5025).abs() < 5e-3, "{what}: {corner}");
+    }
+}
+
+#[test]
+fn a_crate_that_is_let_go_falls() {
+    let mut app = engine();
+    let (cloth, body) = hung(&mut app, 1.0, false, false);
+    updates(&mut app, 4 * 64);
+    let at = place(&app, body);
+    insert(&mut app, cloth, ClothPins::vertices(0..25));
+    updates(&mut app, 32);
+    assert!(place(&app, body).y < at.y - 0.8, "{at} to {}", place(&app, body));
+}
+
+#[test]
+fn what_hangs_and_sleeps_wakes_as_it_is_pulled() {
+    let mut app = engine();
+    let (cloth, body) = hung(&mut app, 2.0, false, false);
+    app.world_mut().get_mut::<Moves>(body).unwrap().falls_asleep = true;
+    let sleeps = |app: &App| app.world().get::<ColliderMass>(body).unwrap().sleeps;
+    let mut ticks = 0;
+    while !(sleeps(&app) && simulation(&app, cloth).is_asleep()) {
+        app.update();
+        ticks += 1;
+        assert!(ticks < 60 * 64, "awake: {} {}", sleeps(&app), simulation(&app, cloth).is_asleep());
+    }
+    // The cloth is let go above.
+    let at = place(&app, body);
+    let lower = ClothPins::vertices(600..625).anchored_to(body);
+    insert(&mut app, cloth, lower);
+    updates(&mut app, 64);
+    assert!(!sleeps(&app) && place(&app, body).y < at.y - 0.2, "{at} {}", place(&app, body));
+}

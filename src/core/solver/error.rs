@@ -104,6 +104,14 @@ pub enum SolverError {
     /// The pose of a pin is not finite, or beyond 1e7 m.
     #[error("the target of pin {0} is not finite, or beyond 1e7 m")]
     PinTarget(usize),
+    /// A pin that is to pull at a body does not exist.
+    #[error("pin {pin} is to pull at a body, but there are {pins} pins")]
+    NoSuchPin {
+        /// Place asked for.
+        pin: usize,
+        /// Number of pins that hold.
+        pins: usize,
+    },
     /// A motion of the whole cloth, or a pose to put it in, is not finite, or leads beyond 1e7 m.
     #[error("the pose to carry the cloth to is not finite, or beyond 1e7 m")]
     Motion,

@@ -25,8 +25,19 @@ pub struct StepInput<'a> {
     pub skin: &'a [SkinMotion],
     /// Colliders, in an order that does not change from run to run.
     pub colliders: &'a [Collider<'a>],
+    /// Pins that pull at bodies among the colliders. Others lead the cloth, and nothing leads them.
+    pub pulls: &'a [PinPull],
     /// The wind. A cloth that has no [`Air`](crate::solver::Air) does not feel it.
     pub wind: Wind<'a>,
+}
+
+/// A pin that pulls at the body which carries it. Its motion is that of the body as it is planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PinPull {
+    /// The pin's place among the [`pins`](crate::solver::ClothSolver::pins).
+    pub pin: u32,
+    /// The [`body`](Collider::body) of the collider, of which there is one. It may be in no layer, where nothing is to collide with it.
+    pub body: u64,
 }
 
 /// The outcome of a tick.
@@ -63,6 +74,14 @@ impl StepInput<'_> {
         }
         match skin.and_then(|skin| skin.without_normal(self.skin)) {
             Some(particle) => Err(SolverError::NoSkinNormal(particle)),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks which pins pull, of a cloth with so many hard ones.
+    pub(crate) fn check_pulls(&self, pins: usize) -> Result<(), SolverError> {
+        match self.pulls.iter().find(|pull| pull.pin as usize >= pins) {
+            Some(pull) => Err(SolverError::NoSuchPin { pin: pull.pin as usize, pins }),
             None => Ok(()),
         }
     }

@@ -98,7 +98,7 @@ pub use crate::solver::error::SolverError;
 pub use crate::solver::forces::aerodynamics::Air;
 pub use crate::solver::forces::external::{PushOn, PushWith};
 pub use crate::solver::forces::wind::{Gusts, Wind, WindFlow, WindShape, Zone};
-pub use crate::solver::input::{StepInput, TickReport};
+pub use crate::solver::input::{PinPull, StepInput, TickReport};
 pub use crate::solver::island::{Island, Member};
 pub use crate::solver::plan::{Clamped, Plan, PlanReason};
 pub use crate::solver::rigid_motion::RigidMotion;
@@ -139,6 +139,8 @@ pub struct ClothSolver {
     shares: bool,
     pins: Pins,
     soft: Vec<constraints::soft_pins::Spring>,
+    /// Pins that pull at bodies in this tick.
+    pulling: Vec<stages::pulling::Pulling>,
     /// What holds it near an animated pose, where anything does.
     skin: Option<Box<Skin>>,
     /// Forces from outside, once there were any.
@@ -253,6 +255,7 @@ impl ClothSolver {
 
     fn check_input(&self, input: &StepInput<'_>) -> Result<(), SolverError> {
         input.check(self.pins.slots.len() + self.soft.len())?;
+        input.check_pulls(self.pins.slots.len())?;
         input.check_skin(self.skin.as_deref())?;
         if self.air.is_some() {
             input.wind.validate()?;
@@ -302,6 +305,7 @@ impl ClothSolver {
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         self.state.contacts.begin_tick(input.colliders, self.state.origin);
+        self.begin_pulling(input);
         self.done = 0;
         self.plan.substeps
     }

@@ -82,6 +82,7 @@ impl ClothSolver {
             surveyed_before: false,
             mark: Mark::new(topology.layout()),
             soft: Vec::new(),
+            pulling: Vec::new(),
             skin: None,
             pushes: None,
             topology,

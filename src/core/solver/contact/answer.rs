@@ -175,7 +175,6 @@ mod tests {
         let body = Mobility {
             inverse_mass: 0.5,
             inverse_inertia: Mat3::from_diagonal(Vec3::new(1.0, 2.0, 0.0)),
-            body: 0,
             informed: true,
         };
         let mut carried = [[0.0; 6]; 6];

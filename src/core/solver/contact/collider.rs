@@ -112,6 +112,9 @@ pub struct Collider<'a> {
     pub measured: bool,
     /// The place in its own frame that angular impulses are about: its centre of mass, where it is a body \[m\].
     pub centre: Vec3,
+    /// Tells the body that it is a part of from others, as an entity's bits do: colliders of one body move as one, and pins may pull at
+    /// it ([`StepInput::pulls`](crate::solver::StepInput::pulls)). Zero: it is a body by itself.
+    pub body: u64,
     /// What the cloth moves it by within the tick, where it is a body that is moved. Its impulse is asked for then.
     pub mobility: Option<Mobility>,
 }
@@ -128,6 +131,7 @@ impl<'a> Collider<'a> {
             key: 0,
             measured: false,
             centre: Vec3::ZERO,
+            body: 0,
             mobility: None,
         }
     }

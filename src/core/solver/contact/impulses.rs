@@ -11,6 +11,7 @@ use crate::solver::contact::collider::Collider;
 use crate::solver::contact::coupling::Coupling;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
+use crate::solver::simd::block::larger;
 
 /// The impulses of a tick.
 #[derive(Clone, Debug, Default)]
@@ -36,8 +37,12 @@ struct Account {
     mobility: Option<Mobility>,
     /// How far that has moved it from where it was planned to be, up to the substep.
     deviation: Deviation,
-    /// Whether the cloth may have come to it in this tick.
+    /// Where that is planned to be when the tick begins and when it ends.
+    ways: [Vec3; 2],
+    /// Whether the cloth may have come to it in this tick, or pulls at it.
     met: bool,
+    /// How many pins pull at it.
+    pins: u32,
     /// What goes on from tick to tick.
     coupling: Coupling,
     /// What the engine is to be given of the last tick.
@@ -52,7 +57,9 @@ impl Account {
             about: Vec3::ZERO,
             mobility: None,
             deviation: Deviation::NONE,
+            ways: [Vec3::ZERO; 2],
             met: false,
+            pins: 0,
             coupling,
             answer: Impulse::ZERO,
         }
@@ -107,6 +114,7 @@ impl Impulses {
             }
             *account = is_asked(collider).then(|| Account {
                 about: collider.centre_at(0.0) - origin,
+                ways: [0.0, 1.0].map(|part| collider.centre_at(part) - origin),
                 mobility: collider.mobility,
                 ..Account::owing(owed, coupling)
             });
@@ -118,12 +126,12 @@ impl Impulses {
         let Self { first, by_body, .. } = self;
         first.clear();
         by_body.clear();
-        let bodies = colliders.iter().map(|c| c.mobility.map_or(0, |mobility| mobility.body));
+        let bodies = colliders.iter().map(|collider| collider.body);
         by_body.extend(bodies.zip(0..).filter(|&(body, _)| body != 0));
+        by_body.sort_unstable();
         if by_body.len() < 2 {
             return;
         }
-        by_body.sort_unstable();
         first.extend(0..colliders.len());
         for pair in 1..by_body.len() {
             let ((before, at), (body, collider)) = (by_body[pair - 1], by_body[pair]);
@@ -131,6 +139,13 @@ impl Impulses {
                 first[collider] = first[at];
             }
         }
+    }
+
+    /// The collider that has the account of a body; `None` where it has none.
+    pub fn of_body(&self, body: u64) -> Option<usize> {
+        let at = self.by_body.partition_point(|&(known, _)| known < body);
+        let &(known, collider) = self.by_body.get(at)?;
+        (known == body && self.account(collider).is_some()).then_some(collider)
     }
 
     /// The collider that has a collider's account.
@@ -156,7 +171,10 @@ impl Impulses {
         for account in self.colliders.iter_mut().flatten() {
             let Account { given, deviation, .. } = *account;
             account.answer = match account.mobility {
-                Some(body) => account.coupling.end_tick(given, &deviation, body.inverse_mass),
+                Some(Mobility { inverse_mass, .. }) => {
+                    let is_pinned = account.pins > 0;
+                    account.coupling.end_tick(given, &deviation, inverse_mass, is_pinned)
+                }
                 None => given,
             };
         }
@@ -202,6 +220,33 @@ impl Impulses {
         if let Some(account) = self.account_mut(collider) {
             account.met = true;
         }
+    }
+
+    /// Notes that a pin pulls at a body.
+    pub fn pin_to(&mut self, collider: usize) {
+        if let Some(account) = self.account_mut(collider) {
+            account.met = true;
+            account.pins += 1;
+        }
+    }
+
+    /// How much a pin yields at a place, each of those that pull at the body with a part of its mass \[1/kg\]. One that does not
+    /// move yields by `least`, so that what pulls at it is known.
+    pub fn yielding(&self, collider: usize, at: Vec3, least: f32) -> f32 {
+        let of = |account: &Account| {
+            let Some(mobility) = account.mobility else { return 0.0 };
+            account.pins as f32 * mobility.most_along(at - account.about)
+        };
+        self.account(collider).map_or(0.0, |account| larger(of(account), least))
+    }
+
+    /// Where a place of a body is at part `to` of the tick that is planned to be at `place` then, at the end of a substep of length
+    /// `step` \[m\].
+    pub fn carried(&self, collider: usize, place: Vec3, to: f32, step: f32) -> Vec3 {
+        let Some(account) = self.account(collider) else { return place };
+        let centre = account.ways[0] + (account.ways[1] - account.ways[0]) * to;
+        let moved = account.deviation.after(&account.velocity(to), step);
+        account.coupling.ahead_at(to).and(&moved).apply_to(place, centre)
     }
 
     /// What moves a collider that is a body; `None` where it is none.

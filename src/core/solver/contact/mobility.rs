@@ -20,8 +20,6 @@ pub struct Mobility {
     pub inverse_mass: f32,
     /// Inverse of the inertia tensor about the centre of mass, in world axes \[1/(kg m2)\]; zero where nothing turns it.
     pub inverse_inertia: Mat3,
-    /// Tells its body from others, as an entity's bits do: colliders of one body move as one. Zero: it is a body by itself.
-    pub body: u64,
     /// Whether the body was given [`ClothSolver::body_impulse`](crate::solver::ClothSolver::body_impulse) after the last
     /// tick. One that sleeps is not.
     pub informed: bool,
@@ -41,6 +39,15 @@ impl Mobility {
         let inertia = self.inverse_inertia;
         let largest = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
         self.inverse_mass + largest * arm.length_squared()
+    }
+
+    /// Most that an impulse of one may move it by at an arm, in any direction \[1/kg\].
+    pub(super) fn most_along(&self, arm: Vec3) -> f32 {
+        let along = |axis: Vec3| {
+            let turn = arm.cross(axis);
+            turn.dot(self.inverse_inertia * turn)
+        };
+        self.inverse_mass + along(Vec3::X) + along(Vec3::Y) + along(Vec3::Z)
     }
 
     /// Whether every number can be used.
@@ -114,6 +121,14 @@ impl Deviation {
             return Self { shift: self.shift * part, ..Self::NONE };
         }
         Self { shift: self.shift * part, turn: Quat::IDENTITY.lerp(self.turn, part) }
+    }
+
+    /// Where a place is by it, that turns about `centre`.
+    pub(super) fn apply_to(&self, place: Vec3, centre: Vec3) -> Vec3 {
+        if *self == Self::NONE {
+            return place;
+        }
+        centre + self.turn * (place - centre) + self.shift
     }
 
     /// Where a pose is by it, that turns about `centre`.

@@ -59,6 +59,7 @@ pub use crate::solver::contact::impulse::Impulse;
 pub use crate::solver::contact::mobility::Mobility;
 
 pub(super) use crate::solver::contact::coupling::Coupling;
+pub(super) use crate::solver::contact::impulses::Share;
 
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,

@@ -139,6 +139,7 @@ impl ClothSolver {
         let Self {
             // What the state is put back into has these.
             topology,
+            pulling: _,
             bands: _,
             edges: _,
             self_contact,

@@ -23,20 +23,19 @@ impl ClothSolver {
     /// be beyond its limit.
     pub(crate) fn pull_threads(&mut self) -> bool {
         self.weigh_soft_pins();
+        self.weigh_pulling();
         self.hold_onto_colliders();
         self.begin_corrections();
-        match self.plan.stretching {
+        let exceeds = match self.plan.stretching {
             Stretching::ImplicitThreads => {
                 self.correct_shear();
-                let exceeds = self.solve_threads();
-                // What the cloth's layers push apart may be beyond the limit as well.
-                self.meet_itself() || exceeds
+                self.solve_threads()
             }
-            Stretching::ExplicitSprings => {
-                self.meet_itself();
-                true
-            }
-        }
+            Stretching::ExplicitSprings => true,
+        };
+        self.note_pulling();
+        // What the cloth's layers push apart may be beyond the limit as well.
+        self.meet_itself() || exceeds
     }
 
     /// Second part of the third stage: springs are held to their limit, then tethers pull.
@@ -45,6 +44,8 @@ impl ClothSolver {
             self.limit_strain();
         }
         self.end_corrections();
+        // Tethers hold to pins, and pull at none.
+        self.give_pulls();
         // Springs that carry the cloth, and what was asked of them, need no tethers.
         let is_woven = self.plan.stretching == Stretching::ImplicitThreads;
         if is_woven || self.plan.clamped.thread || self.plan.gives {

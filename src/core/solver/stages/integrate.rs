@@ -66,5 +66,6 @@ impl ClothSolver {
             let target = if to < 1.0 { start + (end - start) * to } else { end };
             state.d.set(slot, target - state.x.get(slot));
         }
+        self.lead_pulling();
     }
 }

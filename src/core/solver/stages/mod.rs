@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | 1 | `forces` | `external`, `bending_friction` |
 //! | 2 | `integrate` | `houbolt`, `explicit` |
-//! | 3 | `correct` | `cloth_contact`, `skin`, `soft_pins` |
+//! | 3 | `correct` | `cloth_contact`, `skin`, `soft_pins`, `pulling` |
 //! | 4 | `collide` | |
 //!
 //! The parts of stages that differ between a sheet and a mesh are in `model`.
@@ -18,5 +18,6 @@ mod external;
 mod forces;
 mod houbolt;
 mod integrate;
+pub(super) mod pulling;
 mod skin;
 mod soft_pins;
