@@ -7,13 +7,13 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use bevy::math::{
-    Quat, Vec2, Vec3,
+    Mat3, Quat, Vec2, Vec3,
     primitives::{InfinitePlane3d, Sphere},
 };
 use bevy_drape::solver::{
     Air, Bending, ClothSolver, Collider, DampingForm, Graph, Gusts, Lattice, MassLumping, Material,
-    PinMotion, Pose, PushOn, PushWith, RigidMotion, Settings, SoftPin, StepInput, StretchMethod,
-    Substeps, Topology, Wind, WindFlow, WindShape, Zone,
+    Mobility, PinMotion, PinPull, Pose, PushOn, PushWith, RigidMotion, Settings, SoftPin,
+    StepInput, StretchMethod, Substeps, Topology, Wind, WindFlow, WindShape, Zone,
 };
 
 thread_local! {
@@ -115,6 +115,37 @@ fn mesh() -> Topology {
 fn the_counter_counts() {
     assert_eq!(allocations(|| Vec::<u8>::with_capacity(10)), 1);
     assert_eq!(allocations(|| 1 + 1), 0);
+}
+
+#[test]
+fn bodies_take_room_once() {
+    let ball = Sphere::new(0.3);
+    let (from, to) =
+        (Pose::from_translation(Vec3::Y * -0.301), Pose::from_translation(Vec3::Y * -0.3));
+    let mobility = Mobility { inverse_mass: 2.0, inverse_inertia: Mat3::IDENTITY, informed: true };
+    let body = Collider::new(&ball, from).moving_to(to).moved_by(mobility, Vec3::ZERO);
+    // Two of one body, and one that pins pull at.
+    let with = |key, body_key| Collider { key, body: body_key, ..body };
+    let colliders = [with(1, 5), with(2, 5), with(3, 6).in_layers(0)];
+    let pulls = [PinPull { pin: 0, body: 6 }, PinPull { pin: 1, body: 6 }];
+    for topology in [sheet(), mesh()] {
+        let threads = StretchMethod::ImplicitThreads;
+        let (mut solver, pins) = busy(topology, threads, Bending::SecondDifference);
+        let gravity = Vec3::NEG_Y * 9.81;
+        let input = StepInput {
+            dt: 1.0 / 64.0,
+            gravity,
+            pins: &pins,
+            pulls: &pulls,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
+        solver.tick(&input).unwrap();
+        for tick in 0..20 {
+            assert_eq!(allocations(|| solver.tick(&input).unwrap()), 0, "tick {tick}");
+        }
+        assert!(solver.impulse(0).linear.length() > 0.0 && solver.impulse(2).linear.length() > 0.0);
+    }
 }
 
 #[test]

@@ -153,7 +153,7 @@ pub struct BodyImpulse {
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq, Clone)]
-pub struct ColliderBody(pub Entity);
+pub struct ColliderBody(#[entities] pub Entity);
 
 /// What is remembered of a body between ticks.
 #[derive(Component, Clone, Copy, Debug, Default)]

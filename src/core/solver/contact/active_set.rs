@@ -185,6 +185,7 @@ impl ActiveSet {
         }
         self.impulses.begin_tick(colliders, origin);
         if colliders.iter().any(|collider| collider.mobility.is_some()) {
+            self.answering.clear();
             self.answering.reserve(self.lost.len());
         }
     }

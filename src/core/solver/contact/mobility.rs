@@ -10,8 +10,8 @@
 
 use bevy_math::{Mat3, Quat, Vec3};
 
-use crate::solver::contact::collider::Pose;
 use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::pose::Pose;
 
 /// What a body's velocity changes by for an impulse, and where about.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,6 +9,7 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
+//! | `pose` | where a rigid thing is |
 //! | `collider` | a collider, and its motion through a tick and in a substep |
 //! | `keys` | the keys by which colliders are known from tick to tick |
 //! | `broad_phase` | the colliders that may be touched, and the blocks of particles that may touch them |
@@ -17,6 +18,7 @@
 //! | `push_out` | a block of particles at a collider: its gaps, its push, its slip |
 //! | `friction` | Coulomb's friction of a particle that lies on a collider |
 //! | `active_set` | the particles that lie on colliders, with normal, slip and load, as corrections know them |
+//! | `calm` | the cloth around what is deep inside a collider does not get fast |
 //! | `hold_onto` | before the corrections: particles of the active set go only where their surface lets them |
 //! | `hold` | after the corrections: how those particles were held |
 //! | `found` | during contact: the active set of the next substep |
@@ -34,6 +36,7 @@
 mod active_set;
 mod answer;
 mod broad_phase;
+mod calm;
 mod collider;
 mod coupling;
 mod edges;
@@ -48,15 +51,17 @@ mod ledger;
 mod let_go;
 mod linear;
 mod mobility;
+mod pose;
 mod push_out;
 mod response;
 mod swept;
 
 use bevy_math::Vec3;
 
-pub use crate::solver::contact::collider::{Collider, ColliderMotion, Pose};
+pub use crate::solver::contact::collider::{Collider, ColliderMotion};
 pub use crate::solver::contact::impulse::Impulse;
 pub use crate::solver::contact::mobility::Mobility;
+pub use crate::solver::contact::pose::Pose;
 
 pub(super) use crate::solver::contact::coupling::Coupling;
 pub(super) use crate::solver::contact::impulses::Share;
@@ -78,9 +83,8 @@ use crate::solver::contact::hold::Held;
 use crate::solver::contact::let_go::LetGo;
 use crate::solver::contact::push_out::Tally;
 use crate::solver::contact::response::MeetCollider;
-use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{self, Bands};
 use crate::solver::simd::slots::ByBlock;
 use crate::solver::simd::soa::{Soa, ValuesMut};
@@ -332,98 +336,5 @@ impl ResolveContacts<'_> {
         let taken =
             Answer { collider, mobility, motion, given, step, inverse_mass, x, d, pull, set }.run();
         self.set.impulses.give_sum(collider, taken * step, Impulse::ZERO, step);
-    }
-
-    /// Calms the cloth around particles that are so deep inside a collider that they need more than one substep to come
-    /// out. Particles within [`CALMED`] times that depth keep their displacements, but their speed is limited to the
-    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound. Returns what the
-    /// collider is given by that, times the substep.
-    #[inline(never)]
-    fn calm(
-        &mut self,
-        first: usize,
-        gone: f32,
-        motion: &Motion<'_>,
-        deepest: f32,
-        mobility: Option<Mobility>,
-    ) -> Impulse {
-        // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
-        self.set.next.give_way();
-        self.broad_phase.struck = true;
-        let most = self.settings.most_push;
-        let layout = self.bands.rows.layout;
-        let near = CALMED * deepest;
-        let mut given = Impulse::ZERO;
-        // A body goes with the cloth as the cloth goes with it.
-        let mass = mobility.map_or(0.0, |_| self.mass_within(first, gone, motion, near));
-        for row in 0..layout.rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                if self.is_beyond(first, slot, gone, motion, near) {
-                    continue;
-                }
-                let w = Block::load(self.inverse_mass, slot);
-                let (mut x, mut d) = (Block3::load(self.x, slot), Block3::load(self.d, slot));
-                let starts = x;
-                for i in 0..LANES {
-                    let at = x.at(i) + d.at(i);
-                    // Far from the collider's origin, what stands still would seem to move.
-                    let moved = at - motion.before.to_world(motion.after.to_local(at));
-                    let surface = if motion.moves { moved } else { Vec3::ZERO };
-                    let relative = d.at(i) - surface;
-                    let way = larger(relative.dot(relative).sqrt(), LEAST_SLIDING);
-                    let beyond = if w.0[i] > 0.0 { larger(1.0 - most / way, 0.0) } else { 0.0 };
-                    let arm = starts.at(i) - motion.centre[0];
-                    let gives = mobility.map_or(0.0, |mobility| mobility.most_at(arm));
-                    let beyond = beyond / (1.0 + mass * gives);
-                    d.set(i, d.at(i) - relative * beyond);
-                    x.set(i, x.at(i) + relative * beyond);
-                    let lost = relative * (beyond / larger(w.0[i], f32::MIN_POSITIVE));
-                    given += Impulse::at(arm, lost);
-                }
-                d.store(self.d, slot);
-                x.store(self.x, slot);
-            }
-        }
-        given
-    }
-
-    /// Whether a block's particles are all further from a collider than `near`.
-    fn is_beyond(
-        &self,
-        first: usize,
-        slot: usize,
-        gone: f32,
-        motion: &Motion<'_>,
-        near: f32,
-    ) -> bool {
-        // What is known may be less than the distance, and depends on where the world's origin is.
-        self.broad_phase.until[first + slot / LANES] > gone + near || self.gap(slot, motion) > near
-    }
-
-    /// Mass of the particles in blocks that are that near to a collider \[kg\].
-    fn mass_within(&self, first: usize, gone: f32, motion: &Motion<'_>, near: f32) -> f32 {
-        let layout = self.bands.rows.layout;
-        let mut mass = 0.0;
-        for row in 0..layout.rows {
-            for column in (0..layout.columns).step_by(LANES) {
-                let slot = layout.slot(row, column);
-                if !self.is_beyond(first, slot, gone, motion, near) {
-                    let free = self.inverse_mass[slot..slot + LANES].iter().filter(|&&w| w > 0.0);
-                    mass += free.map(|w| 1.0 / w).sum::<f32>();
-                }
-            }
-        }
-        mass
-    }
-
-    /// Least distance beyond epsilon of the particles of a block that are not held \[m\].
-    fn gap(&self, slot: usize, motion: &Motion<'_>) -> f32 {
-        let w = Block::load(self.inverse_mass, slot);
-        let x = Block3::load_sum(self.x, self.d, slot);
-        (0..LANES).filter(|&i| w.0[i] > 0.0).fold(f32::INFINITY, |least, i| {
-            let distance = motion.shape.distance(motion.after.to_local(x.at(i)));
-            least.min(distance * motion.after.scale - self.settings.epsilon)
-        })
     }
 }
