@@ -4,12 +4,13 @@ pub(crate) mod bake;
 pub(crate) mod body;
 pub(crate) mod check;
 pub(crate) mod disturbance;
+pub(crate) mod gather_bodies;
 pub(crate) mod impulse;
 pub(crate) mod load;
 pub(crate) mod mass;
 pub(crate) mod shape;
 pub(crate) mod snapshot;
-pub(crate) mod tick_bodies;
+pub(crate) mod tick_body;
 pub(crate) mod tick_colliders;
 
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use crate::cloth::layers::ClothLayers;
 use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::FieldSource;
 use crate::collider::shape::SdfShape;
-use crate::collider::tick_bodies::{LoneBody, TickBody};
+use crate::collider::tick_body::{LoneBody, TickBody};
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};

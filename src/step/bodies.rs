@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass};
-use crate::collider::tick_bodies::LoneBody;
+use crate::collider::tick_body::LoneBody;
 use crate::collider::tick_colliders::TickColliders;
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
