@@ -101,6 +101,8 @@ mod cloth;
 mod collider;
 mod diagnostics;
 mod drawing;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+mod engines;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -154,7 +156,14 @@ pub use collider::shape::{CustomSdf, SdfShape};
 pub use collider::snapshot::SdfColliderSnapshot;
 pub use collider::{SdfCollider, SdfColliderDisabled};
 pub use diagnostics::ClothDiagnosticsPlugin;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+pub use engines::ClothCollider;
+#[cfg(feature = "avian")]
+pub use engines::avian::AvianClothPlugin;
+#[cfg(feature = "rapier")]
+pub use engines::rapier::RapierClothPlugin;
 pub use error::body::BodyProblem;
+pub use error::engine::EngineProblem;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };

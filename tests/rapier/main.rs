@@ -1,0 +1,7 @@
+//! Cloths and the colliders of bevy_rapier.
+
+mod falls;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;
