@@ -15,15 +15,21 @@
 //! [`Torus`]: bevy_math::primitives::Torus
 //! [`InfinitePlane3d`]: bevy_math::primitives::InfinitePlane3d
 
+mod compound;
 mod cuboid;
+mod height_field;
 mod revolved;
 mod round;
+mod rounded;
 
+pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
     half_space_distance_block, sphere_block, sphere_distance_block,
 };
+pub use height_field::{Cell, HeightField, HeightFieldError};
+pub use rounded::Rounded;
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};
