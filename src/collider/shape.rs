@@ -101,6 +101,23 @@ impl SdfShape {
             Self::Custom(shape) => &*shape.0,
         })
     }
+
+    /// The solid itself, to keep; `None` if it is a field.
+    #[cfg(any(feature = "avian", feature = "rapier"))]
+    pub(crate) fn to_solid(&self) -> Option<Arc<dyn SignedDistance>> {
+        Some(match self {
+            Self::Sphere(shape) => Arc::new(*shape),
+            Self::Cuboid(shape) => Arc::new(*shape),
+            Self::Capsule3d(shape) => Arc::new(*shape),
+            Self::CapsuleBetween(shape) => Arc::new(*shape),
+            Self::InfinitePlane3d(shape) => Arc::new(*shape),
+            Self::Cylinder(shape) => Arc::new(*shape),
+            Self::Torus(shape) => Arc::new(*shape),
+            Self::Cone(shape) => Arc::new(*shape),
+            Self::Field(_) => return None,
+            Self::Custom(shape) => shape.0.clone(),
+        })
+    }
 }
 
 macro_rules! from_shapes {

@@ -85,7 +85,7 @@ impl Engine for Avian {
         reader: &mut Reader,
     ) -> Result<(EngineSolid, f32), EngineProblem> {
         let scale = collider.scale();
-        if is_even(scale) && read::is_baked(collider.shape()) {
+        if is_even(scale) && read::is_baked(collider.shape(), reader) {
             return Ok((read::read(collider.shape(), reader)?, scale.x));
         }
         Ok((read::read(collider.shape_scaled(), reader)?, 1.0))

@@ -37,6 +37,9 @@ impl Bake {
         match self.result.get() {
             None => Ok(None),
             Some(Ok(field)) => Ok(Some(field.clone())),
+            Some(Err(BakeError::NotClosed { open_edges })) => {
+                Err(EngineProblem::OpenMesh { shape: self.shape.name(), open_edges: *open_edges })
+            }
             Some(Err(problem)) => {
                 Err(EngineProblem::Bake { shape: self.shape.name(), problem: problem.clone() })
             }

@@ -88,7 +88,7 @@ impl Engine for Rapier {
         reader: &mut Reader,
     ) -> Result<(EngineSolid, f32), EngineProblem> {
         let scale = collider.scale();
-        if is_even(scale) && read::is_baked(&collider.raw) {
+        if is_even(scale) && read::is_baked(&collider.raw, reader) {
             let mut unscaled = collider.clone();
             unscaled.set_scale(Vec3::ONE, 1);
             return Ok((read::read(&unscaled.raw, reader)?, scale.x));

@@ -1,6 +1,7 @@
 //! Problems of the colliders of physics engines, each with what to do about it.
 
 use crate::sdf::BakeError;
+use crate::sdf::shapes::{CompoundError, HeightFieldError};
 use crate::solver::ParameterError;
 
 /// Why cloths do not collide with the collider of a physics engine.
@@ -26,6 +27,25 @@ pub enum EngineProblem {
     /// A number of the shape is out of its range.
     #[error("{0}; change its `Collider`")]
     Shape(ParameterError),
+    /// The parts of the shape make no whole.
+    #[error("{0}; change its `Collider`")]
+    Compound(CompoundError),
+    /// The heights of the shape make no ground.
+    #[error("{0}; change its `Collider`")]
+    HeightField(HeightFieldError),
+    /// The mesh has too many triangles for each to be given a thickness.
+    #[error(
+        "its {shape} of {count} parts is too large to be given a thickness, of {most} at most; divide it, or close it and \
+         set `ClothCollider::thickness` to zero"
+    )]
+    TooMany {
+        /// What the engine calls the shape.
+        shape: &'static str,
+        /// How many triangles or segments it has.
+        count: usize,
+        /// How many it may have.
+        most: usize,
+    },
     /// A number of `ClothCollider` is out of its range.
     #[error("{0}; change its `ClothCollider`")]
     Parameter(ParameterError),
@@ -36,6 +56,17 @@ pub enum EngineProblem {
         shape: &'static str,
         /// The problem with it.
         problem: BakeError,
+    },
+    /// The mesh has a border.
+    #[error(
+        "its {shape} is not closed, {open_edges} edges have one triangle only; give `ClothCollider` a `thickness`, or fill the \
+         mesh's holes"
+    )]
+    OpenMesh {
+        /// What the engine calls the shape.
+        shape: &'static str,
+        /// Number of such edges.
+        open_edges: usize,
     },
     /// The entity has colliders of two engines.
     #[error(

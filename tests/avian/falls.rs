@@ -5,7 +5,7 @@ use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::{AvianClothPlugin, ClothCollider, prelude::*};
 
-fn physics_app() -> App {
+pub fn physics_app() -> App {
     app_with((PhysicsPlugins::default(), ClothPlugin::default(), AvianClothPlugin::default()))
 }
 

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy_drape::{ClothCollider, RapierClothPlugin, prelude::*};
 use bevy_rapier3d::prelude::*;
 
-fn physics_app() -> App {
+pub fn physics_app() -> App {
     let physics = RapierPhysicsPlugin::<NoUserData>::default();
     app_with((physics, ClothPlugin::default(), RapierClothPlugin::default()))
 }
