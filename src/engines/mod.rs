@@ -8,6 +8,7 @@ mod adapt;
 #[cfg(feature = "avian")]
 pub(crate) mod avian;
 mod bakes;
+mod boxes;
 mod engine;
 mod plate;
 #[cfg(feature = "rapier")]
@@ -25,8 +26,8 @@ use crate::collider::bake::SdfCells;
 /// same shape and friction on the entity, as long as the collider is neither a sensor nor disabled. An `SdfCollider` of one's own is left
 /// alone, and is what cloths collide with. [`SdfColliderDisabled`](crate::SdfColliderDisabled) lets cloths alone pass through.
 ///
-/// Balls, boxes, capsules, cylinders, cones and half-spaces are exact, and so are rounded and compound shapes of them.
-/// Convex hulls, closed meshes and voxels are baked to fields in the background, and passed through until then. Cloths do not push
+/// Balls, boxes, capsules, cylinders, cones, half-spaces, voxels and height fields are exact, and so are rounded and compound shapes
+/// of them. Convex hulls and closed meshes are baked to fields in the background, and passed through until then. Cloths do not push
 /// the bodies.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -37,9 +38,9 @@ pub struct ClothCollider {
     pub friction: Option<f32>,
     /// The layers that it is in. The engine's own layers mean nothing to cloths.
     pub layers: ClothLayers,
-    /// Thickness of what has no inside: segments, triangles, polylines \[m\]. Half of it is on either side. Zero refuses them; other shapes
-    /// do not have it.
+    /// Thickness of what has no inside: segments, triangles, polylines, open meshes \[m\]. Half of it is on either side. Zero refuses
+    /// them. With another, every triangle mesh is a surface, closed or not, of 2048 triangles at most; other shapes do not have it.
     pub thickness: f32,
-    /// How fine the fields of hulls, meshes and voxels are, in the frame of the engine's unscaled shape.
+    /// How fine the fields of hulls and meshes are, in the frame of the engine's unscaled shape.
     pub cells: SdfCells,
 }

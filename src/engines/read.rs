@@ -3,15 +3,18 @@
 use bevy::prelude::*;
 
 use super::parry::math::Pose;
-use super::parry::shape::{HeightField, HeightFieldCellStatus, SharedShape, TypedShape};
+use super::parry::shape::{
+    ConvexPolyhedron, HeightField, HeightFieldCellStatus, SharedShape, TypedShape, Voxels,
+};
 use crate::engines::bakes::Triangles;
+use crate::engines::boxes::boxes_of;
 use crate::engines::plate::Plate;
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
 use crate::sdf::shapes::{self, CapsuleBetween, Cell};
 use crate::solver::ParameterError;
 
-/// Most parts of a surface or a line that has a thickness: a point looks at the box of each.
+/// Most parts that voxels, a surface or a line are cut into: a point looks at the box of each.
 const MOST: usize = 2048;
 
 /// Reads a shape, in its own frame.
@@ -46,11 +49,14 @@ pub(super) fn read(shape: &SharedShape, reader: &mut Reader) -> Result<EngineSol
         }
         TypedShape::TriMesh(mesh) if reader.thickness > 0.0 => {
             let radius = reader.radius(name)?;
-            shell(mesh.triangles(), name, |triangle| plate(triangle.vertices(), radius, reader))
+            many(mesh.triangles(), name, |triangle| {
+                at_origin(plate(triangle.vertices(), radius, reader)?)
+            })
         }
-        TypedShape::ConvexPolyhedron(_) | TypedShape::TriMesh(_) | TypedShape::Voxels(_) => {
+        TypedShape::ConvexPolyhedron(_) | TypedShape::TriMesh(_) => {
             Ok(reader.baked(Kept(shape.clone())))
         }
+        TypedShape::Voxels(voxels) => blocks(voxels, reader),
         TypedShape::RoundCuboid(round) => {
             let half_size = round.inner_shape.half_extents.to_array().map(not_flat).into();
             reader.rounded(reader.exact(Cuboid { half_size })?, round.border_radius)
@@ -77,8 +83,12 @@ pub(super) fn read(shape: &SharedShape, reader: &mut Reader) -> Result<EngineSol
         }
         TypedShape::Polyline(line) => {
             let radius = reader.radius(name)?;
-            shell(line.segments(), name, |segment| {
-                reader.exact(CapsuleBetween { from: segment.a, to: segment.b, radius })
+            many(line.segments(), name, |segment| {
+                at_origin(reader.exact(CapsuleBetween {
+                    from: segment.a,
+                    to: segment.b,
+                    radius,
+                })?)
             })
         }
         TypedShape::HeightField(field) => ground(field, reader),
@@ -108,18 +118,35 @@ fn ground(field: &HeightField, reader: &Reader) -> Result<EngineSolid, EnginePro
     reader.custom(ground)
 }
 
-/// Parts of a surface or of a line, each with its thickness.
-fn shell<T>(
+/// Voxels, in as few boxes as they are easily put.
+fn blocks(voxels: &Voxels, reader: &Reader) -> Result<EngineSolid, EngineProblem> {
+    let filled = voxels.voxels().filter(|voxel| !voxel.state.is_empty());
+    let boxes = boxes_of(filled.map(|voxel| voxel.grid_coords));
+    many(boxes.into_iter(), "voxels", |[first, last]| {
+        let half_size = (last - first + IVec3::ONE).as_vec3() * voxels.voxel_size() * 0.5;
+        let centre = (voxels.voxel_center(first) + voxels.voxel_center(last)) * 0.5;
+        Ok((centre, Quat::IDENTITY, reader.exact(Cuboid { half_size })?))
+    })
+}
+
+/// A part, where it is and how it is turned.
+type Placed = (Vec3, Quat, EngineSolid);
+
+fn at_origin(solid: EngineSolid) -> Result<Placed, EngineProblem> {
+    Ok((Vec3::ZERO, Quat::IDENTITY, solid))
+}
+
+/// A shape that is cut into parts.
+fn many<T>(
     parts: impl ExactSizeIterator<Item = T>,
     shape: &'static str,
-    thicken: impl Fn(T) -> Result<EngineSolid, EngineProblem>,
+    place: impl Fn(T) -> Result<Placed, EngineProblem>,
 ) -> Result<EngineSolid, EngineProblem> {
     let count = parts.len();
     if count > MOST {
         return Err(EngineProblem::TooMany { shape, count, most: MOST });
     }
-    let part = |part| Ok((Vec3::ZERO, Quat::IDENTITY, thicken(part)?));
-    Ok(EngineSolid::Compound(parts.map(part).collect::<Result<_, _>>()?))
+    Ok(EngineSolid::Compound(parts.map(place).collect::<Result<_, _>>()?))
 }
 
 /// Inside a rounded shape, what is flat has a length that is hardly any.
@@ -130,7 +157,7 @@ fn not_flat(length: f32) -> f32 {
 /// Whether all of a shape is baked: such a field serves at every even scale.
 pub(super) fn is_baked(shape: &SharedShape, reader: &Reader) -> bool {
     match shape.as_typed_shape() {
-        TypedShape::ConvexPolyhedron(_) | TypedShape::Voxels(_) => true,
+        TypedShape::ConvexPolyhedron(_) => true,
         TypedShape::TriMesh(_) => reader.thickness == 0.0,
         TypedShape::Compound(compound) => {
             compound.shapes().iter().all(|(_, shape)| is_baked(shape, reader))
@@ -189,12 +216,33 @@ impl Triangles for Kept {
 
     fn buffers(&self) -> (Vec<Vec3>, Vec<u32>) {
         let (vertices, triangles) = match self.0.as_typed_shape() {
-            TypedShape::ConvexPolyhedron(hull) => hull.to_trimesh(),
-            TypedShape::RoundConvexPolyhedron(round) => round.inner_shape.to_trimesh(),
+            TypedShape::ConvexPolyhedron(hull) => triangles_of(hull),
+            TypedShape::RoundConvexPolyhedron(round) => triangles_of(&round.inner_shape),
             TypedShape::TriMesh(mesh) => (mesh.vertices().to_vec(), mesh.indices().to_vec()),
-            TypedShape::Voxels(voxels) => voxels.to_trimesh(),
             _ => default(),
         };
         (vertices, triangles.into_flattened())
     }
+}
+
+/// The faces of a hull, each as triangles around its middle: parry's own, around a corner, meet twice in one edge where a face
+/// has corners on a line.
+fn triangles_of(hull: &ConvexPolyhedron) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut vertices = hull.points().to_vec();
+    let mut triangles = Vec::new();
+    for face in hull.faces() {
+        let first = face.first_vertex_or_edge as usize;
+        let count = face.num_vertices_or_edges as usize;
+        let corners = &hull.vertices_adj_to_face()[first..first + count];
+        if let Ok(triangle) = corners.try_into() {
+            triangles.push(triangle);
+            continue;
+        }
+        let middle = vertices.len() as u32;
+        let sum: Vec3 = corners.iter().map(|corner| vertices[*corner as usize]).sum();
+        vertices.push(sum / count as f32);
+        let next = corners.iter().cycle().skip(1);
+        triangles.extend(corners.iter().zip(next).map(|(from, to)| [middle, *from, *to]));
+    }
+    (vertices, triangles)
 }

@@ -33,15 +33,12 @@ pub enum EngineProblem {
     /// The heights of the shape make no ground.
     #[error("{0}; change its `Collider`")]
     HeightField(HeightFieldError),
-    /// The mesh has too many triangles for each to be given a thickness.
-    #[error(
-        "its {shape} of {count} parts is too large to be given a thickness, of {most} at most; divide it, or close it and \
-         set `ClothCollider::thickness` to zero"
-    )]
+    /// The shape would be cut into too many parts.
+    #[error("its {shape} of {count} parts is too large, {most} is the most; divide it")]
     TooMany {
         /// What the engine calls the shape.
         shape: &'static str,
-        /// How many triangles or segments it has.
+        /// How many triangles, segments or boxes of voxels it has.
         count: usize,
         /// How many it may have.
         most: usize,

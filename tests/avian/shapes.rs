@@ -17,6 +17,10 @@ enum Kind {
     Ground,
     /// By a part of a cell.
     Baked,
+    /// By rounding outside: inside, both have walls between the parts, but not the same.
+    Union,
+    /// By a part of a cell outside: inside, parry takes parts for themselves.
+    Outside,
 }
 
 /// A box's corners, by the bits of their numbers.
@@ -51,7 +55,7 @@ fn tetrahedron() -> Vec<Vec3> {
 }
 
 fn cases() -> Vec<(&'static str, Collider, Kind)> {
-    use Kind::{Baked, Exact, Ground};
+    use Kind::{Baked, Exact, Ground, Outside, Union};
     let half = Vec3::new(0.4, 0.25, 0.3);
     let trimesh = |flags| Collider::trimesh_with_config(corners(half), FACES.to_vec(), flags);
     vec![
@@ -70,6 +74,12 @@ fn cases() -> Vec<(&'static str, Collider, Kind)> {
         ("height field", Collider::heightfield(heights(), Vec3::new(3.0, 1.0, 2.0)), Ground),
         ("convex hull", Collider::convex_hull(tetrahedron()).unwrap(), Baked),
         ("triangle mesh", trimesh(TrimeshFlags::ORIENTED), Baked),
+        ("voxels", Collider::voxels(Vec3::new(0.2, 0.1, 0.15), &steps()), Union),
+        (
+            "convex decomposition",
+            Collider::convex_decomposition(corners(half), FACES.to_vec()),
+            Outside,
+        ),
     ]
 }
 
@@ -89,6 +99,12 @@ fn heights() -> Vec<Vec<f32>> {
     (0..9).map(|i| (0..13).map(|j| height(i, j)).collect()).collect()
 }
 
+/// Voxels as of a flight of steps.
+fn steps() -> Vec<IVec3> {
+    let column = |x: i32| (0..=x).flat_map(move |y| (0..3).map(move |z| IVec3::new(x, y, z)));
+    (0..4).flat_map(column).collect()
+}
+
 /// What parry has for the distance to a collider's surface.
 fn signed_distance(collider: &Collider, point: Vec3) -> f32 {
     let (nearest, _) = collider.project_point(Vec3::ZERO, Quat::IDENTITY, point, false);
@@ -101,7 +117,10 @@ fn signed_distance(collider: &Collider, point: Vec3) -> f32 {
 /// What the adapter makes of a collider.
 fn adapted(app: &mut App, collider: Collider, cloth_collider: ClothCollider) -> SdfCollider {
     let entity = spawn(app, (collider, cloth_collider));
-    wait(app, |app| app.world().get::<SdfCollider>(entity).is_some());
+    wait(app, |app| {
+        assert_eq!(failure(app, entity), None);
+        app.world().get::<SdfCollider>(entity).is_some()
+    });
     app.world().get::<SdfCollider>(entity).unwrap().clone()
 }
 
@@ -166,13 +185,18 @@ fn every_shape_is_where_parry_has_it() {
             let distance = signed_distance(&collider, point);
             let is_above =
                 || solid.distance(point) > 0.0 && over.closest_point(point) == point.into();
-            (!matches!(kind, Kind::Ground) || is_above()).then_some(distance)
+            let is_known = match kind {
+                Kind::Exact | Kind::Baked => true,
+                Kind::Union | Kind::Outside => distance > 0.0,
+                Kind::Ground => is_above(),
+            };
+            is_known.then_some(distance)
         };
         let (worst, at) = largest_difference(solid, around, truth);
         let side = Vec3::from(bounds.max - bounds.min).max_element();
         let bound = match kind {
-            Kind::Exact | Kind::Ground => 1e-5,
-            Kind::Baked => 0.6 * side / 64.0,
+            Kind::Exact | Kind::Union | Kind::Ground => 1e-5,
+            Kind::Baked | Kind::Outside => 0.6 * side / 64.0,
         };
         check_at_most(&format!("{name}, at {at}"), worst.into(), bound.into());
     }
