@@ -198,10 +198,7 @@ impl SignedDistance for HeightField {
     fn bounds(&self) -> Option<Aabb3d> {
         let [x, z] = self.size.map(|side| 0.5 * side);
         let top = self.pyramid.highest();
-        Some(Aabb3d {
-            min: Vec3::new(-x, self.floor, -z).into(),
-            max: Vec3::new(x, top, z).into(),
-        })
+        Some(Aabb3d { min: Vec3::new(-x, self.floor, -z).into(), max: Vec3::new(x, top, z).into() })
     }
 
     /// As long as a cell, and as much less as the steepest place is steeper than one in one: what is thinner is

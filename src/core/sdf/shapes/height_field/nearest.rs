@@ -8,8 +8,8 @@
 use super::column::Column;
 use super::triangle::{Corner, Foot};
 use super::{HeightField, larger};
-use crate::sdf::shapes::{length_and_direction, smaller};
 use crate::sdf::SdfSample;
+use crate::sdf::shapes::{length_and_direction, smaller};
 
 /// What has been found up to now.
 pub struct Search<'a> {
@@ -174,7 +174,8 @@ impl<'a> Search<'a> {
             let level = level - 1;
             let [columns, rows] = pyramid.counts(level);
             // The one towards the point last, so that it is looked at first.
-            let middle_x = self.field.place(0, ((2 * column + 1) << level).min(self.field.columns - 1));
+            let middle_x =
+                self.field.place(0, ((2 * column + 1) << level).min(self.field.columns - 1));
             let middle_z = self.field.place(1, ((2 * row + 1) << level).min(self.field.rows - 1));
             let right = usize::from(self.point[0] > middle_x);
             let front = usize::from(self.point[2] > middle_z);
@@ -225,8 +226,7 @@ impl<'a> Search<'a> {
             node.range.low
         };
         let is_open = self.is_inside && node.has_hole;
-        let gap_y =
-            if is_open { 0.0 } else { larger(larger(low - y, y - node.range.high), 0.0) };
+        let gap_y = if is_open { 0.0 } else { larger(larger(low - y, y - node.range.high), 0.0) };
         gap_x * gap_x + gap_y * gap_y + gap_z * gap_z
     }
 }

@@ -106,7 +106,10 @@ impl Pyramid {
     pub fn node(&self, level: usize, column: usize, row: usize) -> Node {
         let Level { columns, first, .. } = self.levels[level];
         let index = first + row * columns + column;
-        Node { range: self.ranges[index], has_hole: self.holes.get(index).copied().unwrap_or(false) }
+        Node {
+            range: self.ranges[index],
+            has_hole: self.holes.get(index).copied().unwrap_or(false),
+        }
     }
 
     fn all(&self) -> Range {
