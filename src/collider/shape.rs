@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus};
 use bevy::prelude::*;
 
-use crate::sdf::shapes::CapsuleBetween;
+use crate::sdf::shapes::{CapsuleBetween, Compound, HeightField, Rounded};
 use crate::sdf::{DistanceField, SignedDistance};
 
 /// The solid of an [`SdfCollider`](crate::SdfCollider), in its entity's frame.
@@ -148,3 +148,15 @@ impl From<Arc<dyn SignedDistance>> for SdfShape {
         Self::Custom(CustomSdf(shape))
     }
 }
+
+macro_rules! from_custom_shapes {
+    ($($shape:ty),* $(,)?) => {
+        $(impl From<$shape> for SdfShape {
+            fn from(shape: $shape) -> Self {
+                Self::Custom(CustomSdf(Arc::new(shape)))
+            }
+        })*
+    };
+}
+
+from_custom_shapes!(Rounded, Compound, HeightField);

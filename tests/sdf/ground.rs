@@ -167,7 +167,8 @@ fn holes_are_shafts() {
     hold(&field, 69);
     assert_eq!(field.height_at(-0.25, -0.1), None);
 
-    let nothing = |_: usize, _: usize| Cell { left_removed: true, right_removed: true, zigzag: false };
+    let nothing =
+        |_: usize, _: usize| Cell { left_removed: true, right_removed: true, zigzag: false };
     let error = ground(5, 5, 0.1).with_cells(nothing).unwrap_err();
     assert_eq!(error, HeightFieldError::NothingLeft);
 }
@@ -238,7 +239,8 @@ fn any_size_will_do() {
         let mut dice = Dice(71);
         for _ in 0..3_000 {
             let p = somewhere(&mut dice, size.max(height));
-            let (found, true_distance) = (f64::from(field.distance(p)), truth.distance(p.as_dvec3()));
+            let (found, true_distance) =
+                (f64::from(field.distance(p)), truth.distance(p.as_dvec3()));
             let rounding = 3e-6 * (size + height + p.as_dvec3().length());
             assert!((found - true_distance).abs() < rounding, "{p}: {found}, {true_distance}");
         }

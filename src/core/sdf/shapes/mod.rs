@@ -9,6 +9,9 @@
 //! half-space below the plane through the origin. Sizes are expected to be finite and not negative;
 //! others give a meaningless distance, but no panic.
 //!
+//! Solids made of others or of many numbers, [`Rounded`], [`Compound`] and [`HeightField`], say in their own words
+//! where they are exact, and check what they are given.
+//!
 //! [`Capsule3d`]: bevy_math::primitives::Capsule3d
 //! [`Cylinder`]: bevy_math::primitives::Cylinder
 //! [`Cone`]: bevy_math::primitives::Cone

@@ -140,16 +140,21 @@ impl HeightField {
     /// The two triangles of a cell as seen from a point, the left one first.
     #[inline(always)]
     fn triangles(&self, column: usize, row: usize, point: [f32; 3]) -> [Corner; 2] {
-        let [x, y, z] = point;
-        let (x0, x1) = (self.place(0, column) - x, self.place(0, column + 1) - x);
-        let (z0, z1) = (self.place(1, row) - z, self.place(1, row + 1) - z);
-        let [y00, y10, y01, y11] = self.corner_heights(column, row).map(|height| height - y);
+        let (x0, x1) = (self.place(0, column), self.place(0, column + 1));
+        let (z0, z1) = (self.place(1, row), self.place(1, row + 1));
+        let [y00, y10, y01, y11] = self.corner_heights(column, row);
+        // The sides are taken before the point: from far away, their ends are the same.
+        let triangle = |corner: [f32; 3], x: [f32; 2], z: [f32; 2]| {
+            let along_x = [x[0] - corner[0], x[1] - corner[1]];
+            let along_z = [z[0] - corner[2], z[1] - corner[1]];
+            Corner::new([0, 1, 2].map(|i| corner[i] - point[i]), along_x, along_z)
+        };
         if self.cell_at(column, row).zigzag {
-            let left = Corner::new([x0, y01, z1], [x1, y11], [z0, y00]);
-            [left, Corner::new([x1, y10, z0], [x0, y00], [z1, y11])]
+            let left = triangle([x0, y01, z1], [x1, y11], [z0, y00]);
+            [left, triangle([x1, y10, z0], [x0, y00], [z1, y11])]
         } else {
-            let left = Corner::new([x0, y00, z0], [x1, y10], [z1, y01]);
-            [left, Corner::new([x1, y11, z1], [x0, y01], [z0, y10])]
+            let left = triangle([x0, y00, z0], [x1, y10], [z1, y01]);
+            [left, triangle([x1, y11, z1], [x0, y01], [z0, y10])]
         }
     }
 

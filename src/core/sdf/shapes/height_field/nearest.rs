@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
                 self.take(wall.foot(to_floor), wall.outward);
             }
         }
-        if to_floor > 0.0 && triangle.is_over(0.0, 0.0) {
+        if self.point[1] <= self.field.floor && triangle.is_over(0.0, 0.0) {
             self.take_way([0.0, to_floor, 0.0], [0.0, -1.0, 0.0]);
         }
     }

@@ -1,7 +1,7 @@
 //! A triangle over half a cell: its sides from one corner run along x and along z.
 
 /// A triangle by its corner above the cell's right angle; all places as seen from the point that is asked for.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Corner {
     pub corner: [f32; 3],
     /// Along x, and up, to the neighbour in x.
@@ -50,11 +50,8 @@ impl Wall {
 }
 
 impl Corner {
-    /// `x` and `z` are the neighbours' place along that axis and their height.
     #[inline(always)]
-    pub fn new(corner: [f32; 3], x: [f32; 2], z: [f32; 2]) -> Self {
-        let along_x = [x[0] - corner[0], x[1] - corner[1]];
-        let along_z = [z[0] - corner[2], z[1] - corner[1]];
+    pub fn new(corner: [f32; 3], along_x: [f32; 2], along_z: [f32; 2]) -> Self {
         let rise = [along_x[1] / along_x[0], along_z[1] / along_z[0]];
         let normal_squared = 1.0 + rise[0] * rise[0] + rise[1] * rise[1];
         Self { corner, along_x, along_z, rise, normal_squared }
