@@ -199,6 +199,12 @@ pub use wind::zone::WindZone;
 
 /// The items that most games need: `use bevy_drape::prelude::*`. All others are in the crate itself and in its modules.
 pub mod prelude {
+    #[cfg(feature = "avian")]
+    pub use crate::AvianClothPlugin;
+    #[cfg(any(feature = "avian", feature = "rapier"))]
+    pub use crate::ClothCollider;
+    #[cfg(feature = "rapier")]
+    pub use crate::RapierClothPlugin;
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,
         ClothPlugin, ClothReady, ClothSettings, ClothSimulation, ClothSystems, ClothWind,

@@ -23,7 +23,6 @@ mod read;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
-/// # use bevy_drape::{AvianClothPlugin, ClothCollider};
 /// use avian3d::prelude::*;
 ///
 /// # fn build(app: &mut App) {

@@ -24,7 +24,6 @@ mod read;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
-/// # use bevy_drape::{ClothCollider, RapierClothPlugin};
 /// use bevy_rapier3d::prelude::*;
 ///
 /// # fn build(app: &mut App) {
