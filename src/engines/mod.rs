@@ -20,7 +20,7 @@ use bevy::prelude::*;
 use crate::cloth::layers::ClothLayers;
 use crate::collider::bake::SdfCells;
 
-/// Lets cloths collide with the collider of a physics engine that is on the same entity: Avian's or bevy_rapier's `Collider`.
+/// Lets cloths collide with the collider of a physics engine that is on the same entity: Avian's or Rapier's `Collider`.
 ///
 /// The engine's plugin for cloths, `AvianClothPlugin` or `RapierClothPlugin`, keeps an [`SdfCollider`](crate::SdfCollider) of the
 /// same shape and friction on the entity, as long as the collider is neither a sensor nor disabled. An `SdfCollider` of one's own is left

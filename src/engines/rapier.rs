@@ -1,4 +1,4 @@
-//! bevy_rapier's colliders.
+//! Rapier's colliders.
 
 use bevy::prelude::*;
 use bevy_rapier3d::parry;
@@ -14,10 +14,10 @@ use crate::error::engine::EngineProblem;
 #[path = "read.rs"]
 mod read;
 
-/// Cloths collide with the colliders of bevy_rapier: with those that have [`ClothCollider`](crate::ClothCollider), or with
+/// Cloths collide with the colliders of Rapier: with those that have [`ClothCollider`](crate::ClothCollider), or with
 /// [`all`](Self::all).
 ///
-/// Add it beside [`ClothPlugin`](crate::ClothPlugin) and `RapierPhysicsPlugin`. By default bevy_rapier moves bodies once a frame,
+/// Add it beside [`ClothPlugin`](crate::ClothPlugin) and `RapierPhysicsPlugin`. By default Rapier moves bodies once a frame,
 /// which is then spread over the frame's ticks, and depends on the frames. With `in_fixed_schedule` it moves them each tick,
 /// before cloths are stepped.
 ///
@@ -63,11 +63,11 @@ impl Plugin for RapierClothPlugin {
     }
 }
 
-/// bevy_rapier.
+/// Rapier.
 pub(crate) struct Rapier;
 
 impl Engine for Rapier {
-    const NAME: &'static str = "bevy_rapier";
+    const NAME: &'static str = "Rapier";
     const FRICTION_OF_BODY: bool = false;
     type Collider = engine::Collider;
     // Before that its shape is not yet scaled.

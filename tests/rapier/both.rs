@@ -43,7 +43,7 @@ fn two_colliders_on_one_entity_are_told() {
     app.world_mut().entity_mut(entity).insert(avian::Collider::sphere(0.2));
     updates(&mut app, 2);
     let told = failure(&app, entity).expect("it is told");
-    let expected = EngineProblem::TwoEngines { kept: "bevy_rapier" };
+    let expected = EngineProblem::TwoEngines { kept: "Rapier" };
     assert_eq!(told.kind, ClothErrorKind::Engine(expected));
     assert!(app.world().get::<SdfCollider>(entity).is_some());
     app.world_mut().entity_mut(entity).remove::<Collider>();

@@ -1,4 +1,4 @@
-//! Cloths and the colliders of bevy_rapier.
+//! Cloths and the colliders of Rapier.
 //!
 //! Truths: parry's own distances at random points; contact sampled; what is on an entity after each change.
 

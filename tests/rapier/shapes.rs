@@ -1,4 +1,4 @@
-//! Every shape that bevy_rapier's constructors make, against parry's own projections at random points.
+//! Every shape that Rapier's constructors make, against parry's own projections at random points.
 
 use crate::support::{app::*, checks::check_at_most, distances::largest_difference};
 use bevy::math::bounding::{Aabb3d, BoundingVolume};
