@@ -5,7 +5,7 @@ use crate::solids::{hold_to, somewhere};
 use crate::support::dice::Dice;
 use bevy::math::{DVec2, DVec3, Vec2, Vec3};
 use bevy_drape::sdf::SignedDistance;
-use bevy_drape::sdf::shapes::{Cell, HeightField, HeightFieldError};
+use bevy_drape::sdf::shapes::{HeightField, HeightFieldCell, HeightFieldError};
 use std::collections::HashMap;
 use std::time::Instant;
 
@@ -141,9 +141,9 @@ fn ground_is_as_near_as_its_nearest_triangle() {
 /// Diagonals either way.
 #[test]
 fn cells_are_divided_as_they_say() {
-    let zigzag = |column: usize, row: usize| Cell {
+    let zigzag = |column: usize, row: usize| HeightFieldCell {
         zigzag: (column + row).is_multiple_of(2) || column == 5,
-        ..Cell::default()
+        ..HeightFieldCell::default()
     };
     hold(&ground(20, 14, 0.4).with_cells(zigzag).unwrap(), 66);
 }
@@ -152,7 +152,7 @@ fn cells_are_divided_as_they_say() {
 #[test]
 fn holes_are_shafts() {
     let mut dice = Dice(67);
-    let odd = |_: usize, _: usize| Cell {
+    let odd = |_: usize, _: usize| HeightFieldCell {
         zigzag: dice.unit() < 0.5,
         left_removed: dice.unit() < 0.2,
         right_removed: dice.unit() < 0.2,
@@ -161,14 +161,17 @@ fn holes_are_shafts() {
 
     let pit = |column: usize, row: usize| {
         let gone = (4..9).contains(&column) && (3..8).contains(&row);
-        Cell { zigzag: false, left_removed: gone, right_removed: gone }
+        HeightFieldCell { zigzag: false, left_removed: gone, right_removed: gone }
     };
     let field = ground(18, 14, 0.1).with_cells(pit).unwrap().with_floor(-0.7).unwrap();
     hold(&field, 69);
     assert_eq!(field.height_at(-0.25, -0.1), None);
 
-    let nothing =
-        |_: usize, _: usize| Cell { left_removed: true, right_removed: true, zigzag: false };
+    let nothing = |_: usize, _: usize| HeightFieldCell {
+        left_removed: true,
+        right_removed: true,
+        zigzag: false,
+    };
     let error = ground(5, 5, 0.1).with_cells(nothing).unwrap_err();
     assert_eq!(error, HeightFieldError::NothingLeft);
 }

@@ -155,7 +155,8 @@ impl Compound {
             let gaps = part.gaps(points);
             let mut may = [false; LANES];
             for lane in 0..LANES {
-                may[lane] = first[lane] != index && !(gaps[lane] >= least[lane]);
+                let is_further = gaps[lane] >= least[lane];
+                may[lane] = first[lane] != index && !is_further;
             }
             if may.contains(&true) {
                 measure(part, &part.local_block(points), Lanes::TakeIfNearer(may), least);
@@ -200,10 +201,10 @@ impl SignedDistance for Compound {
         let mut least = [0.0; LANES];
         self.nearest_block(points, &mut least, |part, local, lanes, least| {
             part.solid.sample_block(local, &mut sampled);
-            for lane in 0..LANES {
+            for (lane, least) in least.iter_mut().enumerate() {
                 let distance = sampled.distance[lane];
-                if lanes.takes(lane, distance, least[lane]) {
-                    least[lane] = distance;
+                if lanes.takes(lane, distance, *least) {
+                    *least = distance;
                     let normal = [sampled.nx[lane], sampled.ny[lane], sampled.nz[lane]];
                     out.set(lane, distance, part.outward(normal));
                 }
@@ -215,9 +216,9 @@ impl SignedDistance for Compound {
         let mut sampled = [0.0; LANES];
         self.nearest_block(points, out, |part, local, lanes, least| {
             part.solid.distance_block(local, &mut sampled);
-            for lane in 0..LANES {
-                if lanes.takes(lane, sampled[lane], least[lane]) {
-                    least[lane] = sampled[lane];
+            for (lane, least) in least.iter_mut().enumerate() {
+                if lanes.takes(lane, sampled[lane], *least) {
+                    *least = sampled[lane];
                 }
             }
         });
@@ -265,7 +266,8 @@ impl Placed {
             return Err(CompoundError::Translation { part: index, translation });
         }
         let length = rotation.length();
-        if !((length - 1.0).abs() < 1e-3) {
+        let is_unit = (length - 1.0).abs() < 1e-3;
+        if !is_unit {
             return Err(CompoundError::Rotation { part: index, length });
         }
         let turn = Mat3::from_quat(rotation.normalize());

@@ -27,7 +27,7 @@ mod rounded;
 
 pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
-pub use height_field::{Cell, HeightField, HeightFieldError};
+pub use height_field::{HeightField, HeightFieldCell, HeightFieldError};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
     half_space_distance_block, sphere_block, sphere_distance_block,

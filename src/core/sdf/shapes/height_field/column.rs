@@ -21,8 +21,7 @@ impl HeightField {
     /// A place's cell along an axis, not yet a whole number. Off by a few roundings of the number of cells.
     #[inline(always)]
     pub(super) fn cell_coordinate(&self, axis: usize, place: f32) -> f32 {
-        let count = [self.columns, self.rows][axis] - 1;
-        (place / self.size[axis] + 0.5) * count as f32
+        (place / self.size[axis] + 0.5) * self.last(axis) as f32
     }
 
     #[inline(always)]

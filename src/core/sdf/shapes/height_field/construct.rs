@@ -1,7 +1,7 @@
 //! From heights to a height field.
 
 use super::pyramid::{Node, Pyramid, Range};
-use super::{Cell, HeightField};
+use super::{HeightField, HeightFieldCell};
 use bevy_math::Vec2;
 
 /// Most heights along an axis: more could not be told apart by their places in `f32`.
@@ -94,7 +94,8 @@ impl HeightField {
         if !(SIDES.contains(&size.x) && SIDES.contains(&size.y)) {
             return Err(HeightFieldError::Size { x: size.x, z: size.y });
         }
-        if let Some(index) = heights.iter().position(|height| !(height.abs() <= *SIDES.end())) {
+        let is_sound = |height: &f32| height.abs() <= *SIDES.end();
+        if let Some(index) = heights.iter().position(|height| !is_sound(height)) {
             let (column, row) = (index % columns, index / columns);
             return Err(HeightFieldError::Height { column, row, height: heights[index] });
         }
@@ -138,10 +139,10 @@ impl HeightField {
     /// If no triangle is left.
     pub fn with_cells(
         mut self,
-        mut cell: impl FnMut(usize, usize) -> Cell,
+        mut cell: impl FnMut(usize, usize) -> HeightFieldCell,
     ) -> Result<Self, HeightFieldError> {
         let (columns, rows) = (self.columns - 1, self.rows - 1);
-        let cells: Vec<Cell> =
+        let cells: Vec<HeightFieldCell> =
             (0..columns * rows).map(|index| cell(index % columns, index / columns)).collect();
         if cells.iter().all(|cell| cell.present() == [false; 2]) {
             return Err(HeightFieldError::NothingLeft);
@@ -180,13 +181,13 @@ impl HeightField {
     }
 }
 
-fn cell_node(heights: [f32; 4], cell: Cell) -> Node {
+fn cell_node(heights: [f32; 4], cell: HeightFieldCell) -> Node {
     let present = cell.present();
     let range = if present == [false; 2] { Range::EMPTY } else { Range::of(heights) };
     Node { range, has_hole: present != [true; 2] }
 }
 
-fn pyramid(columns: usize, rows: usize, heights: &[f32], cells: &[Cell]) -> Pyramid {
+fn pyramid(columns: usize, rows: usize, heights: &[f32], cells: &[HeightFieldCell]) -> Pyramid {
     let has_holes = cells.iter().any(|cell| cell.present() != [true; 2]);
     Pyramid::new(columns - 1, rows - 1, has_holes, |column, row| {
         let index = row * columns + column;

@@ -40,7 +40,7 @@ pub struct HeightField {
     /// Row by row.
     heights: Box<[f32]>,
     /// Row by row; none if all are whole and divided the usual way.
-    cells: Box<[Cell]>,
+    cells: Box<[HeightFieldCell]>,
     /// Whether a triangle is missing somewhere.
     has_holes: bool,
     pyramid: Pyramid,
@@ -60,7 +60,7 @@ pub struct HeightField {
 ///   '--'      '--'
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Cell {
+pub struct HeightFieldCell {
     /// Whether the diagonal joins the corner of least `x` and least `z` with that of most `x` and most `z`; the
     /// other two if not.
     pub zigzag: bool,
@@ -70,7 +70,7 @@ pub struct Cell {
     pub right_removed: bool,
 }
 
-impl Cell {
+impl HeightFieldCell {
     /// Whether each triangle is there, the left one first.
     fn present(self) -> [bool; 2] {
         [!self.left_removed, !self.right_removed]
@@ -104,7 +104,7 @@ impl HeightField {
     }
 
     /// A cell, of which there are one less than heights each way; `None` beyond.
-    pub fn cell(&self, column: usize, row: usize) -> Option<Cell> {
+    pub fn cell(&self, column: usize, row: usize) -> Option<HeightFieldCell> {
         (column + 1 < self.columns && row + 1 < self.rows).then(|| self.cell_at(column, row))
     }
 
@@ -118,16 +118,22 @@ impl HeightField {
     pub fn memory_bytes(&self) -> usize {
         size_of::<Self>()
             + size_of_val::<[f32]>(&self.heights)
-            + size_of_val::<[Cell]>(&self.cells)
+            + size_of_val::<[HeightFieldCell]>(&self.cells)
             + self.pyramid.memory_bytes()
     }
 
     #[inline(always)]
-    fn cell_at(&self, column: usize, row: usize) -> Cell {
+    fn cell_at(&self, column: usize, row: usize) -> HeightFieldCell {
         if self.cells.is_empty() {
-            return Cell::default();
+            return HeightFieldCell::default();
         }
         self.cells[row * (self.columns - 1) + column]
+    }
+
+    /// The last height along x or z (`axis` zero and one); also the number of cells.
+    #[inline(always)]
+    fn last(&self, axis: usize) -> usize {
+        [self.columns, self.rows][axis] - 1
     }
 
     /// Where a column of heights stands along x, and a row along z (`axis` zero and one). The operations are

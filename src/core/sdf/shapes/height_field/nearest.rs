@@ -26,19 +26,6 @@ pub struct Search<'a> {
     is_face: bool,
 }
 
-/// A square of cells that may hold the nearest place.
-#[derive(Clone, Copy, Default)]
-struct Open {
-    /// Square of the distance to a box around it.
-    squared: f32,
-    level: usize,
-    column: usize,
-    row: usize,
-}
-
-/// Three squares wait in each level, and four in the first: more than there are levels for.
-const MOST_OPEN: usize = 64;
-
 impl<'a> Search<'a> {
     /// The distance and the normal at a point of finite coordinates.
     pub fn run(field: &'a HeightField, point: [f32; 3]) -> SdfSample {
@@ -59,8 +46,9 @@ impl<'a> Search<'a> {
             search.look_at_border_from_outside(&at);
         }
         // The cell below is mostly the nearest one, or shows how near the nearest one is.
-        search.look_at_cell(at.column, at.row);
-        search.look_around(at.column, at.row);
+        let known = [at.column, at.row];
+        search.look_at_cell(known);
+        search.look_around(known);
         search.sample()
     }
 
@@ -109,7 +97,7 @@ impl<'a> Search<'a> {
         self.take_way([way_x, larger(self.field.floor - y, 0.0), way_z], outward);
     }
 
-    fn look_at_cell(&mut self, column: usize, row: usize) {
+    fn look_at_cell(&mut self, [column, row]: [usize; 2]) {
         let present = self.field.cell_at(column, row).present();
         let triangles = self.field.triangles(column, row, self.point);
         for (triangle, is_present) in triangles.iter().zip(present) {
@@ -141,60 +129,49 @@ impl<'a> Search<'a> {
     }
 
     /// Everything that may be nearer than what is known, but for one cell.
-    fn look_around(&mut self, known_column: usize, known_row: usize) {
-        let pyramid = &self.field.pyramid;
+    fn look_around(&mut self, known: [usize; 2]) {
         let [columns, rows] = [0, 1].map(|axis| self.cells_within_reach(axis));
+        // Begins with squares so large that two each way hold all of that.
         let mut level = 0;
         let span = |[low, high]: [usize; 2], level: usize| (high >> level) - (low >> level);
         while span(columns, level) > 1 || span(rows, level) > 1 {
             level += 1;
         }
-
-        let mut open = [Open::default(); MOST_OPEN];
-        let mut count = 0;
         for row in rows[0] >> level..=rows[1] >> level {
             for column in columns[0] >> level..=columns[1] >> level {
-                let squared = self.squared_gap(level, column, row);
-                open[count] = Open { squared, level, column, row };
-                count += 1;
+                self.look_into(level, [column, row], known);
             }
         }
-        while count > 0 {
-            count -= 1;
-            let Open { squared, level, column, row } = open[count];
-            if squared >= self.least {
-                continue;
+    }
+
+    /// A square of cells, unless what is known is nearer. Goes as deep as there are levels, 16 at most.
+    fn look_into(&mut self, level: usize, square: [usize; 2], known: [usize; 2]) {
+        if self.squared_gap(level, square) >= self.least {
+            return;
+        }
+        let Some(below) = level.checked_sub(1) else {
+            if square != known {
+                self.look_at_cell(square);
             }
-            if level == 0 {
-                if (column, row) != (known_column, known_row) {
-                    self.look_at_cell(column, row);
-                }
-                continue;
-            }
-            let level = level - 1;
-            let [columns, rows] = pyramid.counts(level);
-            // The one towards the point last, so that it is looked at first.
-            let middle_x =
-                self.field.place(0, ((2 * column + 1) << level).min(self.field.columns - 1));
-            let middle_z = self.field.place(1, ((2 * row + 1) << level).min(self.field.rows - 1));
-            let right = usize::from(self.point[0] > middle_x);
-            let front = usize::from(self.point[2] > middle_z);
-            for [across, along] in [[1, 1], [1, 0], [0, 1], [0, 0]] {
-                let (column, row) = (2 * column + (right ^ across), 2 * row + (front ^ along));
-                if column < columns && row < rows {
-                    let squared = self.squared_gap(level, column, row);
-                    if squared < self.least {
-                        open[count] = Open { squared, level, column, row };
-                        count += 1;
-                    }
-                }
+            return;
+        };
+        let counts = self.field.pyramid.counts(below);
+        // The quarter towards the point first, the opposite one last.
+        let first = [0, 1].map(|axis| {
+            let middle = ((2 * square[axis] + 1) << below).min(self.field.last(axis));
+            usize::from(self.point[2 * axis] > self.field.place(axis, middle))
+        });
+        for flip in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let quarter = [0, 1].map(|axis| 2 * square[axis] + (first[axis] ^ flip[axis]));
+            if quarter[0] < counts[0] && quarter[1] < counts[1] {
+                self.look_into(below, quarter, known);
             }
         }
     }
 
     /// First and last cell along an axis that may be as near as what is known.
     fn cells_within_reach(&self, axis: usize) -> [usize; 2] {
-        let last = [self.field.columns, self.field.rows][axis] - 2;
+        let last = self.field.last(axis) - 1;
         // A few roundings each of the distance and of the cell's number.
         let reach = 1.000_001 * self.least.sqrt();
         let room = 4e-7 * (last + 1) as f32;
@@ -208,16 +185,15 @@ impl<'a> Search<'a> {
 
     /// Square of the distance to a box around what a square of cells has to look at.
     #[inline(always)]
-    fn squared_gap(&self, level: usize, column: usize, row: usize) -> f32 {
+    fn squared_gap(&self, level: usize, [column, row]: [usize; 2]) -> f32 {
         let field = self.field;
         let [x, y, z] = self.point;
-        let across = |axis: usize, index: usize, at: f32, last: usize| {
+        let across = |axis: usize, index: usize, at: f32| {
             let low = field.place(axis, index << level);
-            let high = field.place(axis, ((index + 1) << level).min(last));
+            let high = field.place(axis, ((index + 1) << level).min(field.last(axis)));
             larger(larger(low - at, at - high), 0.0)
         };
-        let gap_x = across(0, column, x, field.columns - 1);
-        let gap_z = across(1, row, z, field.rows - 1);
+        let (gap_x, gap_z) = (across(0, column, x), across(1, row, z));
         let node = field.node(level, column, row);
         let low = if field.has_holes && !self.is_inside {
             // Walls go down to the floor.

@@ -87,7 +87,9 @@ impl Corner {
         // The foot of the perpendicular, straight down by so much of the normal.
         let share = above / self.normal_squared;
         let squared = above * share;
-        if !(squared < least) {
+        // Not so either where it is no number, which only what overflows gives.
+        let is_nearer = squared < least;
+        if !is_nearer {
             return None;
         }
         let way = [share * self.rise[0], -share, share * self.rise[1]];
