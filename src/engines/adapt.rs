@@ -1,12 +1,15 @@
 //! Keeps an `SdfCollider` on each collider of an engine that cloths collide with.
 
 use core::marker::PhantomData;
+use std::sync::Arc;
 
 use bevy::ecs::query::QueryData;
 use bevy::ecs::schedule::SystemSet;
 use bevy::prelude::*;
 
 use crate::collider::bake::BakeSdf;
+use crate::collider::shape::SdfShape;
+use crate::collider::tick_colliders::ColliderPose;
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
 use crate::engines::bakes::Bakes;
@@ -88,6 +91,7 @@ struct Found<E: Engine> {
     adapted: Option<&'static mut Adapted>,
     collider: Option<&'static mut SdfCollider>,
     scale: Option<&'static mut OwnScale>,
+    pose: Option<&'static mut ColliderPose>,
 }
 
 /// Gives colliders of an engine an `SdfCollider`, changes it, and takes it off.
@@ -167,6 +171,10 @@ fn keep<E: Engine>(
     let mut entity = commands.entity(found.entity);
     match (outcome, found.collider, found.scale) {
         (Ok(Some((shape, scale))), Some(mut collider), Some(mut own)) => {
+            // Another solid of another scale has not grown from the one before.
+            if own.0 != scale && !is_same(&collider.shape, &shape) {
+                found.pose.map(|mut pose| *pose = default());
+            }
             (collider.shape, own.0) = (shape, scale);
             set_surface(&mut collider, friction, wish);
             entity.try_insert(adapted);
@@ -192,6 +200,14 @@ fn keep<E: Engine>(
     true
 }
 
+/// Whether two shapes are one field.
+fn is_same(a: &SdfShape, b: &SdfShape) -> bool {
+    let (SdfShape::Custom(a), SdfShape::Custom(b)) = (a, b) else {
+        return false;
+    };
+    Arc::ptr_eq(&a.0, &b.0)
+}
+
 /// Friction and layers, where they have changed.
 fn set_surface(collider: &mut Mut<SdfCollider>, friction: f32, wish: ClothCollider) {
     if collider.friction.to_bits() != friction.to_bits() || collider.layers != wish.layers {
@@ -204,13 +220,21 @@ fn read<E: Engine>(
     wish: ClothCollider,
     bakes: &mut Bakes,
 ) -> Result<(EngineSolid, f32), EngineProblem> {
-    let ClothCollider { thickness, cells, .. } = wish;
-    if !(0.0..=1e7).contains(&thickness) {
-        let range = "from 0 to 1e7 m";
-        let problem = ParameterError { name: "the thickness", value: thickness, range };
-        return Err(EngineProblem::Parameter(problem));
-    }
+    let ClothCollider { friction, thickness, cells, .. } = wish;
+    check("the friction", friction.unwrap_or_default(), 1e3, "from 0 to 1000")?;
+    check("the thickness", thickness, 1e7, "from 0 to 1e7 m")?;
     E::read(collider, &mut Reader { bakes, cells, thickness })
+}
+
+fn check(
+    name: &'static str,
+    value: f32,
+    most: f32,
+    range: &'static str,
+) -> Result<(), EngineProblem> {
+    let is_sound = (0.0..=most).contains(&value);
+    let problem = ParameterError { name, value, range };
+    if is_sound { Ok(()) } else { Err(EngineProblem::Parameter(problem)) }
 }
 
 /// When the engine's collider is removed, so is its `SdfCollider`.

@@ -11,7 +11,7 @@ use crate::engines::boxes::boxes_of;
 use crate::engines::plate::Plate;
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
-use crate::sdf::shapes::{self, CapsuleBetween, Cell};
+use crate::sdf::shapes::{self, CapsuleBetween, HeightFieldCell};
 use crate::solver::ParameterError;
 
 /// Most parts that voxels, a surface or a line are cut into: a point looks at the box of each.
@@ -107,7 +107,7 @@ fn ground(field: &HeightField, reader: &Reader) -> Result<EngineSolid, EnginePro
         .and_then(|ground| {
             ground.with_cells(|column, row| {
                 let status = field.cell_status(row, column);
-                Cell {
+                HeightFieldCell {
                     zigzag: status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION),
                     left_removed: status.contains(HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED),
                     right_removed: status.contains(HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED),

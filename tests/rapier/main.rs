@@ -7,6 +7,7 @@ mod both;
 mod errors;
 mod falls;
 mod lifecycle;
+mod order;
 mod poses;
 mod shapes;
 // Each test crate uses a part of it.
