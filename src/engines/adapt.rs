@@ -172,8 +172,11 @@ fn keep<E: Engine>(
     match (outcome, found.collider, found.scale) {
         (Ok(Some((shape, scale))), Some(mut collider), Some(mut own)) => {
             // Another solid of another scale has not grown from the one before.
-            if own.0 != scale && !is_same(&collider.shape, &shape) {
-                found.pose.map(|mut pose| *pose = default());
+            if own.0 != scale
+                && !is_same(&collider.shape, &shape)
+                && let Some(mut pose) = found.pose
+            {
+                *pose = default();
             }
             (collider.shape, own.0) = (shape, scale);
             set_surface(&mut collider, friction, wish);

@@ -27,7 +27,7 @@ pub fn largest_difference(
         let Some(expected) = truth(point) else { continue };
         known += 1;
         let difference = (solid.distance(point) - expected).abs();
-        if !(difference <= worst.0) {
+        if difference.is_nan() || difference > worst.0 {
             worst = (difference, point);
         }
     }
