@@ -13,7 +13,7 @@ use crate::collider::tick_colliders::ColliderPose;
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
 use crate::engines::bakes::Bakes;
-use crate::engines::engine::{Bodies, Engine};
+use crate::engines::engine::{Adapting, Bodies, Engine};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::ClothErrorKind;
 use crate::error::engine::EngineProblem;
@@ -42,6 +42,19 @@ pub(crate) struct Adapted {
     waits: bool,
 }
 
+impl Adapted {
+    /// Whether something of it is baked, and not yet there.
+    fn is_waiting(&self) -> bool {
+        let solid = self.solid.as_ref().filter(|_| self.waits);
+        solid.is_some_and(|(solid, _)| matches!(solid.shape(), Ok(None)))
+    }
+
+    /// Whether the collider has what it is to have.
+    fn is_given(&self, has_solid: bool) -> bool {
+        !self.waits && (self.solid.is_none() || has_solid)
+    }
+}
+
 /// Registers what an engine's colliders need, apart from its system.
 pub(crate) fn add_engine<E: Engine>(app: &mut App, all: bool) {
     app.register_type::<ClothCollider>().init_resource::<Bakes>().add_observer(forget::<E>);
@@ -66,15 +79,11 @@ pub(crate) fn schedule_engine<E: Engine>(app: &mut App, after: impl SystemSet + 
         tracing::warn!("colliders of {} are nothing to cloths without `ClothPlugin`", E::NAME);
         return;
     };
-    app.configure_sets(schedule, ClothSystems::Setup.after(after.clone())).add_systems(
-        schedule,
-        adapt::<E>.in_set(Adapting).after(after).before(ClothSystems::Setup),
-    );
+    app.configure_sets(schedule, ClothSystems::Setup.after(after.clone()))
+        // In this order, so that of two colliders on one entity the same is always kept.
+        .configure_sets(schedule, (Adapting::Avian, Adapting::Rapier).chain())
+        .add_systems(schedule, adapt::<E>.in_set(E::SET).after(after).before(ClothSystems::Setup));
 }
-
-/// The systems of all engines. They do not disturb each other: each looks after its own colliders.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Adapting;
 
 /// A collider of an engine, and all that says whether and how cloths collide with it.
 #[derive(QueryData)]
@@ -147,8 +156,7 @@ fn keep<E: Engine>(
     let friction = wish.friction.or(own).unwrap_or(FRICTION);
     let known = found.adapted.as_mut().filter(|it| it.wish == wish && !found.shape.is_changed());
     if let Some(known) = &known
-        && !known.waits
-        && (known.solid.is_none() || found.collider.is_some())
+        && (known.is_waiting() || known.is_given(found.collider.is_some()))
     {
         if let Some(collider) = &mut found.collider {
             set_surface(collider, friction, wish);

@@ -5,7 +5,7 @@ use avian3d::prelude as engine;
 use bevy::prelude::*;
 
 use crate::engines::adapt::{add_engine, schedule_engine};
-use crate::engines::engine::{Engine, is_even};
+use crate::engines::engine::{Adapting, Engine, is_even};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
 
@@ -66,6 +66,7 @@ pub(crate) struct Avian;
 
 impl Engine for Avian {
     const NAME: &'static str = "Avian";
+    const SET: Adapting = Adapting::Avian;
     const FRICTION_OF_BODY: bool = true;
     type Collider = engine::Collider;
     type Known = engine::ColliderMarker;

@@ -6,9 +6,17 @@ use bevy::prelude::*;
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
 
+/// The systems that adapt an engine's colliders.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Adapting {
+    Avian,
+    Rapier,
+}
+
 /// A physics engine, as cloths see it.
 pub(crate) trait Engine: Send + Sync + 'static {
     const NAME: &'static str;
+    const SET: Adapting;
     /// Whether a collider without friction has its body's.
     const FRICTION_OF_BODY: bool;
     type Collider: Component;

@@ -5,7 +5,7 @@ use bevy_rapier3d::parry;
 use bevy_rapier3d::prelude as engine;
 
 use crate::engines::adapt::{add_engine, schedule_engine};
-use crate::engines::engine::{Engine, is_even};
+use crate::engines::engine::{Adapting, Engine, is_even};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
 
@@ -68,6 +68,7 @@ pub(crate) struct Rapier;
 
 impl Engine for Rapier {
     const NAME: &'static str = "Rapier";
+    const SET: Adapting = Adapting::Rapier;
     const FRICTION_OF_BODY: bool = false;
     type Collider = engine::Collider;
     // Before that its shape is not yet scaled.

@@ -51,3 +51,15 @@ fn two_colliders_on_one_entity_are_told() {
     assert_eq!(failure(&app, entity), None);
     assert!(app.world().get::<SdfCollider>(entity).is_some());
 }
+
+#[test]
+fn no_order_is_left_to_chance() {
+    let ambiguities = |mut app: App| {
+        updates(&mut app, 2);
+        let schedules = app.world().resource::<Schedules>();
+        schedules.get(FixedPostUpdate).map_or(0, |it| it.graph().conflicting_systems().len())
+    };
+    // Avian has one of its own.
+    let alone = app_with(avian::PhysicsPlugins::default());
+    assert_eq!(ambiguities(both_engines()), ambiguities(alone));
+}
