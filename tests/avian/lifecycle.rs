@@ -159,3 +159,11 @@ fn what_is_gone_is_passed_through() {
     updates(&mut app, 60);
     assert!(positions(&app, cloth).iter().all(|p| p.y < -0.3));
 }
+
+#[test]
+fn an_inspector_sees_the_marker() {
+    let app = physics_app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let known = registry.get_with_short_type_path("ClothCollider");
+    assert!(known.is_some_and(|it| it.data::<ReflectComponent>().is_some()));
+}
