@@ -101,6 +101,8 @@ mod cloth;
 mod collider;
 mod diagnostics;
 mod drawing;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+mod engines;
 mod error;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -155,7 +157,14 @@ pub use collider::shape::{CustomSdf, SdfShape};
 pub use collider::snapshot::SdfColliderSnapshot;
 pub use collider::{SdfCollider, SdfColliderDisabled};
 pub use diagnostics::ClothDiagnosticsPlugin;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+pub use engines::ClothCollider;
+#[cfg(feature = "avian")]
+pub use engines::avian::AvianClothPlugin;
+#[cfg(feature = "rapier")]
+pub use engines::rapier::RapierClothPlugin;
 pub use error::body::BodyProblem;
+pub use error::engine::EngineProblem;
 pub use error::problems::{
     FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
@@ -191,6 +200,12 @@ pub use wind::zone::WindZone;
 
 /// The items that most games need: `use bevy_drape::prelude::*`. All others are in the crate itself and in its modules.
 pub mod prelude {
+    #[cfg(feature = "avian")]
+    pub use crate::AvianClothPlugin;
+    #[cfg(any(feature = "avian", feature = "rapier"))]
+    pub use crate::ClothCollider;
+    #[cfg(feature = "rapier")]
+    pub use crate::RapierClothPlugin;
     pub use crate::{
         BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,
         ClothPlugin, ClothReady, ClothSettings, ClothSimulation, ClothSystems, ClothWind,

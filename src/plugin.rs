@@ -20,6 +20,7 @@
 //! | `step` | one tick: gather, solve fused or staged, finish |
 //! | `drawing` | writes a cloth's mesh, once a frame |
 //! | `plugin` | what runs when |
+//! | `engines` | the colliders of physics engines, made colliders of cloths |
 //! | `diagnostics` | measurements, where they are asked for |
 //! | `proximity` | what of a cloth is near a collider, for those below |
 //! | `gizmos` | debug drawing |
@@ -35,6 +36,7 @@
 //! | a constraint | `core/solver/constraints`: see *A new constraint* in `core/solver/mod.rs` | a setting that switches it, or a number of the material |
 //! | a solid of a game's own | nowhere: `SdfShape::Custom` takes any [`SignedDistance`](crate::sdf::SignedDistance) | |
 //! | a collider shape | `core/sdf/shapes`, with its truth in `tests/sdf/shapes.rs`; `collider/shape.rs` (a variant, `get`, `From`) | `collider/check.rs`, `core/serialize.rs`; for speed a `KnownShape` in `core/sdf`; a distance that is no more than a bound overrides `overestimate` of [`SignedDistance`](crate::sdf::SignedDistance) |
+//! | a physics engine | `engines`: a file like `avian.rs`, which says what `engines/engine.rs` asks | a feature; its tests beside `tests/avian`; a shape of parry's that is new: `engines/read.rs` |
 //! | a setting, a number of the material | `core/solver/settings.rs` (the number, its range), `cloth/settings.rs` or `cloth/material.rs` (what it means to a user) | a slider in `panel/view.rs`, a line in `guide/settings.md`; `core/solver/plan` if substeps depend on it; one that changes what is set up once is in `core/solver/setup.rs` (`new`, `remade`) as well |
 //! | a setting by quality | `cloth/quality.rs` | read off the report, in `tests/ecs/quality.rs` |
 //! | a component of a cloth | its file in `cloth`; its system in `simulation` (of the air, in `wind`), or a term in the query of one that is there; `register_type` and the system in `build` below, `lib.rs` | what it remembers: a field of `simulation/mod.rs` or of a part of it, set up in `simulation/setup.rs`, saved in `simulation/snapshot.rs`; numbers that are out of range: `ClothComponent` in `error/mod.rs` |

@@ -111,7 +111,7 @@ pub(crate) fn start_bakes(
     }
 }
 
-fn bake_mesh(
+pub(crate) fn bake_mesh(
     positions: &[Vec3],
     indices: &[u32],
     cells: SdfCells,

@@ -21,7 +21,7 @@ impl SdfCollider {
 
 impl SdfShape {
     /// Checks every number. What a field holds was checked when it was baked or read.
-    fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Sphere(sphere) => length("the sphere's radius", sphere.radius),
             Self::Cuboid(cuboid) => {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus};
 use bevy::prelude::*;
 
-use crate::sdf::shapes::CapsuleBetween;
+use crate::sdf::shapes::{CapsuleBetween, Compound, HeightField, Rounded};
 use crate::sdf::{DistanceField, SignedDistance};
 
 /// The solid of an [`SdfCollider`](crate::SdfCollider), in its entity's frame.
@@ -101,6 +101,23 @@ impl SdfShape {
             Self::Custom(shape) => &*shape.0,
         })
     }
+
+    /// The solid itself, to keep; `None` if it is a field.
+    #[cfg(any(feature = "avian", feature = "rapier"))]
+    pub(crate) fn to_solid(&self) -> Option<Arc<dyn SignedDistance>> {
+        Some(match self {
+            Self::Sphere(shape) => Arc::new(*shape),
+            Self::Cuboid(shape) => Arc::new(*shape),
+            Self::Capsule3d(shape) => Arc::new(*shape),
+            Self::CapsuleBetween(shape) => Arc::new(*shape),
+            Self::InfinitePlane3d(shape) => Arc::new(*shape),
+            Self::Cylinder(shape) => Arc::new(*shape),
+            Self::Torus(shape) => Arc::new(*shape),
+            Self::Cone(shape) => Arc::new(*shape),
+            Self::Field(_) => return None,
+            Self::Custom(shape) => shape.0.clone(),
+        })
+    }
 }
 
 macro_rules! from_shapes {
@@ -131,3 +148,15 @@ impl From<Arc<dyn SignedDistance>> for SdfShape {
         Self::Custom(CustomSdf(shape))
     }
 }
+
+macro_rules! from_custom_shapes {
+    ($($shape:ty),* $(,)?) => {
+        $(impl From<$shape> for SdfShape {
+            fn from(shape: $shape) -> Self {
+                Self::Custom(CustomSdf(Arc::new(shape)))
+            }
+        })*
+    };
+}
+
+from_custom_shapes!(Rounded, Compound, HeightField);

@@ -13,7 +13,7 @@ use crate::collider::tick_body::{LoneBody, TickBody};
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
-use crate::pose::{PoseTrack, pose_now};
+use crate::pose::{OwnScale, PoseTrack, pose_now_scaled};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose};
 
@@ -179,6 +179,7 @@ pub(crate) struct Found {
     has_parent: Has<ChildOf>,
     measured: Has<ColliderImpulse>,
     disabled: Has<SdfColliderDisabled>,
+    scale: Option<&'static OwnScale>,
     pose: &'static mut ColliderPose,
 }
 
@@ -231,13 +232,13 @@ pub(crate) fn note_colliders(
     ticks: u32,
 ) {
     let orphans = moves.any_orphan();
-    for FoundItem { entity, place, has_parent, mut pose, .. } in colliders {
+    for FoundItem { entity, place, has_parent, scale, mut pose, .. } in colliders {
         if pose.still && !orphans && !moves.moved_one(entity, place.as_ref(), has_parent) {
             continue;
         }
         pose.still = false;
         if let Some(moving) = &mut pose.moving
-            && let Ok(now) = pose_now(transforms, entity)
+            && let Ok(now) = pose_now_scaled(transforms, entity, scale)
         {
             let before = moving.end();
             moving.begin_frame(now, ticks);
@@ -266,7 +267,8 @@ pub(crate) fn gather_colliders(
 ) {
     let orphans = moves.any_orphan();
     for found in &mut colliders {
-        let FoundItem { entity, collider, place, has_parent, measured, disabled, mut pose } = found;
+        let FoundItem { entity, collider, place, has_parent, measured, disabled, scale, mut pose } =
+            found;
         let same = !collider.is_changed();
         let as_before = pose.measured == measured && pose.disabled == disabled;
         let still = pose.still && as_before && same && !orphans;
@@ -274,7 +276,7 @@ pub(crate) fn gather_colliders(
             continue;
         }
         (pose.measured, pose.disabled) = (measured, disabled);
-        let gathered = match gather(entity, &collider, &mut pose, &transforms, &fields) {
+        let gathered = match gather(entity, &collider, scale, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
                 failures.clear(entity, Blame::Component(ClothComponent::SdfCollider));
                 failures.clear(entity, Blame::Pose);
@@ -294,6 +296,7 @@ pub(crate) fn gather_colliders(
 fn gather(
     entity: Entity,
     collider: &SdfCollider,
+    scale: Option<&OwnScale>,
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
     fields: &FieldSource,
@@ -301,7 +304,7 @@ fn gather(
     let &SdfCollider { friction, layers, .. } = collider;
     let component = ClothComponent::SdfCollider;
     collider.check().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
-    let now = pose_now(transforms, entity)?;
+    let now = pose_now_scaled(transforms, entity, scale)?;
     let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
     track.advance(now);
     let (start, end) = (track.start(), track.end());

@@ -30,6 +30,7 @@ pub(crate) enum Blame {
     Drawing,
     Schedule,
     Bake,
+    Engine,
     Push,
     Forces,
     Grab,
@@ -71,7 +72,7 @@ impl Blame {
             | Self::Forces
             | Self::Grab
             | Self::Snapshot => true,
-            Self::Bake | Self::Body => false,
+            Self::Bake | Self::Body | Self::Engine => false,
         }
     }
 }
@@ -207,6 +208,7 @@ impl ClothErrorKind {
             Self::Solver(_) => Blame::Motion,
             Self::VariableStep => Blame::Schedule,
             Self::Bake(_) | Self::ColliderMesh(_) => Blame::Bake,
+            Self::Engine(_) => Blame::Engine,
         }
     }
 }

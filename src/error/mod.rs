@@ -1,6 +1,7 @@
 //! Errors, reported on the entity that they concern.
 
 pub(crate) mod body;
+pub(crate) mod engine;
 pub(crate) mod failures;
 pub(crate) mod problems;
 pub(crate) mod proxy;
@@ -9,6 +10,7 @@ pub(crate) mod skin;
 use bevy::prelude::*;
 
 use crate::error::body::BodyProblem;
+use crate::error::engine::EngineProblem;
 use crate::error::problems::{
     FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
 };
@@ -119,6 +121,9 @@ pub enum ClothErrorKind {
     /// The collider's distance field is not there and not coming. The collider is left out until it is.
     #[error(transparent)]
     Field(FieldProblem),
+    /// The collider of a physics engine cannot be used. Cloths pass through it.
+    #[error(transparent)]
+    Engine(EngineProblem),
 }
 
 /// A component of which a number may be out of its range.
@@ -159,7 +164,7 @@ impl ClothErrorKind {
     fn subject(&self) -> &'static str {
         match self {
             Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
-            Self::Bake(_) | Self::ColliderMesh(_) | Self::Field(_) => "collider ",
+            Self::Bake(_) | Self::ColliderMesh(_) | Self::Field(_) | Self::Engine(_) => "collider ",
             Self::Body(_) => "body ",
             _ => "cloth ",
         }

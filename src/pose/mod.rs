@@ -102,6 +102,28 @@ pub(crate) fn pose_now(transforms: &TransformHelper, entity: Entity) -> Result<P
     pose_of(&global)
 }
 
+/// The scale that an entity's pose has in place of the one in its transform: what the entity stands for is scaled already.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OwnScale(pub f32);
+
+/// The pose of an entity now, with a scale of its own where it has one.
+pub(crate) fn pose_now_scaled(
+    transforms: &TransformHelper,
+    entity: Entity,
+    own: Option<&OwnScale>,
+) -> Result<Pose, PoseError> {
+    let Some(own) = own else {
+        return pose_now(transforms, entity);
+    };
+    let global = transforms.compute_global_transform(entity).map_err(|_| PoseError::Missing)?;
+    let (scale, rotation, translation) = global.to_scale_rotation_translation();
+    if scale.is_finite() && translation.is_finite() && rotation.is_finite() {
+        Ok(Pose { translation, rotation: rotation.normalize(), scale: own.0 })
+    } else {
+        Err(PoseError::Scale(scale))
+    }
+}
+
 /// The pose of a transform whose scale is uniform and positive.
 pub(crate) fn pose_of(global: &GlobalTransform) -> Result<Pose, PoseError> {
     let (scale, rotation, translation) = global.to_scale_rotation_translation();

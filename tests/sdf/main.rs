@@ -2,6 +2,8 @@
 //!
 //! - Shapes: points made by parametrising their surfaces, with their normals; the least distance to a cloud
 //!   of such points; inside and outside by the shape's inequality; central differences for the normal.
+//! - Swollen solids and compounds: the definition in `f64` over all parts.
+//! - Ground: the least distance in `f64` to all triangles, walls and the floor.
 //! - Saved fields: bit equality, and a checksum written out by its definition.
 //! - Blocks: the single point's bits.
 //! - Fitted capsules: a capsule is its own best capsule.
@@ -11,9 +13,11 @@
 mod baking;
 mod fields;
 mod fit;
+mod ground;
 mod meshes;
 mod saved;
 mod shapes;
+mod solids;
 // Each test crate uses a part of it.
 #[allow(dead_code, unused_imports)]
 #[path = "../support/mod.rs"]

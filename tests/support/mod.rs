@@ -9,6 +9,7 @@ pub mod app;
 pub mod bits;
 pub mod checks;
 pub mod dice;
+pub mod distances;
 pub mod kinds;
 pub mod materials;
 pub mod measures;

@@ -5,7 +5,7 @@
 //!
 //! - [`shapes`]: exact distances of `bevy_math`'s own primitives ([`Sphere`], [`Cuboid`],
 //!   [`Capsule3d`], [`InfinitePlane3d`], [`Cylinder`], [`Torus`], [`Cone`]); the trait is implemented on them
-//!   directly.
+//!   directly. [`Rounded`] swells a solid, [`Compound`] puts several together, and [`HeightField`] is ground.
 //! - [`DistanceField`]: a grid of distances to a closed triangle mesh, made once by
 //!   [`DistanceField::bake`], or read from a file ([`DistanceField::from_bytes`]), and looked up with
 //!   trilinear interpolation.
@@ -17,6 +17,9 @@
 //! [`Cylinder`]: bevy_math::primitives::Cylinder
 //! [`Torus`]: bevy_math::primitives::Torus
 //! [`Cone`]: bevy_math::primitives::Cone
+//! [`Rounded`]: shapes::Rounded
+//! [`Compound`]: shapes::Compound
+//! [`HeightField`]: shapes::HeightField
 
 #![forbid(unsafe_code)]
 

@@ -9,21 +9,30 @@
 //! half-space below the plane through the origin. Sizes are expected to be finite and not negative;
 //! others give a meaningless distance, but no panic.
 //!
+//! Solids made of others or of many numbers, [`Rounded`], [`Compound`] and [`HeightField`], say in their own words
+//! where they are exact, and check what they are given.
+//!
 //! [`Capsule3d`]: bevy_math::primitives::Capsule3d
 //! [`Cylinder`]: bevy_math::primitives::Cylinder
 //! [`Cone`]: bevy_math::primitives::Cone
 //! [`Torus`]: bevy_math::primitives::Torus
 //! [`InfinitePlane3d`]: bevy_math::primitives::InfinitePlane3d
 
+mod compound;
 mod cuboid;
+mod height_field;
 mod revolved;
 mod round;
+mod rounded;
 
+pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
+pub use height_field::{HeightField, HeightFieldCell, HeightFieldError};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
     half_space_distance_block, sphere_block, sphere_distance_block,
 };
+pub use rounded::Rounded;
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};

@@ -1,0 +1,16 @@
+//! Cloths and the colliders of Rapier.
+//!
+//! Truths: parry's own distances at random points; contact sampled; what is on an entity after each change.
+
+#[cfg(feature = "avian")]
+mod both;
+mod errors;
+mod falls;
+mod lifecycle;
+mod order;
+mod poses;
+mod shapes;
+// Each test crate uses a part of it.
+#[allow(dead_code, unused_imports)]
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,292 @@
+//! Height fields. The truth is the surface itself, in `f64`: all triangles, the walls where one
+//! side has a triangle and the other has none, and the floor; inside is what has a triangle above it.
+
+use crate::solids::{hold_to, somewhere};
+use crate::support::dice::Dice;
+use bevy::math::{DVec2, DVec3, Vec2, Vec3};
+use bevy_drape::sdf::SignedDistance;
+use bevy_drape::sdf::shapes::{HeightField, HeightFieldCell, HeightFieldError};
+use std::collections::HashMap;
+use std::time::Instant;
+
+/// Ground by its triangles, upper side only, as parry's `HeightField::triangles_at` makes them.
+struct Truth {
+    top: Vec<[DVec3; 3]>,
+    all: Vec<[DVec3; 3]>,
+    floor: f64,
+}
+
+impl Truth {
+    fn new(field: &HeightField) -> Self {
+        let size = field.size().as_dvec2();
+        let floor = f64::from(field.floor());
+        let (columns, rows) = (field.columns(), field.rows());
+        let vertex = |i: usize, j: usize| {
+            let x = (j as f64 / (columns - 1) as f64 - 0.5) * size.x;
+            let z = (i as f64 / (rows - 1) as f64 - 0.5) * size.y;
+            DVec3::new(x, f64::from(field.heights()[i * columns + j]), z)
+        };
+        let mut top = Vec::new();
+        for i in 0..rows - 1 {
+            for j in 0..columns - 1 {
+                let cell = field.cell(j, i).unwrap();
+                let (p00, p10) = (vertex(i, j), vertex(i + 1, j));
+                let (p01, p11) = (vertex(i, j + 1), vertex(i + 1, j + 1));
+                let [left, right] = if cell.zigzag {
+                    [[p00, p10, p11], [p00, p11, p01]]
+                } else {
+                    [[p00, p10, p01], [p10, p11, p01]]
+                };
+                top.extend((!cell.left_removed).then_some(left));
+                top.extend((!cell.right_removed).then_some(right));
+            }
+        }
+        let down = |p: DVec3| DVec3::new(p.x, floor, p.z);
+        let mut sides: HashMap<[u64; 4], ([DVec3; 2], u32)> = HashMap::new();
+        for t in &top {
+            for [a, b] in [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]] {
+                let [a, b] = if (a.x, a.z) < (b.x, b.z) { [a, b] } else { [b, a] };
+                let key = [a.x, a.z, b.x, b.z].map(f64::to_bits);
+                sides.entry(key).or_insert(([a, b], 0)).1 += 1;
+            }
+        }
+        let mut all = top.clone();
+        all.extend(top.iter().map(|t| t.map(down)));
+        for ([a, b], _) in sides.into_values().filter(|(_, count)| *count == 1) {
+            all.extend([[a, b, down(a)], [b, down(b), down(a)]]);
+        }
+        Self { top, all, floor }
+    }
+
+    fn distance(&self, p: DVec3) -> f64 {
+        let least = self.all.iter().map(|t| to_triangle(p, t)).fold(f64::INFINITY, f64::min);
+        let above = |t: &&[DVec3; 3]| over(DVec2::new(p.x, p.z), t);
+        let is_below = self.top.iter().find(above).is_some_and(|[a, b, c]| {
+            let n = (*b - *a).cross(*c - *a);
+            (p - *a).dot(n) * n.y < 0.0
+        });
+        if is_below && p.y > self.floor { -least } else { least }
+    }
+}
+
+/// Whether a triangle has a place of the plane within it, seen from above.
+fn over(p: DVec2, triangle: &[DVec3; 3]) -> bool {
+    let [a, b, c] = triangle.map(|v| DVec2::new(v.x, v.z) - p);
+    let turns = [a.perp_dot(b), b.perp_dot(c), c.perp_dot(a)];
+    turns.iter().all(|t| *t >= 0.0) || turns.iter().all(|t| *t <= 0.0)
+}
+
+/// The least of the distances to the sides, and to the plane if the foot is between them.
+fn to_triangle(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
+    let side = |a: DVec3, b: DVec3| {
+        let t = (p - a).dot(b - a) / (b - a).length_squared();
+        p.distance(a + t.clamp(0.0, 1.0) * (b - a))
+    };
+    let n = (b - a).cross(c - a).normalize();
+    let within = |a: DVec3, b: DVec3| (b - a).cross(p - a).dot(n) >= 0.0;
+    let least = side(a, b).min(side(b, c)).min(side(c, a));
+    let is_over = within(a, b) && within(b, c) && within(c, a);
+    if is_over { least.min((p - a).dot(n).abs()) } else { least }
+}
+
+/// Hills of several lengths, and a cliff.
+fn hills(columns: usize, rows: usize, height: f32) -> Vec<f32> {
+    let mut dice = Dice(60);
+    let place = |i: usize, count: usize| i as f32 / (count - 1) as f32;
+    (0..columns * rows)
+        .map(|i| {
+            let (u, v) = (place(i % columns, columns), place(i / columns, rows));
+            let waves = (6.0 * u).sin() * (5.0 * v + 1.0).cos() + 0.3 * (23.0 * u + 11.0 * v).sin();
+            let cliff = if u + 0.3 * v > 0.7 { 0.8 } else { 0.0 };
+            height * (waves + cliff + 0.05 * dice.roll())
+        })
+        .collect()
+}
+
+fn ground(columns: usize, rows: usize, height: f32) -> HeightField {
+    let size = Vec2::new(2.0, 1.6);
+    HeightField::new(columns, rows, hills(columns, rows, height), size).unwrap()
+}
+
+fn hold(field: &HeightField, seed: u64) {
+    let truth = Truth::new(field);
+    hold_to(field, 1.0, seed, |p| truth.distance(p), |_| true);
+    // Close to the ground, where what is solved is a small difference, and next to walls.
+    let mut dice = Dice(seed + 7);
+    let mut worst = 0_f64;
+    for _ in 0..3_000 {
+        let [a, b, c] = truth.all[dice.below(truth.all.len())];
+        let (u, v) = (dice.unit(), dice.unit());
+        let half = [1e-5, 1e-3, 0.05][dice.below(3)];
+        let near = dice.in_box(half);
+        let p = (a + u * (b - a) + (1.0 - u) * v * (c - a) + near).as_vec3();
+        let off = (f64::from(field.distance(p)) - truth.distance(p.as_dvec3())).abs();
+        worst = worst.max(off);
+        assert!(off < 1e-6 * (1.0 + p.as_dvec3().length()), "{p}: off by {off}");
+    }
+    println!("{field:?}: off by {worst:.1e} m at most, near its surface");
+}
+
+/// The distance is that to the nearest place of the surface; see [`hold_to`].
+#[test]
+fn ground_is_as_near_as_its_nearest_triangle() {
+    // Gentle, steep, and with few cells along one axis.
+    hold(&ground(24, 17, 0.1), 61);
+    hold(&ground(33, 30, 0.7), 62);
+    hold(&ground(2, 9, 0.3), 63);
+    hold(&ground(2, 2, 0.3), 64);
+    hold(&ground(20, 14, 0.2).with_floor(-0.6).unwrap(), 65);
+}
+
+/// Diagonals either way.
+#[test]
+fn cells_are_divided_as_they_say() {
+    let zigzag = |column: usize, row: usize| HeightFieldCell {
+        zigzag: (column + row).is_multiple_of(2) || column == 5,
+        ..HeightFieldCell::default()
+    };
+    hold(&ground(20, 14, 0.4).with_cells(zigzag).unwrap(), 66);
+}
+
+/// Where triangles are missing there is a shaft.
+#[test]
+fn holes_are_shafts() {
+    let mut dice = Dice(67);
+    let odd = |_: usize, _: usize| HeightFieldCell {
+        zigzag: dice.unit() < 0.5,
+        left_removed: dice.unit() < 0.2,
+        right_removed: dice.unit() < 0.2,
+    };
+    hold(&ground(18, 14, 0.4).with_cells(odd).unwrap(), 68);
+
+    let pit = |column: usize, row: usize| {
+        let gone = (4..9).contains(&column) && (3..8).contains(&row);
+        HeightFieldCell { zigzag: false, left_removed: gone, right_removed: gone }
+    };
+    let field = ground(18, 14, 0.1).with_cells(pit).unwrap().with_floor(-0.7).unwrap();
+    hold(&field, 69);
+    assert_eq!(field.height_at(-0.25, -0.1), None);
+
+    let nothing = |_: usize, _: usize| HeightFieldCell {
+        left_removed: true,
+        right_removed: true,
+        zigzag: false,
+    };
+    let error = ground(5, 5, 0.1).with_cells(nothing).unwrap_err();
+    assert_eq!(error, HeightFieldError::NothingLeft);
+}
+
+/// Normals at the faces, as near as `f32` can be told from them, and heights.
+#[test]
+fn normals_are_those_of_the_faces() {
+    let mut dice = Dice(70);
+    let field = ground(24, 17, 0.3);
+    let truth = Truth::new(&field);
+    for _ in 0..5_000 {
+        let [a, b, c] = truth.top[dice.below(truth.top.len())];
+        let (u, v) = (dice.between(0.05, 0.45), dice.between(0.05, 0.45));
+        let on = a + u * (b - a) + v * (c - a);
+        let normal = (b - a).cross(c - a).normalize();
+        let normal = normal * normal.y.signum();
+        let p = (on + normal * dice.between(1e-6, 1e-4)).as_vec3();
+        let found = field.sample(p).normal.as_dvec3();
+        assert!((found - normal).length() < 1e-5, "{p}: {found}, not {normal}");
+        let height = field.height_at(on.x as f32, on.z as f32).unwrap();
+        assert!((f64::from(height) - on.y).abs() < 1e-5, "{on}: {height}");
+    }
+    assert_eq!(field.height_at(1.01, 0.0), None);
+    assert_eq!(field.height_at(f32::NAN, 0.0), None);
+}
+
+/// What is no ground is told, and what the solver takes on trust is there.
+#[test]
+fn ground_is_checked() {
+    let flat = |columns, rows, count: usize, size| {
+        HeightField::new(columns, rows, vec![1.0; count], size).unwrap_err()
+    };
+    use HeightFieldError::*;
+    assert_eq!(flat(1, 3, 3, Vec2::ONE), Counts { columns: 1, rows: 3 });
+    let many = usize::MAX / 2;
+    assert_eq!(flat(many, 3, 3, Vec2::ONE), Counts { columns: many, rows: 3 });
+    assert_eq!(flat(3, 3, 8, Vec2::ONE), HeightCount { expected: 9, found: 8 });
+    for bad in [0.0, -1.0, 1e9] {
+        assert_eq!(flat(3, 3, 9, Vec2::new(1.0, bad)), Size { x: 1.0, z: bad });
+    }
+    assert!(matches!(flat(3, 3, 9, Vec2::NAN), Size { .. }));
+    for bad in [f32::NAN, f32::INFINITY, -1e8] {
+        let mut heights = vec![0.0; 12];
+        heights[7] = bad;
+        let error = HeightField::new(4, 3, heights, Vec2::ONE).unwrap_err();
+        assert!(matches!(error, Height { column: 3, row: 1, .. }), "{error}");
+    }
+    let field = || HeightField::new(3, 3, vec![1.0; 9], Vec2::new(4.0, 2.0)).unwrap();
+    for bad in [f32::NAN, f32::NEG_INFINITY, 1.0, 2.0] {
+        assert!(matches!(field().with_floor(bad), Err(Floor { lowest: 1.0, .. })));
+    }
+    let bounds = field().bounds().unwrap();
+    assert_eq!(Vec3::from(bounds.min), Vec3::new(-2.0, -3.0, -1.0));
+    assert_eq!(Vec3::from(bounds.max), Vec3::new(2.0, 1.0, 1.0));
+    // A cell is one by two; the floor half a metre down is nearer than that.
+    assert_eq!(field().core_depth(), 1.0);
+    assert_eq!(field().with_floor(0.5).unwrap().core_depth(), 0.25);
+    assert_eq!((field().least_radius(), field().overestimate()), (0.0, 0.0));
+}
+
+/// Far away, huge and tiny: nothing overflows, and nothing is overestimated.
+#[test]
+fn any_size_will_do() {
+    for (size, height) in [(1e-3_f64, 1e-4_f64), (1e5, 2e3), (1.0, 1e5)] {
+        let heights = hills(9, 9, height as f32);
+        let field = HeightField::new(9, 9, heights, Vec2::splat(size as f32)).unwrap();
+        let truth = Truth::new(&field);
+        let mut dice = Dice(71);
+        for _ in 0..3_000 {
+            let p = somewhere(&mut dice, size.max(height));
+            let (found, true_distance) =
+                (f64::from(field.distance(p)), truth.distance(p.as_dvec3()));
+            let rounding = 3e-6 * (size + height + p.as_dvec3().length());
+            assert!((found - true_distance).abs() < rounding, "{p}: {found}, {true_distance}");
+        }
+    }
+}
+
+/// Prints what a point costs; asserts nothing about it.
+#[test]
+#[ignore = "a measurement: run it in release with --nocapture"]
+fn cost_of_a_point() {
+    for count in [257, 2049] {
+        let size = Vec2::splat(count as f32 - 1.0);
+        let started = Instant::now();
+        let field = HeightField::new(count, count, hills(count, count, 20.0), size).unwrap();
+        println!(
+            "{count} x {count}: made in {:?}, {:.1} MB",
+            started.elapsed(),
+            field.memory_bytes() as f64 / 1e6
+        );
+        for (name, low, high) in [
+            ("within 0.05 m", 0.0, 0.05),
+            ("0.05 to 0.5 m above", 0.05, 0.5),
+            ("0.5 to 2 m above", 0.5, 2.0),
+            ("2 to 10 m above", 2.0, 10.0),
+            ("50 m above", 50.0, 50.0),
+            ("0.5 m below", -0.5, -0.5),
+            ("5 m below", -5.0, -5.0),
+        ] {
+            for (way, spread) in [("a cloth of 2 m", 2.0), ("anywhere", 0.9 * size.x)] {
+                let mut dice = Dice(72);
+                let points: Vec<Vec3> = (0..20_000)
+                    .map(|_| {
+                        let x = 0.5 * spread * dice.roll();
+                        let z = 0.5 * spread * dice.roll();
+                        let ground = field.height_at(x, z).unwrap();
+                        Vec3::new(x, ground + dice.between(low, high) as f32, z)
+                    })
+                    .collect();
+                let started = Instant::now();
+                let sum: f32 = points.iter().map(|&p| field.sample(p).distance).sum();
+                let each = started.elapsed().as_nanos() / points.len() as u128;
+                println!("  {name}, {way}: {each} ns a point ({sum:.0})");
+            }
+        }
+    }
+}
