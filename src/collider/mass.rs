@@ -136,6 +136,18 @@ pub struct BodyImpulse {
     pub wakes: bool,
 }
 
+impl BodyImpulse {
+    pub(crate) fn sum(&self) -> Impulse {
+        Impulse { linear: self.linear, angular: self.angular }
+    }
+}
+
+impl From<Impulse> for BodyImpulse {
+    fn from(Impulse { linear, angular }: Impulse) -> Self {
+        Self { linear, angular, wakes: false }
+    }
+}
+
 /// Makes an [`SdfCollider`](crate::SdfCollider) a part of the body of another entity, which has a [`ColliderMass`].
 ///
 /// ```
@@ -160,6 +172,8 @@ pub struct ColliderBody(#[entities] pub Entity);
 pub(crate) struct BodyMemory {
     /// It was given its impulse after the last tick.
     pub informed: bool,
+    /// The part of that which cloths were expected to give in this tick.
+    pub ahead: Impulse,
     /// What cloths gave it in its first tick asleep, and how many of them took that tick.
     pub at_rest: Option<(Impulse, u32)>,
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bevy::ecs::query::QueryData;
 use bevy::ecs::schedule::SystemSet;
+use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 
 use crate::collider::bake::BakeSdf;
@@ -13,6 +14,7 @@ use crate::collider::tick_colliders::ColliderPose;
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
 use crate::engines::bakes::Bakes;
+use crate::engines::bodies::{couple, is_in_ticks};
 use crate::engines::engine::{Adapting, Bodies, Engine};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::ClothErrorKind;
@@ -43,6 +45,16 @@ pub(crate) struct Adapted {
 }
 
 impl Adapted {
+    /// Whether it is a collider of an engine.
+    pub fn is_of(&self, engine: &str) -> bool {
+        self.engine == engine
+    }
+
+    /// Whether cloths move its body, if it is of this engine.
+    pub fn moves(&self, engine: &str) -> bool {
+        self.is_of(engine) && self.solid.is_some() && !self.wish.one_way
+    }
+
     /// Whether something of it is baked, and not yet there.
     fn is_waiting(&self) -> bool {
         let solid = self.solid.as_ref().filter(|_| self.waits);
@@ -84,6 +96,41 @@ pub(crate) fn schedule_engine<E: Engine>(app: &mut App, after: impl SystemSet + 
         .configure_sets(schedule, (Adapting::Avian, Adapting::Rapier).chain())
         .add_systems(schedule, adapt::<E>.in_set(E::SET).after(after).before(ClothSystems::Setup));
 }
+
+/// Lets cloths move the bodies of an engine: `weigh` says how heavy they are, `give` gives them their impulses.
+pub(crate) fn couple_engine<E: Engine, W, G>(
+    app: &mut App,
+    set: impl SystemSet + Clone,
+    weigh: impl IntoScheduleConfigs<ScheduleSystem, W>,
+    give: impl IntoScheduleConfigs<ScheduleSystem, G>,
+) {
+    let Some(schedule) = app.get_added_plugins::<ClothPlugin>().first().map(|it| it.schedule())
+    else {
+        return;
+    };
+    if !is_in_ticks(app, set) {
+        tracing::info!(
+            "{} moves bodies once a frame: cloths collide with them, and do not move them; let it run in a fixed schedule",
+            E::NAME
+        );
+        return;
+    }
+    app.add_systems(
+        schedule,
+        (
+            (couple::<E>, weigh)
+                .chain()
+                .in_set(Coupling)
+                .after(adapt::<E>)
+                .before(ClothSystems::Setup),
+            give.after(ClothSystems::Finish),
+        ),
+    );
+}
+
+/// The systems that find bodies which cloths move.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Coupling;
 
 /// A collider of an engine, and all that says whether and how cloths collide with it.
 #[derive(QueryData)]

@@ -2,12 +2,16 @@
 
 use avian3d::parry;
 use avian3d::prelude as engine;
+use avian3d::prelude::{PhysicsTime, WriteRigidBodyForces};
 use bevy::prelude::*;
 
-use crate::engines::adapt::{add_engine, schedule_engine};
+use crate::collider::mass::{BodyImpulse, ColliderMass};
+use crate::engines::adapt::{add_engine, couple_engine, schedule_engine};
+use crate::engines::bodies::{BodyOf, set_mass};
 use crate::engines::engine::{Adapting, Engine, is_even};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
+use crate::error::failures::Failures;
 
 // Both engines have parry's shapes, but not of the same version.
 #[allow(clippy::duplicate_mod)]
@@ -58,6 +62,7 @@ impl Plugin for AvianClothPlugin {
 
     fn finish(&self, app: &mut App) {
         schedule_engine::<Avian>(app, engine::PhysicsSystems::Last);
+        couple_engine::<Avian, _, _>(app, engine::PhysicsSystems::StepSimulation, weigh, give);
     }
 }
 
@@ -80,6 +85,14 @@ impl Engine for Avian {
         friction.dynamic_coefficient
     }
 
+    fn is_dynamic(body: &engine::RigidBody) -> bool {
+        body.is_dynamic()
+    }
+
+    fn wake(body: Entity, commands: &mut Commands) {
+        commands.queue(engine::WakeBody(body));
+    }
+
     fn read(
         collider: &engine::Collider,
         reader: &mut Reader,
@@ -89,5 +102,59 @@ impl Engine for Avian {
             return Ok((read::read(collider.shape(), reader)?, scale.x));
         }
         Ok((read::read(collider.shape_scaled(), reader)?, 1.0))
+    }
+}
+
+/// What Avian knows of a body's mass.
+type Weight = (
+    Entity,
+    &'static engine::ComputedMass,
+    &'static engine::ComputedAngularInertia,
+    &'static engine::ComputedCenterOfMass,
+    &'static Transform,
+    Option<&'static engine::LockedAxes>,
+    Has<engine::Sleeping>,
+    Option<&'static mut ColliderMass>,
+);
+
+/// Says how heavy bodies are.
+fn weigh(
+    mut bodies: Query<Weight, With<BodyOf<Avian>>>,
+    time: Option<Res<Time<engine::Physics>>>,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    let stands = time.is_none_or(|time| time.is_paused() || time.relative_speed() == 0.0);
+    for (entity, mass, inertia, center, place, locked, sleeps, known) in &mut bodies {
+        let locked = locked.copied().unwrap_or_default();
+        let (principal_inertia, principal_axes) =
+            inertia.principal_angular_inertia_with_local_frame();
+        let turns = if locked.is_rotation_locked() { f32::INFINITY } else { 1.0 };
+        let found = ColliderMass {
+            mass: mass.value(),
+            principal_inertia: principal_inertia * turns,
+            principal_axes,
+            // Avian's is not scaled with the entity.
+            center_of_mass: center.0 / place.scale,
+            sleeps: sleeps || stands || locked.is_translation_locked(),
+        };
+        set_mass(entity, found, known, &mut commands, &mut failures);
+    }
+}
+
+/// Gives bodies their impulses. One that sleeps goes on sleeping, unless something has changed for it.
+fn give(
+    mut bodies: Query<(Entity, engine::Forces, &BodyImpulse, &ColliderMass), With<BodyOf<Avian>>>,
+    mut commands: Commands,
+) {
+    for (entity, mut forces, impulse, mass) in &mut bodies {
+        if impulse.wakes {
+            Avian::wake(entity, &mut commands);
+        }
+        if !mass.sleeps {
+            let mut forces = forces.non_waking();
+            forces.apply_linear_impulse(impulse.linear);
+            forces.apply_angular_impulse(impulse.angular);
+        }
     }
 }

@@ -30,6 +30,12 @@ pub(crate) trait Engine: Send + Sync + 'static {
 
     fn friction(friction: &Self::Friction) -> f32;
 
+    /// Whether forces move a body.
+    fn is_dynamic(body: &Self::Body) -> bool;
+
+    /// Wakes a body that sleeps.
+    fn wake(body: Entity, commands: &mut Commands);
+
     /// The collider's solid, and the scale that its pose is to have.
     fn read(
         collider: &Self::Collider,
@@ -53,6 +59,7 @@ pub(crate) struct Bodies<'w, 's, E: Engine> {
         With<<E as Engine>::Body>,
     >,
     disabled: Query<'w, 's, (), With<<E as Engine>::BodyDisabled>>,
+    kinds: Query<'w, 's, &'static <E as Engine>::Body>,
     parents: Query<'w, 's, &'static ChildOf>,
 }
 
@@ -61,6 +68,13 @@ impl<E: Engine> Bodies<'_, '_, E> {
     fn of(&self, collider: Entity) -> Option<(bool, Option<&E::Friction>)> {
         let mut up = core::iter::once(collider).chain(self.parents.iter_ancestors(collider));
         up.find_map(|entity| self.bodies.get(entity).ok())
+    }
+
+    /// The body that a collider, or what is carried by one, moves with; `None` where forces do not move it.
+    pub fn dynamic(&self, entity: Entity) -> Option<Entity> {
+        let mut up = core::iter::once(entity).chain(self.parents.iter_ancestors(entity));
+        let (body, kind) = up.find_map(|entity| Some((entity, self.kinds.get(entity).ok()?)))?;
+        (E::is_dynamic(kind) && !self.disabled.contains(body)).then_some(body)
     }
 
     pub fn is_disabled(&self, collider: Entity) -> bool {

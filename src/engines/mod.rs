@@ -2,12 +2,13 @@
 //!
 //! An engine's shape is read once and becomes a solid of our own ([`solid`]): an exact one where there is one, else a field that
 //! is baked in the background, once a shape however many colliders have it ([`bakes`]). Each engine has its own version of
-//! parry, whose shapes are alike: [`read`] is compiled for each of them.
+//! parry, whose shapes are alike: [`read`] is compiled for each of them. Bodies that are dynamic are moved by cloths ([`bodies`]).
 
 mod adapt;
 #[cfg(feature = "avian")]
 pub(crate) mod avian;
 mod bakes;
+mod bodies;
 mod boxes;
 mod engine;
 mod plate;
@@ -27,8 +28,11 @@ use crate::collider::bake::SdfCells;
 /// alone, and is what cloths collide with. [`SdfColliderDisabled`](crate::SdfColliderDisabled) lets cloths alone pass through.
 ///
 /// Balls, boxes, capsules, cylinders, cones, half-spaces, voxels and height fields are exact, and so are rounded and compound shapes
-/// of them. Convex hulls and closed meshes are baked to fields in the background, and passed through until then. Cloths do not push
-/// the bodies.
+/// of them. Convex hulls and closed meshes are baked to fields in the background, and passed through until then.
+///
+/// Cloths push bodies that are dynamic. What a cloth carries comes to rest and falls asleep with it. A cloth that is pinned to a dynamic
+/// body ([`ClothPins::anchored_to`](crate::ClothPins::anchored_to)) pulls it, whether the body has this component or not. Where an
+/// engine locks axes of a body, or holds it by joints, it learns so at its next step.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -41,6 +45,9 @@ pub struct ClothCollider {
     /// Thickness of what has no inside: segments, triangles, polylines, open meshes \[m\]. Half of it is on either side. Zero refuses
     /// them. With another, every triangle mesh is a surface, closed or not, of 2048 triangles at most; other shapes do not have it.
     pub thickness: f32,
+    /// Whether cloths leave its body alone. They else carry it, slow it down and turn it, if it is dynamic and the engine runs in a
+    /// fixed schedule: the body has a [`ColliderMass`](crate::ColliderMass) then, of which the engine says the numbers.
+    pub one_way: bool,
     /// How fine the fields of hulls and meshes are, in the frame of the engine's unscaled shape.
     pub cells: SdfCells,
 }

@@ -3,11 +3,15 @@
 use bevy::prelude::*;
 use bevy_rapier3d::parry;
 use bevy_rapier3d::prelude as engine;
+use bevy_rapier3d::rapier::dynamics::LockedAxes;
 
-use crate::engines::adapt::{add_engine, schedule_engine};
+use crate::collider::mass::{BodyImpulse, ColliderMass};
+use crate::engines::adapt::{add_engine, couple_engine, schedule_engine};
+use crate::engines::bodies::{BodyOf, set_mass};
 use crate::engines::engine::{Adapting, Engine, is_even};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
+use crate::error::failures::Failures;
 
 // Both engines have parry's shapes, but not of the same version.
 #[allow(clippy::duplicate_mod)]
@@ -60,6 +64,7 @@ impl Plugin for RapierClothPlugin {
 
     fn finish(&self, app: &mut App) {
         schedule_engine::<Rapier>(app, engine::PhysicsSet::Writeback);
+        couple_engine::<Rapier, _, _>(app, engine::PhysicsSet::StepSimulation, weigh, give);
     }
 }
 
@@ -83,6 +88,23 @@ impl Engine for Rapier {
         friction.coefficient
     }
 
+    fn is_dynamic(body: &engine::RigidBody) -> bool {
+        *body == engine::RigidBody::Dynamic
+    }
+
+    fn wake(body: Entity, commands: &mut Commands) {
+        let wake = |In(body): In<Entity>,
+                    bodies: Query<InWorld>,
+                    mut worlds: Query<&mut engine::RapierRigidBodySet>| {
+            let Ok((handle, world)) = bodies.get(body) else { return };
+            let Ok(mut world) = worlds.get_mut(world.0) else { return };
+            if let Some(body) = world.bodies.get_mut(handle.0) {
+                body.wake_up(true);
+            }
+        };
+        commands.run_system_cached_with(wake, body);
+    }
+
     fn read(
         collider: &engine::Collider,
         reader: &mut Reader,
@@ -94,5 +116,57 @@ impl Engine for Rapier {
             return Ok((read::read(&unscaled.raw, reader)?, scale.x));
         }
         Ok((read::read(&collider.raw, reader)?, 1.0))
+    }
+}
+
+/// A body, and the world of Rapier's that it is in.
+type InWorld = (&'static engine::RapierRigidBodyHandle, &'static engine::RapierContextEntityLink);
+
+/// Says how heavy bodies are.
+fn weigh(
+    mut bodies: Query<
+        (Entity, InWorld, &Transform, Option<&mut ColliderMass>),
+        With<BodyOf<Rapier>>,
+    >,
+    worlds: Query<(&engine::RapierRigidBodySet, &engine::RapierConfiguration)>,
+    mut commands: Commands,
+    mut failures: Failures,
+) {
+    for (entity, (handle, world), place, known) in &mut bodies {
+        let Ok((world, settings)) = worlds.get(world.0) else { continue };
+        let Some(body) = world.bodies.get(handle.0) else { continue };
+        let all = body.mass_properties();
+        let (properties, locked) = (&all.local_mprops, all.flags);
+        let turns = !locked.contains(LockedAxes::ROTATION_LOCKED);
+        let principal_inertia = Vec3::from(properties.inv_principal_inertia).recip();
+        let found = ColliderMass {
+            mass: properties.inv_mass.recip(),
+            principal_inertia: if turns { principal_inertia } else { Vec3::INFINITY },
+            principal_axes: properties.principal_inertia_local_frame,
+            // Rapier's is not scaled with the entity.
+            center_of_mass: properties.local_com / place.scale,
+            sleeps: body.is_sleeping()
+                || !settings.physics_pipeline_active
+                || locked.contains(LockedAxes::TRANSLATION_LOCKED),
+        };
+        set_mass(entity, found, known, &mut commands, &mut failures);
+    }
+}
+
+/// Gives bodies their impulses. One that sleeps goes on sleeping, unless something has changed for it.
+fn give(
+    bodies: Query<(InWorld, &BodyImpulse, &ColliderMass), With<BodyOf<Rapier>>>,
+    mut worlds: Query<&mut engine::RapierRigidBodySet>,
+) {
+    for ((handle, world), impulse, mass) in &bodies {
+        let Ok(mut world) = worlds.get_mut(world.0) else { continue };
+        let Some(body) = world.bodies.get_mut(handle.0) else { continue };
+        if impulse.wakes {
+            body.wake_up(true);
+        }
+        if !mass.sleeps {
+            body.apply_impulse(impulse.linear, false);
+            body.apply_torque_impulse(impulse.angular, false);
+        }
     }
 }

@@ -65,6 +65,9 @@ pub enum EngineProblem {
         /// Number of such edges.
         open_edges: usize,
     },
+    /// The mass of the body is none that cloths can move. They lie on it as on a wall.
+    #[error("cloths cannot move its body: {0}; give it a mass, or make it static or kinematic")]
+    Mass(ParameterError),
     /// The entity has colliders of two engines.
     #[error(
         "it has colliders of two engines, and cloths collide with {kept}'s alone; move the other to a child"

@@ -47,8 +47,8 @@ pub(crate) fn share_bodies(cloths: Query<&ClothSimulation>, mut snapshot: ResMut
 struct Done {
     /// What they gave it.
     given: Impulse,
-    /// What it is to be given.
-    answer: Impulse,
+    /// What they are expected to give it in the next tick.
+    expected: Impulse,
     /// How many took the tick.
     ran: u32,
 }
@@ -70,7 +70,10 @@ pub(crate) fn tell_bodies(
     // Floating point sums depend on their order, which must not on that of archetypes.
     order.sort_unstable();
     for (_, mut impulse, mut memory) in &mut bodies {
-        impulse.set_if_neq(BodyImpulse::default());
+        // What they were expected to give and do not is taken back.
+        let ahead = core::mem::take(&mut memory.ahead);
+        let taken = if memory.informed { Impulse::ZERO - ahead } else { Impulse::ZERO };
+        impulse.set_if_neq(BodyImpulse { wakes: false, ..taken.into() });
         memory.informed = true;
     }
     for (place, body, key) in snapshot.bodies(fields.as_deref()) {
@@ -78,25 +81,16 @@ pub(crate) fn tell_bodies(
             continue;
         };
         let done = done(cloths.iter_many(order.iter()), place, key);
-        match body.mobility {
-            Some(_) => {
-                memory.at_rest = None;
-                let Impulse { linear, angular } = done.answer;
-                let all = BodyImpulse {
-                    linear: impulse.linear + linear,
-                    angular: impulse.angular + angular,
-                    wakes: false,
-                };
-                impulse.set_if_neq(all);
-            }
-            None => {
-                memory.informed = false;
-                let weight = mass.mass * GRAVITY * time.delta_secs();
-                let wakes = memory.has_changed(done.given, done.ran, weight);
-                if wakes {
-                    impulse.wakes = true;
-                }
-            }
+        if body.mobility.is_some() {
+            memory.at_rest = None;
+            memory.ahead += done.expected;
+            let all = impulse.sum() + done.given + done.expected;
+            impulse.set_if_neq(all.into());
+        } else {
+            memory.informed = false;
+            let weight = mass.mass * GRAVITY * time.delta_secs();
+            let wakes = memory.has_changed(done.given, done.ran, weight);
+            impulse.set_if_neq(BodyImpulse { wakes, ..default() });
         }
     }
 }
@@ -110,13 +104,15 @@ fn done<'a>(
     let mut done = Done::default();
     for (_, cloth) in cloths {
         let turn = |impulse| cloth.frame.impulse_in_world(impulse);
+        let expected = cloth.solver.expected_impulse(key);
         if cloth.tick.ran() {
             done.given += turn(cloth.solver.impulse(place));
-            done.answer += turn(cloth.solver.body_impulse(place));
+            done.expected += turn(expected);
             done.ran += 1;
         } else {
             // One that sleeps carries it as before.
-            done.answer += cloth.solver.body_impulse_at_rest(key);
+            done.given += expected;
+            done.expected += expected;
         }
     }
     done

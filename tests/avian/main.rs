@@ -4,6 +4,7 @@
 //! an entity after each change.
 
 mod bakes;
+mod bodies;
 mod errors;
 mod falls;
 mod lifecycle;

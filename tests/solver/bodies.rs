@@ -74,7 +74,7 @@ impl Body {
 
     /// Its velocities, less what it was given ahead of time.
     fn own(&self, cloth: &ClothSolver) -> (Vec3, Vec3) {
-        let ahead = cloth.body_impulse_at_rest(1);
+        let ahead = cloth.expected_impulse(1);
         (self.velocity - ahead.linear / self.mass, self.spin - ahead.angular / self.inertia)
     }
 }

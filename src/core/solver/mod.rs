@@ -311,10 +311,10 @@ impl ClothSolver {
     }
 
     /// What the cloth gave a collider in the last tick, by the collider's place in the input: momentum, and angular momentum
-    /// about its [`centre`](Collider::centre). Zero where it was not asked to be [`measured`](Collider::measured), and after a
-    /// tick that was undone.
+    /// about its [`centre`](Collider::centre). Of colliders of one [`body`](Collider::body) the first has it all. Zero where it was
+    /// not asked to be [`measured`](Collider::measured), and after a tick that was undone.
     pub fn impulse(&self, collider: usize) -> Impulse {
-        self.state.contacts.impulses.of(collider)
+        self.state.contacts.impulses.of_whole(collider)
     }
 
     /// The impulse that whatever moves a body is to give it after the last tick, by its place in the input, for the cloth to carry it
@@ -324,8 +324,9 @@ impl ClothSolver {
         self.state.contacts.impulses.answer(collider)
     }
 
-    /// The same for a tick that the cloth does not take, as it sleeps, by the body's [`key`](Collider::key).
-    pub fn body_impulse_at_rest(&self, key: u64) -> Impulse {
+    /// The part of [`body_impulse`](Self::body_impulse) that the cloth is expected to give in the next tick, by the body's
+    /// [`key`](Collider::key). In a tick that the cloth does not take, as it sleeps, it gives the body this.
+    pub fn expected_impulse(&self, key: u64) -> Impulse {
         let contacts = &self.state.contacts;
         let at = contacts.keys.position(key);
         at.map_or(Impulse::ZERO, |collider| contacts.impulses.expected(collider))

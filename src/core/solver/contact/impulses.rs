@@ -309,6 +309,11 @@ impl Impulses {
         self.account(collider).map_or(Impulse::ZERO, |account| account.given)
     }
 
+    /// What a body was given in the tick. The first collider of the body has it, the others have none.
+    pub fn of_whole(&self, collider: usize) -> Impulse {
+        if self.first(collider) == collider { self.of(collider) } else { Impulse::ZERO }
+    }
+
     /// What the engine of a body is to be given of the last tick. The first collider of the body has it, the others have none.
     pub fn answer(&self, collider: usize) -> Impulse {
         let account = self.account(collider).filter(|_| self.first(collider) == collider);
