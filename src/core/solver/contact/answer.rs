@@ -115,8 +115,7 @@ impl Answer<'_> {
     fn lighten(&mut self, slot: usize, moves: &Twist, count: u32) {
         let (arm, n) = (self.arm(slot), self.set.next.normal.get(slot));
         self.set.velocity.set(slot, self.set.velocity.get(slot) + moves.at(arm));
-        let turned = self.mobility.inverse_inertia * arm.cross(n);
-        let gives = self.mobility.inverse_mass + arm.cross(n).dot(turned);
+        let gives = self.mobility.along(arm, n);
         let ratio = count as f32 * gives / self.inverse_mass[slot];
         self.set.next.normal.set(slot, n * (1.0 / (1.0 + ratio)).sqrt());
     }

@@ -293,6 +293,7 @@ impl ResolveContacts<'_> {
                 until: &mut broad_phase.edge_until[from..to],
                 gone,
                 motion: &motion,
+                mobility: set.impulses.mobility(collider),
                 settings,
                 max_strain: self.max_strain,
                 limits: self.limits,
