@@ -101,8 +101,10 @@ impl Impulses {
     }
 
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3) {
+    /// The cloth passes through a body of less than `least` \[kg\].
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, least: f32) {
         let is_asked = |collider: &Collider<'_>| collider.measured || collider.mobility.is_some();
+        let is_light = |mobility: &Mobility| mobility.inverse_mass * least > 1.0;
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
         self.colliders.resize(count, None);
         self.join_bodies(colliders);
@@ -119,6 +121,7 @@ impl Impulses {
                 about: collider.centre_at(0.0) - origin,
                 ways: [0.0, 1.0].map(|part| collider.centre_at(part) - origin),
                 mobility: collider.mobility,
+                passed: collider.mobility.as_ref().is_some_and(is_light),
                 ..Account::owing(owed, coupling)
             });
         }
