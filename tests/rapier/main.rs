@@ -5,6 +5,7 @@
 #[cfg(feature = "avian")]
 mod both;
 mod errors;
+mod example;
 mod falls;
 mod lifecycle;
 mod order;
