@@ -43,6 +43,8 @@ struct Account {
     met: bool,
     /// How many pins pull at it.
     pins: u32,
+    /// Whether the cloth passes through it, as it is pinned within it.
+    passed: bool,
     /// What goes on from tick to tick.
     coupling: Coupling,
     /// What the engine is to be given of the last tick.
@@ -60,6 +62,7 @@ impl Account {
             ways: [Vec3::ZERO; 2],
             met: false,
             pins: 0,
+            passed: false,
             coupling,
             answer: Impulse::ZERO,
         }
@@ -228,6 +231,18 @@ impl Impulses {
             account.met = true;
             account.pins += 1;
         }
+    }
+
+    /// Lets the cloth pass through a body in this tick.
+    pub fn pass(&mut self, collider: usize) {
+        if let Some(account) = self.account_mut(collider) {
+            account.passed = true;
+        }
+    }
+
+    /// Whether the cloth passes through a collider.
+    pub fn passes(&self, collider: usize) -> bool {
+        self.account(collider).is_some_and(|account| account.passed)
     }
 
     /// How much a pin yields at a place, each of those that pull at the body with a part of its mass \[1/kg\]. One that does not

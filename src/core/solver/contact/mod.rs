@@ -202,6 +202,9 @@ impl ResolveContacts<'_> {
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
         let (broad_phase, set) = (&mut *self.broad_phase, &mut *self.set);
         let Awake { collider, first, gone } = broad_phase.awake[k];
+        if set.impulses.passes(collider) {
+            return 0;
+        }
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
         set.impulses.meet(collider);
