@@ -18,7 +18,7 @@ pub const RAPIER: Example = Example {
     name: "rapier",
     about: "A hammock, a curtain and a sling, and the bodies of Rapier that they carry",
     scene,
-    view: View { from: Vec3::new(0.6, 1.75, 4.9), at: Vec3::new(0.1, 0.9, 0.0) },
+    view: View { from: Vec3::new(0.45, 2.3, 4.6), at: Vec3::new(0.12, 0.85, 0.0) },
     bounds: [[-2.0, 0.0, -1.8], [2.5, 2.0, 1.8]],
 };
 

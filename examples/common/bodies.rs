@@ -2,7 +2,7 @@
 //!
 //! The engine is the example's own. It gives each [`Thing`] a body, and lets what is [`Held`] follow the mouse.
 
-use crate::{BRASS, CORAL, INDIGO, IVORY, Look, Particles, SAND, TEAL, clay, ground, linen, metal};
+use crate::{BRASS, CORAL, INDIGO, IVORY, Look, Particles, TEAL, clay, ground, linen, metal};
 use bevy::{mesh::VertexAttributeValues, prelude::*};
 use bevy_drape::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -54,7 +54,7 @@ impl Held {
 /// The middle of the hammock, between the bars that hold it, and its extent \[m\].
 pub const HAMMOCK: Vec3 = Vec3::new(-0.95, 1.15, 0.25);
 /// Length and width of the hammock, and how deep it hangs \[m\].
-const HAMMOCK_SIZE: Vec3 = Vec3::new(1.7, 0.3, 0.9);
+const HAMMOCK_SIZE: Vec3 = Vec3::new(1.7, 0.45, 1.0);
 /// Height and depth of the beam that curtain and crate hang from, and where it begins and ends \[m\].
 const BEAM: f32 = 1.95;
 const BEAM_Z: f32 = -0.35;
@@ -121,7 +121,7 @@ fn spawn_hammock(
     commands.spawn((ground, Thing { shape: Shape::Ground, throw: None }));
     let half = 0.5 * HAMMOCK_SIZE;
     for side in [-1.0, 1.0] {
-        let bar = HAMMOCK + Vec3::X * side * (half.x + 0.015);
+        let bar = HAMMOCK + Vec3::X * side * (half.x + 0.03);
         let along_z = Quat::from_rotation_x(FRAC_PI_2);
         commands.spawn((
             post(0.015, HAMMOCK_SIZE.z + 0.1, &mut meshes),
@@ -134,12 +134,12 @@ fn spawn_hammock(
     // Its sides are shorter than its middle, so that nothing rolls off.
     let hammock = bent(particles.0, |at| {
         let side = 2.0 * at - 1.0;
-        let deep = (1.0 - side.x * side.x) * (1.0 - 0.45 * side.y * side.y);
+        let deep = (1.0 - side.x * side.x) * (1.0 - 0.6 * side.y * side.y);
         Vec3::new(half.x * side.x, -HAMMOCK_SIZE.y * deep, half.z * side.y)
     });
-    let ends = half.with_x(half.x - 1e-3).with_y(1.0);
-    let pins = ClothPins::within(-half.with_y(1.0), ends * Vec3::new(-1.0, 1.0, 1.0))
-        .and(ClothPins::within(ends * Vec3::new(1.0, -1.0, -1.0), half.with_y(1.0)));
+    let ends = Vec3::new(half.x - 1e-3, 1.0, 1.0);
+    let pins = ClothPins::within(-Vec3::ONE, ends * Vec3::new(-1.0, 1.0, 1.0))
+        .and(ClothPins::within(ends * Vec3::new(1.0, -1.0, -1.0), Vec3::ONE));
     commands.spawn((
         Cloth::of_mesh3d(),
         Mesh3d(meshes.add(hammock)),
@@ -193,7 +193,7 @@ fn spawn_crate(
     let throw = Throw { mass: CRATE_MASS, velocity: Vec3::ZERO, spin: Vec3::ZERO };
     let shape = Shape::Crate(Cuboid::from_size(CRATE_SIZE));
     let body =
-        (thing(shape, Some(throw), clay(SAND), &mut meshes), Transform::from_translation(CRATE));
+        (thing(shape, Some(throw), clay(BRASS), &mut meshes), Transform::from_translation(CRATE));
     let body = commands.spawn(body).id();
 
     // The band's way in the plane across the beam, seen from the crate.
@@ -260,10 +260,10 @@ fn throw(
     let (from, to) = match number % 8 {
         3 | 6 => (curtain + Vec3::new(-0.4, 0.2, 2.6 * side), curtain),
         7 => (CRATE + Vec3::new(-0.3, 0.1, 2.4), CRATE),
-        _ => (HAMMOCK + Vec3::new(2.0 * side, -0.3, 2.0), HAMMOCK + Vec3::X * aside),
+        _ => (HAMMOCK + Vec3::new(2.4 * side, -0.3, 0.5), HAMMOCK + Vec3::X * aside),
     };
     // How fast it flies, to be there in time.
-    const FLIGHT: f32 = 0.8;
+    const FLIGHT: f32 = 1.0;
     let velocity = (to - from) / FLIGHT + Vec3::Y * 0.5 * 9.81 * FLIGHT;
     let throw = Throw { mass, velocity, spin: Vec3::new(2.0, 1.0, -3.0) * side };
     commands
