@@ -126,3 +126,23 @@ fn a_body_without_a_mass_is_told_of() {
     updates(&mut app, 8);
     assert_eq!(failure(&app, body), None);
 }
+
+#[test]
+fn bodies_with_a_velocity_of_their_own_are_carried_and_fall_asleep() {
+    let mut app = physics_app();
+    hammock(&mut app, 24);
+    let body = ball(&mut app, 1.0, Vec3::Y * 0.2);
+    insert(&mut app, body, Velocity::default());
+    let mut ticks = 0;
+    while !sleeps(&app, body) {
+        app.update();
+        ticks += 1;
+        assert!(ticks < 40 * 64, "it does not sleep");
+    }
+    let at = place(&app, body);
+    assert!((-0.4..0.1).contains(&at.y), "{at}");
+    // What a game does to its velocity is added.
+    app.world_mut().get_mut::<Velocity>(body).unwrap().linear = Vec3::Y * 2.0;
+    updates(&mut app, 8);
+    assert!(place(&app, body).y > at.y + 0.1, "{}", place(&app, body));
+}

@@ -6,6 +6,7 @@ mod bodies;
 #[cfg(feature = "avian")]
 mod both;
 mod errors;
+mod example;
 mod falls;
 mod lifecycle;
 mod order;
