@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::collider::SdfCollider;
 use crate::collider::mass::{BodyMemory, ColliderBody, ColliderMass};
 use crate::collider::tick_body::{LoneBody, TickBody};
-use crate::collider::tick_colliders::TickColliders;
+use crate::collider::tick_colliders::{Moves, TickColliders};
 use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
 use crate::pose::to_local;
@@ -14,38 +14,52 @@ use crate::solver::{ColliderMotion, Pose};
 /// A collider that may be of a body.
 type Parts = (With<SdfCollider>, Or<(With<ColliderMass>, With<ColliderBody>)>);
 
-/// Finds the bodies of the tick's colliders.
+/// Finds the bodies of the tick's colliders. Those that stand still are as they were.
 pub(crate) fn gather_bodies(
-    parts: Query<(Entity, Option<&ColliderBody>), Parts>,
+    parts: Query<Option<&ColliderBody>, Parts>,
     bodies: Query<(Entity, Ref<ColliderMass>, &BodyMemory)>,
+    mut moves: Moves,
     transforms: TransformHelper,
     mut snapshot: ResMut<TickColliders>,
     mut failures: Failures,
     mut with_parts: Local<Vec<Entity>>,
 ) {
+    let TickColliders { colliders, lone_bodies, .. } = snapshot.bypass_change_detection();
     with_parts.clear();
-    snapshot.bypass_change_detection().lone_bodies.clear();
-    for gathered in snapshot.bypass_change_detection().colliders.iter_mut() {
-        gathered.body = None;
-    }
+    lone_bodies.clear();
     for (entity, mass, _) in &bodies {
         if mass.is_changed() {
             failures.tell_numbers(entity, ClothComponent::ColliderMass, mass.check());
         }
     }
-    for (collider, part) in &parts {
+    let orphans = moves.any_orphan();
+    for gathered in colliders {
+        // One that has moved has none yet.
+        let known = gathered.body.take();
+        if bodies.is_empty() {
+            continue;
+        }
+        let collider = gathered.entity;
+        let (Ok(part), Some(motion)) = (parts.get(collider), gathered.motion) else { continue };
         let entity = part.map_or(collider, |part| part.0);
         let Ok((_, mass, memory)) = bodies.get(entity) else { continue };
-        let Some(gathered) = snapshot.gathered_mut(collider) else { continue };
-        let Some(motion) = gathered.motion else { continue };
-        let Some((mut body, center)) = body_now(entity, &mass, memory, &transforms) else {
-            continue;
+        let is_same = |body: &TickBody| {
+            body.entity == entity
+                && !(mass.is_changed() || orphans)
+                && body.mobility.is_none_or(|it| it.informed == memory.informed)
+                && (entity == collider || !moves.moved(entity))
         };
-        body.center_of_mass = to_local(&motion.end(), center);
-        gathered.body = Some(body);
-        with_parts.push(entity);
+        gathered.body = known.filter(is_same).or_else(|| {
+            let (body, center) = body_now(entity, &mass, memory, &transforms)?;
+            Some(TickBody { center_of_mass: to_local(&motion.end(), center), ..body })
+        });
+        with_parts.extend(gathered.body.map(|_| entity));
     }
     with_parts.sort_unstable();
+    with_parts.dedup();
+    if with_parts.len() == bodies.iter().len() {
+        return;
+    }
     for (entity, mass, memory) in &bodies {
         if with_parts.binary_search(&entity).is_ok() {
             continue;
@@ -53,7 +67,7 @@ pub(crate) fn gather_bodies(
         if let Some((body, center)) = body_now(entity, &mass, memory, &transforms) {
             let pose = Pose::from_translation(center);
             let motion = ColliderMotion::new(&Sphere::new(1e-3), pose, pose);
-            snapshot.lone_bodies.push(LoneBody { body, motion });
+            lone_bodies.push(LoneBody { body, motion });
         }
     }
 }

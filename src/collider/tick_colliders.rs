@@ -67,12 +67,6 @@ pub(crate) struct Gathered {
 }
 
 impl TickColliders {
-    /// What is known of a collider in the tick.
-    pub(crate) fn gathered_mut(&mut self, entity: Entity) -> Option<&mut Gathered> {
-        let place = self.colliders.binary_search_by_key(&entity, |collider| collider.entity);
-        place.ok().map(|at| &mut self.colliders[at])
-    }
-
     /// The colliders as the solver takes them, in `room`, which is empty. What is not loaded is
     /// left out.
     pub fn colliders<'a>(
@@ -192,7 +186,7 @@ pub(crate) struct Moves<'w, 's> {
 
 impl Moves<'_, '_> {
     /// Whether any entity has lost its parent, and may have moved by that.
-    fn any_orphan(&mut self) -> bool {
+    pub(crate) fn any_orphan(&mut self) -> bool {
         self.orphans.read().count() > 0
     }
 
@@ -206,7 +200,7 @@ impl Moves<'_, '_> {
     }
 
     /// Whether this entity or an ancestor was changed.
-    fn moved(&self, entity: Entity) -> bool {
+    pub(crate) fn moved(&self, entity: Entity) -> bool {
         let mut at = entity;
         loop {
             let Ok((place, parent)) = self.places.get(at) else {

@@ -15,6 +15,7 @@ use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
 use crate::engines::bakes::Bakes;
 use crate::engines::bodies::{couple, is_in_ticks};
+use crate::engines::changes::FrictionChanges;
 use crate::engines::engine::{Adapting, Bodies, Engine};
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::ClothErrorKind;
@@ -42,6 +43,21 @@ pub(crate) struct Adapted {
     solid: Option<(EngineSolid, f32)>,
     /// Whether something of it is still baked.
     waits: bool,
+    /// Whether an `SdfCollider` is inserted with it, which is then not the user's.
+    brings: bool,
+}
+
+impl<E: Engine> FoundItem<'_, '_, E> {
+    /// Whether it has what it is to have, unless its friction is another.
+    fn is_settled(&self) -> bool {
+        let Some(adapted) = self.adapted.as_ref() else { return false };
+        let is_left_alone = self.collider.as_ref().is_none_or(|it| !it.is_changed());
+        adapted.is_of(E::NAME)
+            && adapted.wish == self.wish.copied().unwrap_or_default()
+            && adapted.is_given(self.collider.is_some())
+            && is_left_alone
+            && !self.shape.is_changed()
+    }
 }
 
 impl Adapted {
@@ -154,12 +170,14 @@ struct Found<E: Engine> {
 fn adapt<E: Engine>(
     mut colliders: Query<Found<E>, With<E::Known>>,
     bodies: Bodies<E>,
+    mut frictions: FrictionChanges<E>,
     all: Option<Res<All<E>>>,
     mut bakes: ResMut<Bakes>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
     let mut untidy = false;
+    let is_rubbed_as_before = !frictions.any();
     for found in &mut colliders {
         let entity = found.entity;
         let is_wanted = (all.is_some() || found.wish.is_some())
@@ -178,6 +196,7 @@ fn adapt<E: Engine>(
                 let problem = EngineProblem::TwoEngines { kept: adapted.engine };
                 failures.report(entity, ClothErrorKind::Engine(problem));
             }
+            (true, Some(_)) if is_rubbed_as_before && found.is_settled() => {}
             // One of the user's own.
             (true, None) if found.collider.is_some() => {}
             (true, _) => {
@@ -222,7 +241,7 @@ fn keep<E: Engine>(
         Err(problem) => (None, Err(problem)),
     };
     let waits = matches!(outcome, Ok(None));
-    let adapted = Adapted { engine: E::NAME, wish, solid, waits };
+    let adapted = Adapted { engine: E::NAME, wish, solid, waits, brings: false };
     let mut entity = commands.entity(found.entity);
     match (outcome, found.collider, found.scale) {
         (Ok(Some((shape, scale))), Some(mut collider), Some(mut own)) => {
@@ -239,11 +258,9 @@ fn keep<E: Engine>(
         }
         (Ok(Some((shape, scale))), ..) => {
             let collider = SdfCollider { shape, friction, layers: wish.layers };
-            // In this order: one that is inserted beside an `Adapted` is the user's.
-            entity
-                .try_remove::<Adapted>()
-                .try_insert((collider, OwnScale(scale)))
-                .try_insert(adapted);
+            // In one go: each change of its components would move the entity.
+            let adapted = Adapted { brings: true, ..adapted };
+            entity.try_insert((collider, OwnScale(scale), adapted));
         }
         (Ok(None), ..) => {
             entity.try_insert(adapted);
@@ -311,11 +328,13 @@ fn forget<E: Engine>(
 /// An `SdfCollider` of the user's takes the place of one that is kept here.
 fn leave_alone(
     inserted: On<Insert, SdfCollider>,
-    adapted: Query<(), With<Adapted>>,
+    mut adapted: Query<&mut Adapted>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    if adapted.contains(inserted.entity) {
+    if let Ok(mut adapted) = adapted.get_mut(inserted.entity)
+        && !core::mem::take(&mut adapted.bypass_change_detection().brings)
+    {
         commands.entity(inserted.entity).try_remove::<(Adapted, OwnScale)>();
         failures.clear(inserted.entity, Blame::Engine);
     }

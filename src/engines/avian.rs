@@ -109,7 +109,7 @@ impl Engine for Avian {
 type Weight = (
     Entity,
     &'static engine::ComputedMass,
-    &'static engine::ComputedAngularInertia,
+    Ref<'static, engine::ComputedAngularInertia>,
     &'static engine::ComputedCenterOfMass,
     &'static Transform,
     Option<&'static engine::LockedAxes>,
@@ -127,12 +127,18 @@ fn weigh(
     let stands = time.is_none_or(|time| time.is_paused() || time.relative_speed() == 0.0);
     for (entity, mass, inertia, center, place, locked, sleeps, known) in &mut bodies {
         let locked = locked.copied().unwrap_or_default();
-        let (principal_inertia, principal_axes) =
-            inertia.principal_angular_inertia_with_local_frame();
-        let turns = if locked.is_rotation_locked() { f32::INFINITY } else { 1.0 };
+        let turns = !locked.is_rotation_locked();
+        // Axes are dear to find.
+        let is_known = |it: &Mut<ColliderMass>| {
+            !(it.is_changed() || inertia.is_changed()) && it.principal_inertia.is_finite() == turns
+        };
+        let (principal_inertia, principal_axes) = match known.as_ref().filter(|it| is_known(it)) {
+            Some(known) => (known.principal_inertia, known.principal_axes),
+            None => inertia.principal_angular_inertia_with_local_frame(),
+        };
         let found = ColliderMass {
             mass: mass.value(),
-            principal_inertia: principal_inertia * turns,
+            principal_inertia: if turns { principal_inertia } else { Vec3::INFINITY },
             principal_axes,
             // Avian's is not scaled with the entity.
             center_of_mass: center.0 / place.scale,

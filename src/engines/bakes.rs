@@ -1,6 +1,6 @@
 //! Hulls and meshes, baked in the background: once a shape, however many colliders have it.
 
-use core::hash::{BuildHasher, Hash, Hasher};
+use core::hash::{BuildHasher, Hasher};
 use std::sync::{Arc, OnceLock, Weak};
 
 use bevy::platform::collections::HashMap;
@@ -102,11 +102,9 @@ fn fineness_of(cells: SdfCells) -> Fineness {
 fn content_of(positions: &[Vec3], indices: &[u32]) -> Content {
     let hash = |salt: u64| {
         let mut hasher = FixedHasher.build_hasher();
-        salt.hash(&mut hasher);
-        for position in positions {
-            position.to_array().map(f32::to_bits).hash(&mut hasher);
-        }
-        indices.hash(&mut hasher);
+        hasher.write_u64(salt);
+        hasher.write(bytemuck::cast_slice(positions));
+        hasher.write(bytemuck::cast_slice(indices));
         hasher.finish()
     };
     (hash(0x9e37_79b9_7f4a_7c15), hash(0xd1b5_4a32_d192_ed03), positions.len())

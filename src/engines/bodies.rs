@@ -12,6 +12,7 @@ use bevy::prelude::*;
 use crate::cloth::pins::ClothPins;
 use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderBody, ColliderMass};
 use crate::engines::adapt::Adapted;
+use crate::engines::changes::CouplingChanges;
 use crate::engines::engine::{Bodies, Engine};
 use crate::error::engine::EngineProblem;
 use crate::error::failures::{Blame, Failures};
@@ -43,17 +44,24 @@ pub(crate) fn is_in_ticks(app: &App, set: impl SystemSet + Clone) -> bool {
     })
 }
 
-/// Finds the bodies that cloths move.
+/// Finds the bodies that cloths move, where any may be others than before.
 pub(crate) fn couple<E: Engine>(
+    mut changes: CouplingChanges<E>,
     colliders: Query<(Entity, &Adapted, Option<&ColliderBody>)>,
     cloths: Query<&ClothPins>,
     bodies: Bodies<E>,
     coupled: Query<(Entity, &CoupledBody, Option<&BodyMemory>)>,
     masses: Query<(), With<ColliderMass>>,
     mut wanted: Local<Vec<Entity>>,
+    mut is_unfinished: Local<bool>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
+    let is_same = !changes.any();
+    if is_same && !*is_unfinished {
+        return;
+    }
+    *is_unfinished = false;
     wanted.clear();
     for (entity, adapted, part) in &colliders {
         let body = if adapted.moves(E::NAME) { bodies.dynamic(entity) } else { None };
@@ -73,9 +81,14 @@ pub(crate) fn couple<E: Engine>(
     wanted.sort_unstable();
     wanted.dedup();
     for (entity, known, memory) in &coupled {
+        if known.engine != E::NAME || wanted.binary_search(&entity).is_ok() {
+            continue;
+        }
         // It is told first that what it was given ahead of time is taken back.
         let is_done = memory.is_none_or(|it| !it.informed || it.ahead == Impulse::ZERO);
-        if known.engine == E::NAME && wanted.binary_search(&entity).is_err() && is_done {
+        if !is_done {
+            *is_unfinished = true;
+        } else {
             E::wake(entity, &mut commands);
             commands
                 .entity(entity)

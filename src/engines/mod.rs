@@ -10,6 +10,7 @@ pub(crate) mod avian;
 mod bakes;
 mod bodies;
 mod boxes;
+mod changes;
 mod engine;
 mod plate;
 #[cfg(feature = "rapier")]

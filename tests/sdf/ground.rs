@@ -7,7 +7,6 @@ use bevy::math::{DVec2, DVec3, Vec2, Vec3};
 use bevy_drape::sdf::SignedDistance;
 use bevy_drape::sdf::shapes::{HeightField, HeightFieldCell, HeightFieldError};
 use std::collections::HashMap;
-use std::time::Instant;
 
 /// Ground by its triangles, upper side only, as parry's `HeightField::triangles_at` makes them.
 struct Truth {
@@ -246,47 +245,6 @@ fn any_size_will_do() {
                 (f64::from(field.distance(p)), truth.distance(p.as_dvec3()));
             let rounding = 3e-6 * (size + height + p.as_dvec3().length());
             assert!((found - true_distance).abs() < rounding, "{p}: {found}, {true_distance}");
-        }
-    }
-}
-
-/// Prints what a point costs; asserts nothing about it.
-#[test]
-#[ignore = "a measurement: run it in release with --nocapture"]
-fn cost_of_a_point() {
-    for count in [257, 2049] {
-        let size = Vec2::splat(count as f32 - 1.0);
-        let started = Instant::now();
-        let field = HeightField::new(count, count, hills(count, count, 20.0), size).unwrap();
-        println!(
-            "{count} x {count}: made in {:?}, {:.1} MB",
-            started.elapsed(),
-            field.memory_bytes() as f64 / 1e6
-        );
-        for (name, low, high) in [
-            ("within 0.05 m", 0.0, 0.05),
-            ("0.05 to 0.5 m above", 0.05, 0.5),
-            ("0.5 to 2 m above", 0.5, 2.0),
-            ("2 to 10 m above", 2.0, 10.0),
-            ("50 m above", 50.0, 50.0),
-            ("0.5 m below", -0.5, -0.5),
-            ("5 m below", -5.0, -5.0),
-        ] {
-            for (way, spread) in [("a cloth of 2 m", 2.0), ("anywhere", 0.9 * size.x)] {
-                let mut dice = Dice(72);
-                let points: Vec<Vec3> = (0..20_000)
-                    .map(|_| {
-                        let x = 0.5 * spread * dice.roll();
-                        let z = 0.5 * spread * dice.roll();
-                        let ground = field.height_at(x, z).unwrap();
-                        Vec3::new(x, ground + dice.between(low, high) as f32, z)
-                    })
-                    .collect();
-                let started = Instant::now();
-                let sum: f32 = points.iter().map(|&p| field.sample(p).distance).sum();
-                let each = started.elapsed().as_nanos() / points.len() as u128;
-                println!("  {name}, {way}: {each} ns a point ({sum:.0})");
-            }
         }
     }
 }

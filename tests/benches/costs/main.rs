@@ -7,8 +7,12 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod app;
+mod bodies;
 mod crowd;
+#[cfg(feature = "avian")]
+mod engines;
 mod fields;
+mod ground;
 mod proxy;
 mod solver;
 mod turns;
@@ -40,6 +44,11 @@ enum Part {
     Graphs,
     /// A thousand colliders; teleport and inertia.
     Colliders,
+    /// Ten bodies that a cloth lies on.
+    Bodies,
+    /// Colliders of Avian.
+    #[cfg(feature = "avian")]
+    Engines,
     /// Cloths that sleep.
     Sleep,
     /// A hundred cloths, of which ten are seen.
@@ -54,6 +63,8 @@ enum Part {
     Contact,
     /// Baked fields, and baking them.
     Fields,
+    /// Height fields: what a point costs.
+    Ground,
     /// The plugin around the solver.
     Plugin,
 }
@@ -79,6 +90,9 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
         match part {
             Part::Graphs => solver::graphs(side, ticks, wrong)?,
             Part::Colliders => app::colliders_and_components(n, ticks, wrong),
+            Part::Bodies => bodies::bodies(n, ticks, wrong),
+            #[cfg(feature = "avian")]
+            Part::Engines => engines::engines(n, ticks, wrong),
             Part::Sleep => app::sleep(ticks, wrong),
             Part::Crowd => crowd::crowd_of_few_seen(ticks, wrong),
             Part::Proxy => proxy::few_carry_many(ticks, wrong),
@@ -86,6 +100,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Skin => solver::skin(side, ticks, wrong)?,
             Part::Contact => solver::contact(side, ticks, wrong)?,
             Part::Fields => fields::fields(side, ticks, wrong)?,
+            Part::Ground => ground::ground()?,
             Part::Plugin => app::plugin(n, ticks, wrong),
         }
     }

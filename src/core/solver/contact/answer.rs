@@ -14,6 +14,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::active_set::ActiveSet;
+use crate::solver::contact::carried::Carried;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::linear::solve;
@@ -36,36 +37,33 @@ pub(super) struct Answer<'a> {
     /// Pulls noted from before the corrections on (`integrate::houbolt`), of which contact is none.
     pub pull: Option<&'a mut Soa>,
     pub set: &'a mut ActiveSet,
+    /// By block, the way at which its particles may touch the body, and the way that has been gone (`broad_phase`) \[m\].
+    pub until: &'a [f32],
+    pub gone: f32,
 }
 
 impl Answer<'_> {
     /// Shares with the particles what the body was given, and returns what it takes back of that.
     pub fn run(&mut self) -> Impulse {
-        let mut carried = [[0.0; 6]; 6];
-        let mut count = 0;
-        for slot in self.touching() {
-            count += 1;
-            let mass = f64::from(1.0 / self.inverse_mass[slot]);
-            let arm = self.arm(slot);
-            for (axis, part) in self.axes(slot) {
-                add_outer(&mut carried, &row(axis, arm), mass * f64::from(part));
-            }
-        }
-        if count == 0 {
-            return Impulse::ZERO;
-        }
-        let together = self.mobility.motion_with(&carried, self.given);
-        let mut taken = Impulse::ZERO;
         let mut slots = core::mem::take(&mut self.set.answering);
         slots.clear();
         slots.extend(self.touching());
+        let mut carried = Carried::NONE;
         for &slot in &slots {
-            taken += self.take_along(slot, &together);
+            let mass = 1.0 / self.inverse_mass[slot];
+            carried.add(mass, self.arm(slot), self.normal(slot), self.sticks(slot));
         }
-        let moves = self.mobility.motion(self.given + taken);
-        for &slot in &slots {
-            self.lighten(slot, &moves, count);
-            self.set.pressed.set(slot, Vec3::ZERO);
+        let mut taken = Impulse::ZERO;
+        if !slots.is_empty() {
+            let together = self.mobility.motion_with(&carried, self.given);
+            for &slot in &slots {
+                taken += self.take_along(slot, &together);
+            }
+            let moves = self.mobility.motion(self.given + taken);
+            for &slot in &slots {
+                self.lighten(slot, &moves, slots.len());
+                self.set.pressed.set(slot, Vec3::ZERO);
+            }
         }
         self.set.answering = slots;
         taken
@@ -73,8 +71,9 @@ impl Answer<'_> {
 
     /// Slots of the particles that touch the body.
     fn touching(&self) -> impl Iterator<Item = usize> + '_ {
-        let next = &self.set.next;
-        let blocks = next.blocks.iter().enumerate().filter(|&(_, &touches)| touches);
+        let blocks = self.set.next.blocks.iter().zip(self.until).enumerate();
+        // What touches has no way left to go.
+        let blocks = blocks.filter(|&(_, (&touches, &until))| touches && until <= self.gone);
         let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
         slots.filter(|&slot| {
             self.inverse_mass[slot] > 0.0
@@ -87,19 +86,20 @@ impl Answer<'_> {
         self.x.get(slot) - self.motion.centre[0]
     }
 
-    /// The axes along which a particle and the body go together, and how far they do: the normal, where it presses, and two
-    /// along the surface.
-    fn axes(&self, slot: usize) -> [(Vec3, f32); 3] {
-        let n = self.set.pressed.get(slot).normalize_or(Vec3::Y);
-        let (a, b) = n.any_orthonormal_pair();
-        let sticks = 1.0 - self.set.next.loose[slot];
-        [(n, 1.0), (a, sticks), (b, sticks)]
+    /// The axis along which a particle presses on the body, and goes with it.
+    fn normal(&self, slot: usize) -> Vec3 {
+        self.set.pressed.get(slot).normalize_or(Vec3::Y)
+    }
+
+    /// How far it goes with it along the surface, from 0 to 1.
+    fn sticks(&self, slot: usize) -> f32 {
+        1.0 - self.set.next.loose[slot]
     }
 
     /// Takes a particle along with the body, no further than it was pressed, and returns what the body takes back for that.
     fn take_along(&mut self, slot: usize, together: &Twist) -> Impulse {
         let way = together.at(self.arm(slot)) * self.step;
-        let [(n, _), (_, sticks), _] = self.axes(slot);
+        let (n, sticks) = (self.normal(slot), self.sticks(slot));
         let along = n.dot(way);
         let most = -self.set.pressed.get(slot).length();
         let by = (way - n * along) * sticks + n * along.max(most);
@@ -112,7 +112,7 @@ impl Answer<'_> {
     }
 
     /// Tells the next corrections how fast the surface is now, and how heavy the particle is there, with its part of the body.
-    fn lighten(&mut self, slot: usize, moves: &Twist, count: u32) {
+    fn lighten(&mut self, slot: usize, moves: &Twist, count: usize) {
         let (arm, n) = (self.arm(slot), self.set.next.normal.get(slot));
         self.set.velocity.set(slot, self.set.velocity.get(slot) + moves.at(arm));
         let gives = self.mobility.along(arm, n);
@@ -121,32 +121,14 @@ impl Answer<'_> {
     }
 }
 
-/// A velocity's share along an axis at an arm, by the components of linear and angular velocity.
-fn row(axis: Vec3, arm: Vec3) -> [f64; 6] {
-    let turn = arm.cross(axis);
-    [axis.x, axis.y, axis.z, turn.x, turn.y, turn.z].map(f64::from)
-}
-
-fn add_outer(to: &mut [[f64; 6]; 6], row: &[f64; 6], by: f64) {
-    for (to, a) in to.iter_mut().zip(row) {
-        for (to, b) in to.iter_mut().zip(row) {
-            *to += by * a * b;
-        }
-    }
-}
-
 impl Mobility {
-    /// The motion that an impulse makes of the body and of what it carries, with this tensor of inertia.
-    fn motion_with(&self, carried: &[[f64; 6]; 6], impulse: Impulse) -> Twist {
+    /// The motion that an impulse makes of the body and of what it carries.
+    fn motion_with(&self, carried: &Carried, impulse: Impulse) -> Twist {
         let alone = self.motion(impulse);
         // (1 + K A) v = K j, with the body's own mobility K: it may be none along some axes.
         let mut matrix = [[0.0; 6]; 6];
-        for column in 0..6 {
-            let of = |row: usize| carried[row][column] as f32;
-            let moved = self.motion(Impulse {
-                linear: Vec3::new(of(0), of(1), of(2)),
-                angular: Vec3::new(of(3), of(4), of(5)),
-            });
+        for (column, [linear, angular]) in carried.columns().into_iter().enumerate() {
+            let moved = self.motion(Impulse { linear, angular });
             for (row, value) in components(&moved).into_iter().enumerate() {
                 matrix[row][column] = value + if row == column { 1.0 } else { 0.0 };
             }
@@ -176,11 +158,9 @@ mod tests {
             inverse_inertia: Mat3::from_diagonal(Vec3::new(1.0, 2.0, 0.0)),
             informed: true,
         };
-        let mut carried = [[0.0; 6]; 6];
-        for axis in Vec3::AXES {
-            // Two kilograms at its centre.
-            add_outer(&mut carried, &row(axis, Vec3::ZERO), 2.0);
-        }
+        // Two kilograms at its centre.
+        let mut carried = Carried::NONE;
+        carried.add(2.0, Vec3::ZERO, Vec3::Y, 1.0);
         let impulse = Impulse { linear: Vec3::new(4.0, 0.0, -8.0), angular: Vec3::ONE };
         let moves = body.motion_with(&carried, impulse);
         assert_eq!(moves.linear, Vec3::new(1.0, 0.0, -2.0));

@@ -22,6 +22,8 @@ pub(crate) struct Impulses {
     first: Vec<usize>,
     /// Room to find them in: colliders by their bodies.
     by_body: Vec<(u64, usize)>,
+    /// Colliders in whose accounts anything is, or comes to be. There may be many more that are far away.
+    live: Vec<usize>,
 }
 
 /// What a collider is given in a tick.
@@ -39,6 +41,8 @@ struct Account {
     deviation: Deviation,
     /// Where that is planned to be when the tick begins and when it ends.
     ways: [Vec3; 2],
+    /// Whether it is among those that are live.
+    live: bool,
     /// Whether the cloth may have come to it in this tick, or pulls at it.
     met: bool,
     /// How many pins pull at it.
@@ -60,12 +64,18 @@ impl Account {
             mobility: None,
             deviation: Deviation::NONE,
             ways: [Vec3::ZERO; 2],
+            live: false,
             met: false,
             pins: 0,
             passed: false,
             coupling,
             answer: Impulse::ZERO,
         }
+    }
+
+    /// Whether nothing is left of what the cloth has done to it.
+    fn rests(&self) -> bool {
+        !self.met && self.owed == Impulse::ZERO && self.coupling == Coupling::NONE
     }
 
     /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.
@@ -108,8 +118,12 @@ impl Impulses {
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
         self.colliders.resize(count, None);
         self.join_bodies(colliders);
-        for (account, collider) in self.colliders.iter_mut().zip(colliders) {
+        self.live.clear();
+        self.live.reserve(count);
+        for (place, collider) in colliders.iter().enumerate().take(count) {
+            let account = &mut self.colliders[place];
             let before = account.take();
+            let live = before.is_none_or(|account| !account.rests());
             let owed = before.map_or(Impulse::ZERO, |account| account.owed);
             let mut coupling = before.map_or(Coupling::NONE, |account| account.coupling);
             match collider.mobility {
@@ -117,13 +131,18 @@ impl Impulses {
                 Some(Mobility { informed: false, .. }) => coupling.expected = Impulse::ZERO,
                 Some(_) => (),
             }
-            *account = is_asked(collider).then(|| Account {
-                about: collider.centre_at(0.0) - origin,
-                ways: [0.0, 1.0].map(|part| collider.centre_at(part) - origin),
-                mobility: collider.mobility,
-                passed: collider.mobility.as_ref().is_some_and(is_light),
-                ..Account::owing(owed, coupling)
-            });
+            if !is_asked(collider) {
+                continue;
+            }
+            if live {
+                self.live.push(place);
+            }
+            let ways = [0.0, 1.0].map(|part| collider.centre_at(part) - origin);
+            let mobility = collider.mobility;
+            let known = Account::owing(owed, coupling);
+            let passed = mobility.as_ref().is_some_and(is_light);
+            let known = Account { passed, ..known };
+            *account = Some(Account { about: ways[0], ways, mobility, live, ..known });
         }
     }
 
@@ -161,9 +180,9 @@ impl Impulses {
 
     /// Moves bodies as far as they go in a substep of length `step` that ends at part `to` of the tick.
     pub fn end_substep(&mut self, colliders: &[Collider<'_>], origin: Vec3, to: f32, step: f32) {
-        for (account, collider) in self.colliders.iter_mut().zip(colliders) {
-            let Some(account) = account else { continue };
-            account.about = collider.centre_at(to) - origin;
+        for &place in &self.live {
+            let Some(account) = &mut self.colliders[place] else { continue };
+            account.about = colliders[place].centre_at(to) - origin;
             if account.met && account.mobility.is_some() {
                 account.deviation = account.deviation.after(&account.velocity(to), step);
                 let apart = account.coupling.ahead_at(to).and(&account.deviation);
@@ -174,7 +193,8 @@ impl Impulses {
 
     /// Ends the tick.
     pub fn end_tick(&mut self) {
-        for account in self.colliders.iter_mut().flatten() {
+        for &place in &self.live {
+            let Some(account) = &mut self.colliders[place] else { continue };
             let Account { given, deviation, .. } = *account;
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
@@ -193,7 +213,8 @@ impl Impulses {
 
     /// Begins a substep that carries on a part of the pulls, or none.
     pub fn carry_on(&mut self, part: Option<f32>) {
-        for account in self.colliders.iter_mut().flatten() {
+        for &place in &self.live {
+            let Some(account) = &mut self.colliders[place] else { continue };
             account.owed = account.owed * part.unwrap_or(0.0);
             account.given += account.owed;
         }
@@ -221,10 +242,15 @@ impl Impulses {
         }
     }
 
-    /// Notes that the cloth may have come to a collider.
-    pub fn meet(&mut self, collider: usize) {
-        if let Some(account) = self.account_mut(collider) {
-            account.met = true;
+    /// Notes that the cloth may have come to a collider, in a substep that begins at part `from` of the tick.
+    pub fn meet(&mut self, collider: usize, colliders: &[Collider<'_>], origin: Vec3, from: f32) {
+        let first = self.first(collider);
+        let Some(Some(account)) = self.colliders.get_mut(first) else { return };
+        account.met = true;
+        if !account.live {
+            account.about = colliders[first].centre_at(from) - origin;
+            account.live = true;
+            self.live.push(first);
         }
     }
 
@@ -294,7 +320,12 @@ impl Impulses {
 
     fn account_mut(&mut self, collider: usize) -> Option<&mut Account> {
         let first = self.first(collider);
-        self.colliders.get_mut(first)?.as_mut()
+        let account = self.colliders.get_mut(first)?.as_mut()?;
+        if !account.live {
+            account.live = true;
+            self.live.push(first);
+        }
+        Some(account)
     }
 
     /// Turns what is owed with the cloth.
@@ -314,12 +345,14 @@ impl Impulses {
 
     /// Puts back what was kept.
     pub fn put_back(&mut self, kept: &[Option<(Impulse, Coupling)>]) {
-        let account = |(owed, coupling)| Account::owing(owed, coupling);
+        // The cloth may lie on any of them.
+        let account = |(owed, coupling)| Account { met: true, ..Account::owing(owed, coupling) };
         self.colliders = kept.iter().map(|kept| kept.map(account)).collect();
     }
 
     pub fn clear(&mut self) {
         self.colliders.clear();
+        self.live.clear();
     }
 
     /// What a collider was given in the tick, with the others of its body; none where it is not measured.

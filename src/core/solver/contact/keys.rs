@@ -32,7 +32,9 @@ impl Keys {
 
     /// Where the collider of a key is in this tick.
     pub fn position(&self, key: u64) -> Option<usize> {
-        self.now.iter().position(|&known| known == key)
+        let at = self.sorted.partition_point(|&(known, _)| known < key);
+        let &(known, place) = self.sorted.get(at)?;
+        (known == key).then_some(place)
     }
 
     /// Where a collider of the tick before is now.

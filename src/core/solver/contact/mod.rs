@@ -26,7 +26,7 @@
 //! | `impulse`, `impulses`, `ledger` | momentum given to the colliders that are measured |
 //! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
 //! | `coupling` | what is remembered of such a body from tick to tick, and what its engine is given |
-//! | `answer`, `linear` | after contact: a body and the particles that lie on it go on together |
+//! | `answer`, `carried`, `linear` | after contact: a body and the particles that lie on it go on together |
 //! | `edges` | edges and faces: near a rim or tip (`candidates`), nearest place (`search`), solved together (`solve`) |
 //!
 //! Friction is in four places. `friction` brakes a particle that rests or slides. `Pushed::slip` in `push_out` tells
@@ -37,6 +37,7 @@ mod active_set;
 mod answer;
 mod broad_phase;
 mod calm;
+mod carried;
 mod collider;
 mod coupling;
 mod edges;
@@ -207,7 +208,7 @@ impl ResolveContacts<'_> {
         }
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
-        set.impulses.meet(collider);
+        set.impulses.meet(collider, self.colliders, self.origin, from);
         let moved = set.impulses.deviation(collider);
         let moves = set.impulses.velocity(collider, to);
         let moved = [moved, moved.after(&moves, self.settings.step)];
@@ -320,7 +321,7 @@ impl ResolveContacts<'_> {
             }
         }
         if let Some(mobility) = self.set.impulses.mobility(collider) {
-            self.answer(collider, &motion, mobility, before);
+            self.answer(k, gone, &motion, mobility, before);
         }
         touching
     }
@@ -328,17 +329,33 @@ impl ResolveContacts<'_> {
     /// Lets a body and what lies on it share what it was given since `before`.
     fn answer(
         &mut self,
-        collider: usize,
+        k: usize,
+        gone: f32,
         motion: &Motion<'_>,
         mobility: Mobility,
         before: Impulse,
     ) {
+        let Awake { collider, first, .. } = self.broad_phase.awake[k];
+        let until = &self.broad_phase.until[first..];
         let (set, step) = (&mut *self.set, self.settings.step);
         let given = set.impulses.of(collider) - before;
         let (inverse_mass, x) = (&*self.inverse_mass, &*self.x);
         let (d, pull) = (&mut *self.d, self.pull.as_deref_mut());
-        let taken =
-            Answer { collider, mobility, motion, given, step, inverse_mass, x, d, pull, set }.run();
+        let taken = Answer {
+            collider,
+            mobility,
+            motion,
+            given,
+            step,
+            inverse_mass,
+            x,
+            d,
+            pull,
+            set,
+            until,
+            gone,
+        }
+        .run();
         self.set.impulses.give_sum(collider, taken * step, Impulse::ZERO, step);
     }
 }
