@@ -54,7 +54,7 @@ fn embody(added: On<Add, Thing>, things: Query<&Thing>, mut commands: Commands) 
             Mass(throw.mass),
             LinearVelocity(throw.velocity),
             AngularVelocity(throw.spin),
-            AngularDamping(0.8),
+            AngularDamping(2.0),
         )),
     };
     Ok(())

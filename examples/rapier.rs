@@ -52,7 +52,7 @@ fn embody(added: On<Add, Thing>, things: Query<&Thing>, mut commands: Commands) 
             RigidBody::Dynamic,
             ColliderMassProperties::Mass(throw.mass),
             Velocity { linear: throw.velocity, angular: throw.spin },
-            Damping { linear_damping: 0.0, angular_damping: 0.8 },
+            Damping { linear_damping: 0.0, angular_damping: 2.0 },
         )),
     };
     Ok(())

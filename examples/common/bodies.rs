@@ -4,7 +4,7 @@
 
 use crate::{BRASS, CORAL, INDIGO, IVORY, Look, Particles, TEAL, clay, ground, linen, metal};
 use bevy::{mesh::VertexAttributeValues, prelude::*};
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInterpolation, prelude::*};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// What an engine gives a body.
@@ -142,6 +142,8 @@ fn spawn_hammock(
         .and(ClothPins::within(ends * Vec3::new(1.0, -1.0, -1.0), Vec3::ONE));
     commands.spawn((
         Cloth::of_mesh3d(),
+        // As the bodies, which are drawn where the last tick took them.
+        ClothInterpolation::LastTick,
         Mesh3d(meshes.add(hammock)),
         ClothMaterial { area_density: 0.3, ..ClothMaterial::CANVAS },
         pins,
@@ -176,6 +178,7 @@ fn spawn_curtain(
     let top = Vec3::new(CURTAIN_SIZE.x, 1e-3, 1.0);
     commands.spawn((
         Cloth::of_mesh3d(),
+        ClothInterpolation::LastTick,
         Mesh3d(meshes.add(curtain)),
         ClothMaterial::COTTON,
         ClothPins::within(-top, top),
@@ -221,6 +224,7 @@ fn spawn_crate(
         .and(ClothPins::within(above * Vec3::new(-1.0, 1.0, -1.0) - 2e-3 * Vec3::Y, above));
     commands.spawn((
         Cloth::of_mesh3d(),
+        ClothInterpolation::LastTick,
         Mesh3d(meshes.add(band)),
         ClothMaterial { area_density: 0.3, ..ClothMaterial::CANVAS },
         pins,
@@ -254,7 +258,7 @@ fn throw(
     } else {
         Shape::Ball(Sphere::new(size))
     };
-    let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+    let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
     let aside = 0.25 * side * ((number % 4) as f32 - 1.0);
     let curtain = Vec3::new(CURTAIN + 0.5 * aside, 1.1, BEAM_Z);
     let (from, to) = match number % 8 {

@@ -138,7 +138,7 @@ fn weigh(
         let all = body.mass_properties();
         let (properties, locked) = (&all.local_mprops, all.flags);
         let turns = !locked.contains(LockedAxes::ROTATION_LOCKED);
-        let principal_inertia = Vec3::from(properties.inv_principal_inertia).recip();
+        let principal_inertia = properties.inv_principal_inertia.recip();
         let found = ColliderMass {
             mass: properties.inv_mass.recip(),
             principal_inertia: if turns { principal_inertia } else { Vec3::INFINITY },
