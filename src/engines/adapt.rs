@@ -13,6 +13,7 @@ use crate::collider::shape::SdfShape;
 use crate::collider::tick_colliders::ColliderPose;
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
+use crate::engines::adapted::Adapted;
 use crate::engines::bakes::Bakes;
 use crate::engines::bodies::{couple, is_in_ticks};
 use crate::engines::changes::FrictionChanges;
@@ -33,20 +34,6 @@ const FRICTION: f32 = 0.5;
 #[derive(Resource)]
 struct All<E>(PhantomData<E>);
 
-/// Is on a collider whose `SdfCollider` is kept here, or would be if it could be used.
-#[derive(Component)]
-pub(crate) struct Adapted {
-    engine: &'static str,
-    /// What was asked for.
-    wish: ClothCollider,
-    /// `None` where it cannot be used.
-    solid: Option<(EngineSolid, f32)>,
-    /// Whether something of it is still baked.
-    waits: bool,
-    /// Whether an `SdfCollider` is inserted with it, which is then not the user's.
-    brings: bool,
-}
-
 impl<E: Engine> FoundItem<'_, '_, E> {
     /// Whether it has what it is to have, unless its friction is another.
     fn is_settled(&self) -> bool {
@@ -57,29 +44,6 @@ impl<E: Engine> FoundItem<'_, '_, E> {
             && adapted.is_given(self.collider.is_some())
             && is_left_alone
             && !self.shape.is_changed()
-    }
-}
-
-impl Adapted {
-    /// Whether it is a collider of an engine.
-    pub fn is_of(&self, engine: &str) -> bool {
-        self.engine == engine
-    }
-
-    /// Whether cloths move its body, if it is of this engine.
-    pub fn moves(&self, engine: &str) -> bool {
-        self.is_of(engine) && self.solid.is_some() && !self.wish.one_way
-    }
-
-    /// Whether something of it is baked, and not yet there.
-    fn is_waiting(&self) -> bool {
-        let solid = self.solid.as_ref().filter(|_| self.waits);
-        solid.is_some_and(|(solid, _)| matches!(solid.shape(), Ok(None)))
-    }
-
-    /// Whether the collider has what it is to have.
-    fn is_given(&self, has_solid: bool) -> bool {
-        !self.waits && (self.solid.is_none() || has_solid)
     }
 }
 
