@@ -95,22 +95,30 @@ pub(crate) fn couple_engine<E: Engine, W, G>(
         );
         return;
     }
-    app.add_systems(
+    let (couple, weigh, give) = (couple::<E>, weigh.into_configs(), give.into_configs());
+    app.configure_sets(
         schedule,
         (
-            (couple::<E>, weigh)
+            (Coupling(Adapting::Avian), Coupling(Adapting::Rapier))
                 .chain()
-                .in_set(Coupling)
-                .after(adapt::<E>)
+                .after(Adapting::Rapier)
                 .before(ClothSystems::Setup),
-            give.after(ClothSystems::Finish),
+            (Giving(Adapting::Avian), Giving(Adapting::Rapier)).chain().after(ClothSystems::Finish),
         ),
+    )
+    .add_systems(
+        schedule,
+        ((couple, weigh).chain().in_set(Coupling(E::SET)), give.in_set(Giving(E::SET))),
     );
 }
 
-/// The systems that find bodies which cloths move.
+/// The systems that find the bodies of an engine which cloths move, and say how heavy they are.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Coupling;
+struct Coupling(Adapting);
+
+/// The systems that give bodies of an engine their impulses.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Giving(Adapting);
 
 /// A collider of an engine, and all that says whether and how cloths collide with it.
 #[derive(QueryData)]

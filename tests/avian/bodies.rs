@@ -53,7 +53,7 @@ fn a_hammock_carries_balls_of_any_mass() {
         println!("{mass} kg swings by {swings} m at {}", place(&app, body));
         assert!(swings < 5e-3, "{mass} kg swings by {swings} m");
         let at = place(&app, body);
-        assert!((-0.4..0.1).contains(&at.y) && at.xz().length() < 0.02, "{mass} kg: {at}");
+        assert!((-0.4..0.1).contains(&at.y) && at.xz().length() < 0.05, "{mass} kg: {at}");
     }
 }
 
