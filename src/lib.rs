@@ -87,8 +87,8 @@
 //! # Limits
 //!
 //! - A cloth is a rectangular sheet, or a triangle mesh; a skinned one wants [`ClothSkin`].
-//! - Cloths collide with themselves where [`ClothSelfCollision`] asks for it, with each other where [`ClothInterCollision`] does, and do
-//!   not push colliders.
+//! - Cloths collide with themselves where [`ClothSelfCollision`] asks for it, with each other where [`ClothInterCollision`] does, and
+//!   push colliders that have a [`ColliderMass`].
 //! - Colliders are rigid, and scaled alike along all axes.
 //! - The step is fixed: the plugin runs in the fixed main loop and nowhere else.
 

@@ -7,6 +7,7 @@
 // A program may print.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bodies;
 mod body;
 mod bunny;
 #[cfg(all(feature = "demo", feature = "gizmos"))]

@@ -13,6 +13,7 @@ use crate::collider::shape::SdfShape;
 use crate::collider::tick_colliders::ColliderPose;
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::engines::ClothCollider;
+use crate::engines::adapted::Adapted;
 use crate::engines::bakes::Bakes;
 use crate::engines::bodies::{couple, is_in_ticks};
 use crate::engines::changes::FrictionChanges;
@@ -33,20 +34,6 @@ const FRICTION: f32 = 0.5;
 #[derive(Resource)]
 struct All<E>(PhantomData<E>);
 
-/// Is on a collider whose `SdfCollider` is kept here, or would be if it could be used.
-#[derive(Component)]
-pub(crate) struct Adapted {
-    engine: &'static str,
-    /// What was asked for.
-    wish: ClothCollider,
-    /// `None` where it cannot be used.
-    solid: Option<(EngineSolid, f32)>,
-    /// Whether something of it is still baked.
-    waits: bool,
-    /// Whether an `SdfCollider` is inserted with it, which is then not the user's.
-    brings: bool,
-}
-
 impl<E: Engine> FoundItem<'_, '_, E> {
     /// Whether it has what it is to have, unless its friction is another.
     fn is_settled(&self) -> bool {
@@ -57,29 +44,6 @@ impl<E: Engine> FoundItem<'_, '_, E> {
             && adapted.is_given(self.collider.is_some())
             && is_left_alone
             && !self.shape.is_changed()
-    }
-}
-
-impl Adapted {
-    /// Whether it is a collider of an engine.
-    pub fn is_of(&self, engine: &str) -> bool {
-        self.engine == engine
-    }
-
-    /// Whether cloths move its body, if it is of this engine.
-    pub fn moves(&self, engine: &str) -> bool {
-        self.is_of(engine) && self.solid.is_some() && !self.wish.one_way
-    }
-
-    /// Whether something of it is baked, and not yet there.
-    fn is_waiting(&self) -> bool {
-        let solid = self.solid.as_ref().filter(|_| self.waits);
-        solid.is_some_and(|(solid, _)| matches!(solid.shape(), Ok(None)))
-    }
-
-    /// Whether the collider has what it is to have.
-    fn is_given(&self, has_solid: bool) -> bool {
-        !self.waits && (self.solid.is_none() || has_solid)
     }
 }
 
@@ -131,22 +95,30 @@ pub(crate) fn couple_engine<E: Engine, W, G>(
         );
         return;
     }
-    app.add_systems(
+    let (couple, weigh, give) = (couple::<E>, weigh.into_configs(), give.into_configs());
+    app.configure_sets(
         schedule,
         (
-            (couple::<E>, weigh)
+            (Coupling(Adapting::Avian), Coupling(Adapting::Rapier))
                 .chain()
-                .in_set(Coupling)
-                .after(adapt::<E>)
+                .after(Adapting::Rapier)
                 .before(ClothSystems::Setup),
-            give.after(ClothSystems::Finish),
+            (Giving(Adapting::Avian), Giving(Adapting::Rapier)).chain().after(ClothSystems::Finish),
         ),
+    )
+    .add_systems(
+        schedule,
+        ((couple, weigh).chain().in_set(Coupling(E::SET)), give.in_set(Giving(E::SET))),
     );
 }
 
-/// The systems that find bodies which cloths move.
+/// The systems that find the bodies of an engine which cloths move, and say how heavy they are.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Coupling;
+struct Coupling(Adapting);
+
+/// The systems that give bodies of an engine their impulses.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Giving(Adapting);
 
 /// A collider of an engine, and all that says whether and how cloths collide with it.
 #[derive(QueryData)]

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
 use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderBody, ColliderMass};
-use crate::engines::adapt::Adapted;
+use crate::engines::adapted::Adapted;
 use crate::engines::changes::CouplingChanges;
 use crate::engines::engine::{Bodies, Engine};
 use crate::error::engine::EngineProblem;

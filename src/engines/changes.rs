@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
 use crate::collider::mass::{ColliderBody, ColliderMass};
-use crate::engines::adapt::Adapted;
+use crate::engines::adapted::Adapted;
 use crate::engines::engine::Engine;
 
 /// Tells whether colliders may be of other bodies than when the system last ran, or their bodies of another kind.

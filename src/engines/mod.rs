@@ -5,6 +5,7 @@
 //! parry, whose shapes are alike: [`read`] is compiled for each of them. Bodies that are dynamic are moved by cloths ([`bodies`]).
 
 mod adapt;
+mod adapted;
 #[cfg(feature = "avian")]
 pub(crate) mod avian;
 mod bakes;

@@ -138,7 +138,7 @@ fn weigh(
         let all = body.mass_properties();
         let (properties, locked) = (&all.local_mprops, all.flags);
         let turns = !locked.contains(LockedAxes::ROTATION_LOCKED);
-        let principal_inertia = Vec3::from(properties.inv_principal_inertia).recip();
+        let principal_inertia = properties.inv_principal_inertia.recip();
         let found = ColliderMass {
             mass: properties.inv_mass.recip(),
             principal_inertia: if turns { principal_inertia } else { Vec3::INFINITY },
@@ -155,18 +155,34 @@ fn weigh(
 
 /// Gives bodies their impulses. One that sleeps goes on sleeping, unless something has changed for it.
 fn give(
-    bodies: Query<(InWorld, &BodyImpulse, &ColliderMass), With<BodyOf<Rapier>>>,
+    mut bodies: Query<
+        (InWorld, &BodyImpulse, &ColliderMass, Option<&mut engine::Velocity>),
+        With<BodyOf<Rapier>>,
+    >,
     mut worlds: Query<&mut engine::RapierRigidBodySet>,
 ) {
-    for ((handle, world), impulse, mass) in &bodies {
+    for ((handle, world), impulse, mass, velocity) in &mut bodies {
         let Ok(mut world) = worlds.get_mut(world.0) else { continue };
         let Some(body) = world.bodies.get_mut(handle.0) else { continue };
         if impulse.wakes {
             body.wake_up(true);
         }
-        if !mass.sleeps {
-            body.apply_impulse(impulse.linear, false);
-            body.apply_torque_impulse(impulse.angular, false);
+        if mass.sleeps {
+            continue;
+        }
+        let before = engine::Velocity { linear: body.linvel(), angular: body.angvel() };
+        body.apply_impulse(impulse.linear, false);
+        body.apply_torque_impulse(impulse.angular, false);
+        // Rapier takes the component over before its next step, and the impulse would be lost. Where a game has changed it,
+        // the impulse is added to that; else both are to be the same bits, or the body would be woken.
+        if let Some(mut velocity) = velocity {
+            let (linear, angular) = (body.linvel(), body.angvel());
+            if *velocity == before {
+                *velocity.bypass_change_detection() = engine::Velocity { linear, angular };
+            } else {
+                velocity.linear += linear - before.linear;
+                velocity.angular += angular - before.angular;
+            }
         }
     }
 }

@@ -53,7 +53,7 @@ fn a_hammock_carries_balls_of_any_mass() {
         println!("{mass} kg swings by {swings} m at {}", place(&app, body));
         assert!(swings < 5e-3, "{mass} kg swings by {swings} m");
         let at = place(&app, body);
-        assert!((-0.4..0.1).contains(&at.y) && at.xz().length() < 0.02, "{mass} kg: {at}");
+        assert!((-0.4..0.1).contains(&at.y) && at.xz().length() < 0.05, "{mass} kg: {at}");
     }
 }
 
@@ -185,4 +185,35 @@ fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
         simulation(&app, cloth).is_asleep()
     );
     assert!(ticks < 40 * 64);
+}
+
+#[test]
+fn a_crate_lies_on_a_cloth_on_the_ground() {
+    let mut app = physics_app();
+    let ground = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0), ClothCollider::default());
+    spawn(&mut app, (ground, Transform::from_xyz(0.0, -0.5, 0.0)));
+    let cloth = Cloth::sheet(Vec2::splat(1.2), UVec2::splat(40));
+    let cloth = spawn(&mut app, (cloth, Transform::from_xyz(0.0, 0.02, 0.0)));
+    updates(&mut app, 64);
+    let cube = (RigidBody::Dynamic, Collider::cuboid(0.3, 0.3, 0.3), Mass(2.0));
+    let at = Transform::from_xyz(0.0, 0.4, 0.0).with_rotation(Quat::from_rotation_y(0.3));
+    let cube = spawn(&mut app, (cube, ClothCollider::default(), at));
+    let mut ticks = 0;
+    while !(sleeps(&app, cube) && simulation(&app, cloth).is_asleep()) && ticks < 20 * 64 {
+        app.update();
+        ticks += 1;
+        if ticks % 32 == 0 {
+            let s = simulation(&app, cloth);
+            println!(
+                "{} s: {} v {} asleep {} {} strain {}",
+                ticks as f32 / 64.0,
+                place(&app, cube),
+                app.world().get::<LinearVelocity>(cube).unwrap().0,
+                sleeps(&app, cube),
+                s.is_asleep(),
+                s.strain().max
+            );
+        }
+    }
+    assert!(ticks < 20 * 64);
 }

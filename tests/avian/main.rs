@@ -6,6 +6,7 @@
 mod bakes;
 mod bodies;
 mod errors;
+mod example;
 mod falls;
 mod lifecycle;
 mod order;

@@ -304,7 +304,9 @@ impl ClothSolver {
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
-        self.state.contacts.begin_tick(input.colliders, self.state.origin);
+        let particle = self.topology.total_area() * self.material.area_density
+            / self.topology.particle_count() as f32;
+        self.state.contacts.begin_tick(input.colliders, self.state.origin, particle);
         self.begin_pulling(input);
         self.done = 0;
         self.plan.substeps

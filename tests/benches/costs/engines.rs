@@ -41,8 +41,8 @@ fn on_ten_primitives(n: u32, rounds: usize, wrong: &mut Wrong) {
     #[derive(Clone, Copy, PartialEq)]
     enum Way {
         ByHand,
-        OneWay,
-        TwoWay,
+        One,
+        Two,
     }
     // Bodies lie on a ground that is nothing to the cloth.
     let scene = |way: Way| {
@@ -55,7 +55,7 @@ fn on_ten_primitives(n: u32, rounds: usize, wrong: &mut Wrong) {
             let mut body = app.world_mut().spawn((body, still, primitive.engines(), place));
             match way {
                 Way::ByHand => body.insert(primitive.collider()),
-                _ => body.insert(ClothCollider { one_way: way == Way::OneWay, ..default() }),
+                _ => body.insert(ClothCollider { one_way: way == Way::One, ..default() }),
             };
         }
         lay(&mut app, n);
@@ -63,10 +63,10 @@ fn on_ten_primitives(n: u32, rounds: usize, wrong: &mut Wrong) {
     };
     heading("on ten primitives of Avian's, us an update", "without", "with");
     let name = "adapted, one-way; against by hand";
-    let pair = || [Way::ByHand, Way::OneWay].map(scene);
+    let pair = || [Way::ByHand, Way::One].map(scene);
     line(name, &compare(name, rounds, pair, false, wrong), Bound::Percent(2.0));
     let name = "two-way; against one-way";
-    let pair = || [Way::OneWay, Way::TwoWay].map(scene);
+    let pair = || [Way::One, Way::Two].map(scene);
     line(name, &compare(name, rounds, pair, false, wrong), Bound::Percent(10.0));
 }
 

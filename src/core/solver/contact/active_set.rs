@@ -36,6 +36,8 @@ use crate::solver::simd::soa::{Array, Soa, ValuesMut};
 pub(crate) const LEAST_MOBILITY: f32 = 0.2;
 /// Square of a normal's length below which it is that of a body which yields.
 const YIELDS: f32 = 0.9999;
+/// Mass of the lightest body that a cloth meets, beside that of one of its particles: it would only be thrown about by one.
+const LIGHTEST: f32 = 0.5;
 /// Part of its inverse mass that moves what is pushed out of a collider for more than a substep.
 const GIVING: f32 = 0.1;
 
@@ -173,8 +175,9 @@ impl ActiveSet {
         self.edges.clear();
     }
 
-    /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places.
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3) {
+    /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places. `particle` is the
+    /// mass of a particle in the mean \[kg\].
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, particle: f32) {
         if self.keys.go_on(colliders) {
             let place = |collider| self.keys.place(collider);
             self.edges.renumber(place);
@@ -183,7 +186,7 @@ impl ActiveSet {
                 *holder = place(*holder as usize).unwrap_or(usize::MAX) as f32;
             }
         }
-        self.impulses.begin_tick(colliders, origin);
+        self.impulses.begin_tick(colliders, origin, LIGHTEST * particle);
         if colliders.iter().any(|collider| collider.mobility.is_some()) {
             self.answering.clear();
             self.answering.reserve(self.now.blocks.len());

@@ -166,11 +166,10 @@ impl Answer<'_> {
         let mut normal = Block3::load(&set.next.normal, slot);
         let mut velocity = Block3::load(&set.velocity, slot);
         let mut pressed = Block3::load(&set.pressed, slot);
-        let Mobility { inverse_mass, inverse_inertia, .. } = self.mobility;
+        let mobility = self.mobility;
         for i in 0..LANES {
             let (n, arm, touches) = (normal.at(i), arms.at(i), masses.0[i] > 0.0);
-            let turn = arm.cross(n);
-            let gives = inverse_mass + turn.dot(inverse_inertia * turn);
+            let gives = mobility.along(arm, n);
             let part = (1.0 / (1.0 + count * gives / larger(w.0[i], f32::MIN_POSITIVE))).sqrt();
             normal.set(i, if touches { n * part } else { n });
             let faster = velocity.at(i) + moves.at(arm);

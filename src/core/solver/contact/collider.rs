@@ -114,6 +114,12 @@ impl<'a> Collider<'a> {
         Self { centre, mobility: Some(mobility), ..self }
     }
 
+    /// Distance of a place in world space from the surface as the tick begins \[m\]; negative inside.
+    pub(crate) fn distance_at_start(&self, place: Vec3) -> f32 {
+        let Pose { scale, .. } = self.motion.start;
+        self.shape.distance(Frame::new(&self.motion.start).to_local(place)) * scale
+    }
+
     /// Where its centre of mass is planned to be after a part of the tick, in world space \[m\].
     pub(super) fn centre_at(&self, part: f32) -> Vec3 {
         self.motion.start.interpolate(&self.motion.end, part).apply(self.centre)

@@ -47,6 +47,8 @@ struct Account {
     met: bool,
     /// How many pins pull at it.
     pins: u32,
+    /// Whether the cloth passes through it, as it is pinned within it.
+    passed: bool,
     /// What goes on from tick to tick.
     coupling: Coupling,
     /// What the engine is to be given of the last tick.
@@ -65,6 +67,7 @@ impl Account {
             live: false,
             met: false,
             pins: 0,
+            passed: false,
             coupling,
             answer: Impulse::ZERO,
         }
@@ -108,8 +111,10 @@ impl Impulses {
     }
 
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3) {
+    /// The cloth passes through a body of less than `least` \[kg\].
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, least: f32) {
         let is_asked = |collider: &Collider<'_>| collider.measured || collider.mobility.is_some();
+        let is_light = |mobility: &Mobility| mobility.inverse_mass * least > 1.0;
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
         self.colliders.resize(count, None);
         self.join_bodies(colliders);
@@ -135,6 +140,8 @@ impl Impulses {
             let ways = [0.0, 1.0].map(|part| collider.centre_at(part) - origin);
             let mobility = collider.mobility;
             let known = Account::owing(owed, coupling);
+            let passed = mobility.as_ref().is_some_and(is_light);
+            let known = Account { passed, ..known };
             *account = Some(Account { about: ways[0], ways, mobility, live, ..known });
         }
     }
@@ -259,6 +266,18 @@ impl Impulses {
             account.met = true;
             account.pins += 1;
         }
+    }
+
+    /// Lets the cloth pass through a body in this tick.
+    pub fn pass(&mut self, collider: usize) {
+        if let Some(account) = self.account_mut(collider) {
+            account.passed = true;
+        }
+    }
+
+    /// Whether the cloth passes through a collider.
+    pub fn passes(&self, collider: usize) -> bool {
+        self.account(collider).is_some_and(|account| account.passed)
     }
 
     /// How much a pin yields at a place, each of those that pull at the body with a part of its mass \[1/kg\]. One that does not

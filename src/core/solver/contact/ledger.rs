@@ -48,14 +48,7 @@ impl ActiveSet {
         self.give(isa, inverse_mass, x, step, Taken { d, notes });
     }
 
-    fn give(
-        &mut self,
-        isa: Isa,
-        inverse_mass: &[f32],
-        x: &Soa,
-        step: f32,
-        rule: impl Rule,
-    ) {
+    fn give(&mut self, isa: Isa, inverse_mass: &[f32], x: &Soa, step: f32, rule: impl Rule) {
         if self.impulses.are_measured() {
             isa.run(Give { set: self, inverse_mass, x, step, rule });
         }

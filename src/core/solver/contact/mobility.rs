@@ -41,13 +41,16 @@ impl Mobility {
         self.inverse_mass + largest * arm.length_squared()
     }
 
+    /// What an impulse of one along `n` at an arm moves it by there, along `n` \[1/kg\].
+    #[inline(always)]
+    pub(super) fn along(&self, arm: Vec3, n: Vec3) -> f32 {
+        let turn = arm.cross(n);
+        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
+    }
+
     /// Most that an impulse of one may move it by at an arm, in any direction \[1/kg\].
     pub(super) fn most_along(&self, arm: Vec3) -> f32 {
-        let along = |axis: Vec3| {
-            let turn = arm.cross(axis);
-            turn.dot(self.inverse_inertia * turn)
-        };
-        self.inverse_mass + along(Vec3::X) + along(Vec3::Y) + along(Vec3::Z)
+        Vec3::AXES.map(|axis| self.along(arm, axis)).iter().sum::<f32>() - 2.0 * self.inverse_mass
     }
 
     /// Whether every number can be used.
@@ -70,6 +73,12 @@ pub(super) struct Twist {
 }
 
 impl Twist {
+    /// Adds another.
+    pub fn add(&mut self, other: &Self) {
+        self.linear += other.linear;
+        self.angular += other.angular;
+    }
+
     /// What it does at an arm from the centre.
     #[inline(always)]
     pub fn at(&self, arm: Vec3) -> Vec3 {

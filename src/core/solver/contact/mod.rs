@@ -203,6 +203,9 @@ impl ResolveContacts<'_> {
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
         let (broad_phase, set) = (&mut *self.broad_phase, &mut *self.set);
         let Awake { collider, first, gone } = broad_phase.awake[k];
+        if set.impulses.passes(collider) {
+            return 0;
+        }
         let (from, to) = (self.span.from, self.span.to);
         let collider_now = &self.colliders[collider];
         set.impulses.meet(collider, self.colliders, self.origin, from);
@@ -291,6 +294,7 @@ impl ResolveContacts<'_> {
                 until: &mut broad_phase.edge_until[from..to],
                 gone,
                 motion: &motion,
+                mobility: set.impulses.mobility(collider),
                 settings,
                 max_strain: self.max_strain,
                 limits: self.limits,

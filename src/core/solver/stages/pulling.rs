@@ -3,6 +3,9 @@
 //! In the corrections such a pin is a particle that weighs as much as its part of the body and moves freely, so that threads of any
 //! stiffness carry a body of any mass, as what lies on one does (`contact/answer`). What they have moved it by is what they pull
 //! at the body with. Then the body is given that, and the pin goes where the body does.
+//!
+//! A cloth that is pinned deep within a body passes through it. Contact would push out of it what the pins hold in it, without end, and
+//! the body would be driven by what is inside of it.
 
 use bevy_math::Vec3;
 
@@ -13,6 +16,8 @@ use crate::solver::state::State;
 
 /// Part of its own inverse mass by which a pin yields that is on a body which does not move: what pulls at it is known by that.
 const LEAST_YIELDING: f32 = 0.01;
+/// How deep within a body pins are inside it, as a part of the cloth's longest edge.
+const WITHIN: f32 = 0.4;
 
 /// A pin that pulls at a body.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +44,12 @@ impl ClothSolver {
         for &PinPull { pin, body } in input.pulls {
             let Some(collider) = impulses.of_body(body) else { continue };
             impulses.pin_to(collider);
+            let deep = WITHIN * self.edges.longest;
+            let place = input.pins[pin as usize].start;
+            let mut of_body = input.colliders.iter().filter(|it| it.body == body && it.layers != 0);
+            if of_body.any(|it| it.distance_at_start(place) < -deep) {
+                impulses.pass(collider);
+            }
             let slot = self.pins.slots[pin as usize];
             let own = 1.0 / (self.topology.area(slot) * self.material.area_density);
             let none = Vec3::ZERO;

@@ -5,6 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::{HELD, HoldEdges, WarmStart};
+use crate::solver::contact::mobility::Twist;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::soa::Soa;
 
@@ -68,6 +69,8 @@ pub(super) struct Press {
     shares: [f32; 3],
     /// Impulse for a push of one \[kg\].
     pub mass: f32,
+    /// How far the place is from the collider's centre, as the substep begins \[m\].
+    pub arm: Vec3,
     /// Outward, of length one.
     pub normal: Vec3,
     /// How far the collider moves there in the substep \[m\].
@@ -95,16 +98,17 @@ impl Press {
         corners.take(self.place.count()).map(|((&body, part), share)| (body as usize, part, share))
     }
 
-    /// How far the place goes in the substep, beside the collider \[m\].
-    pub fn goes(&self, bodies: &[Body]) -> Vec3 {
+    /// How far the place goes in the substep, beside the collider, which has `yielded` by so much up to now \[m\].
+    pub fn goes(&self, bodies: &[Body], yielded: &Twist) -> Vec3 {
         let d = |(body, part, _): (usize, f32, f32)| bodies[body].d * part;
-        self.corners().map(d).sum::<Vec3>() - self.surface
+        self.corners().map(d).sum::<Vec3>() - self.surface - yielded.at(self.arm)
     }
 
     /// How far it is still inside \[m\].
-    pub fn depth(&self, bodies: &[Body]) -> f32 {
+    pub fn depth(&self, bodies: &[Body], yielded: &Twist) -> f32 {
         let at = |(body, part, _): (usize, f32, f32)| bodies[body].at() * part;
-        self.depth - (self.corners().map(at).sum::<Vec3>() - self.from).dot(self.normal)
+        let goes = self.corners().map(at).sum::<Vec3>() - self.from - yielded.at(self.arm);
+        self.depth - goes.dot(self.normal)
     }
 
     /// Begins with the push that was expected, which the displacements have been given.
@@ -196,6 +200,9 @@ impl HoldEdges<'_> {
         if is_hooked || passes || is_beyond {
             return None;
         }
+        // A body yields to a push as well as the place does.
+        let arm = place.between(self.x) - motion.centre[0];
+        let mobility = mobility + self.mobility.map_or(0.0, |body| body.along(arm, normal));
         let surface = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
         let goes = (moved - surface).dot(normal);
         let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
@@ -214,6 +221,7 @@ impl HoldEdges<'_> {
             bodies: [0; 3],
             shares,
             mass,
+            arm,
             normal,
             surface,
             from,
@@ -230,7 +238,7 @@ impl HoldEdges<'_> {
     /// it is then inside.
     pub(super) fn goes_through(&self, press: &Press, push: Vec3, bodies: &[Body]) -> bool {
         let motion = self.motion;
-        let left = press.depth(bodies) - push.dot(press.normal);
+        let left = press.depth(bodies, &Twist::default()) - push.dot(press.normal);
         let push = push + press.normal * larger(left, 0.0);
         press.corners().any(|(body, _, share)| {
             let (from, way) = (bodies[body].x, bodies[body].d + push * share);

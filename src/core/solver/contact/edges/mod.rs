@@ -38,6 +38,7 @@ use crate::solver::contact::edges::candidates::{FindClose, Inside};
 use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
 use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::mobility::Mobility;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
@@ -116,6 +117,8 @@ pub(super) struct HoldEdges<'a> {
     pub until: &'a mut [f32],
     pub gone: f32,
     pub motion: &'a Motion<'a>,
+    /// What it moves by, where it is a body.
+    pub mobility: Option<Mobility>,
     pub settings: &'a ContactSettings,
     /// Strain that threads are limited to, and whether threads beside pressed edges are held to it.
     pub max_strain: f32,

@@ -9,6 +9,7 @@ use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::contact_point::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
 use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::mobility::Twist;
 use crate::solver::simd::block::larger;
 
 /// Rounds of the solution.
@@ -39,6 +40,8 @@ pub(super) struct Limited {
 #[derive(Clone, Debug, Default)]
 pub(super) struct System {
     pub presses: Vec<Press>,
+    /// How far the collider has yielded, where it is a body: a displacement of the substep.
+    yielded: Twist,
     bodies: Vec<Body>,
     limited: Vec<Limited>,
     /// Where a particle is among the bodies, by slot; [`NONE`] where it is not.
@@ -53,6 +56,7 @@ impl System {
     pub fn new(slots: usize, few: usize) -> Self {
         Self {
             presses: Vec::with_capacity(few),
+            yielded: Twist::default(),
             bodies: Vec::with_capacity(few),
             limited: Vec::with_capacity(few),
             place: vec![NONE; slots],
@@ -75,10 +79,10 @@ impl System {
 
     /// Moves what was pressed out as far as it is still inside, by `most_push` at most. It gets no speed by that.
     fn move_out(&mut self, most_push: f32) {
-        let Self { presses, bodies, .. } = self;
+        let Self { presses, yielded, bodies, .. } = self;
         for press in presses {
-            let depth = press.depth(bodies);
-            let leaves = larger(press.goes(bodies).dot(press.normal), 0.0);
+            let depth = press.depth(bodies, yielded);
+            let leaves = larger(press.goes(bodies, yielded).dot(press.normal), 0.0);
             let allowed = larger(most_push - leaves, 0.0);
             let by = press.normal * larger(if depth < allowed { depth } else { allowed }, 0.0);
             for (body, _, share) in press.corners() {
@@ -120,6 +124,7 @@ impl HoldEdges<'_> {
     pub(super) fn solve(&mut self, system: &mut System) -> EdgesHeld {
         let mut held = EdgesHeld::default();
         self.find_bodies(system);
+        system.yielded = Twist::default();
         // What is fast is met once, as what moves is looked at on its way.
         let rounds = if self.rule.is_slow { ROUNDS } else { 1 };
         let found = FOUND / self.settings.per_weight;
@@ -133,9 +138,12 @@ impl HoldEdges<'_> {
             }
             let mut changed = 0.0;
             for press in &mut system.presses {
-                let by = self.push(press, &mut system.bodies);
-                let arm = press.place.between(self.x) - self.motion.centre[0];
-                held.given += Impulse::at(arm, by * -press.mass);
+                let by = self.push(press, &mut system.bodies, &system.yielded);
+                let given = Impulse::at(press.arm, by * -press.mass);
+                held.given += given;
+                if let Some(body) = &self.mobility {
+                    system.yielded.add(&body.motion(given));
+                }
                 changed = larger(by.abs().max_element(), changed);
             }
             if changed < found && system.limited.is_empty() {
@@ -212,8 +220,8 @@ impl HoldEdges<'_> {
 
     /// Gives an edge or a face what it lacks of the push along the normal and of friction, or takes back what it has too much
     /// of. Returns the push.
-    fn push(&self, press: &mut Press, bodies: &mut [Body]) -> Vec3 {
-        let goes = press.goes(bodies);
+    fn push(&self, press: &mut Press, bodies: &mut [Body], yielded: &Twist) -> Vec3 {
+        let goes = press.goes(bodies, yielded);
         let along = goes.dot(press.normal);
         let push = larger(press.push + press.least - along, 0.0);
         let push = if push < press.most { push } else { press.most };
