@@ -60,7 +60,7 @@ pub(crate) struct ActiveSet {
     pub holder: Array,
     /// Approach to a body that contact has undone in this substep, outward, by slot \[m\]; zero once it has answered.
     pub pressed: Soa,
-    /// Room for the slots of the particles that a body answers to.
+    /// Room for the blocks of the particles that a body answers to.
     pub answering: Vec<usize>,
     /// A particle's displacement before any correction, by slot \[m\].
     pub unpulled: Soa,
@@ -189,7 +189,7 @@ impl ActiveSet {
         self.impulses.begin_tick(colliders, origin, LIGHTEST * particle);
         if colliders.iter().any(|collider| collider.mobility.is_some()) {
             self.answering.clear();
-            self.answering.reserve(self.lost.len());
+            self.answering.reserve(self.now.blocks.len());
         }
     }
 

@@ -19,6 +19,8 @@ use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::linear::solve;
 use crate::solver::contact::mobility::{Mobility, Twist};
+use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
@@ -42,82 +44,141 @@ pub(super) struct Answer<'a> {
     pub gone: f32,
 }
 
-impl Answer<'_> {
-    /// Shares with the particles what the body was given, and returns what it takes back of that.
-    pub fn run(&mut self) -> Impulse {
-        let mut slots = core::mem::take(&mut self.set.answering);
-        slots.clear();
-        slots.extend(self.touching());
+/// Particles of a block that touch the body.
+struct Touching {
+    slot: usize,
+    /// One over their masses \[1/kg\], and their masses; the latter is zero where a particle does not touch.
+    w: Block,
+    masses: Block,
+    /// From the body's centre \[m\].
+    arms: Block3,
+    /// The axes along which they press on it, and go with it, and how far they were pressed \[m\].
+    n: Block3,
+    pressed: Block,
+    /// How far they go with it along the surface, from 0 to 1.
+    sticks: Block,
+}
+
+impl Kernel for Answer<'_> {
+    /// What the body takes back of what it was given.
+    type Output = Impulse;
+
+    /// Shares with the particles what the body was given.
+    #[inline(always)]
+    fn run(mut self) -> Impulse {
+        let mut blocks = core::mem::take(&mut self.set.answering);
         let mut carried = Carried::NONE;
-        for &slot in &slots {
-            let mass = 1.0 / self.inverse_mass[slot];
-            carried.add(mass, self.arm(slot), self.normal(slot), self.sticks(slot));
+        let mut count = 0;
+        blocks.clear();
+        for (block, (&touches, &until)) in self.set.next.blocks.iter().zip(self.until).enumerate() {
+            // What touches has no way left to go.
+            if !touches || until > self.gone {
+                continue;
+            }
+            let touching = self.touching(block * LANES);
+            let touch = touching.masses.0.iter().filter(|&&mass| mass > 0.0).count();
+            if touch > 0 {
+                let Touching { masses, arms, n, sticks, .. } = &touching;
+                carried.add(masses, arms, n, sticks);
+                blocks.push(block);
+                count += touch;
+            }
         }
         let mut taken = Impulse::ZERO;
-        if !slots.is_empty() {
+        if count > 0 {
             let together = self.mobility.motion_with(&carried, self.given);
-            for &slot in &slots {
-                taken += self.take_along(slot, &together);
+            let mut sums = [Block3::ZERO; 2];
+            for &block in &blocks {
+                self.take_along(&self.touching(block * LANES), &together, &mut sums);
             }
+            taken = Impulse { linear: sums[0].sum(), angular: sums[1].sum() };
             let moves = self.mobility.motion(self.given + taken);
-            for &slot in &slots {
-                self.lighten(slot, &moves, slots.len());
-                self.set.pressed.set(slot, Vec3::ZERO);
+            for &block in &blocks {
+                self.lighten(&self.touching(block * LANES), &moves, count as f32);
             }
         }
-        self.set.answering = slots;
+        self.set.answering = blocks;
         taken
     }
+}
 
-    /// Slots of the particles that touch the body.
-    fn touching(&self) -> impl Iterator<Item = usize> + '_ {
-        let blocks = self.set.next.blocks.iter().zip(self.until).enumerate();
-        // What touches has no way left to go.
-        let blocks = blocks.filter(|&(_, (&touches, &until))| touches && until <= self.gone);
-        let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
-        slots.filter(|&slot| {
-            self.inverse_mass[slot] > 0.0
-                && self.set.holder[slot] as usize == self.collider
-                && self.set.pressed.get(slot) != Vec3::ZERO
-        })
-    }
-
-    fn arm(&self, slot: usize) -> Vec3 {
-        self.x.get(slot) - self.motion.centre[0]
-    }
-
-    /// The axis along which a particle presses on the body, and goes with it.
-    fn normal(&self, slot: usize) -> Vec3 {
-        self.set.pressed.get(slot).normalize_or(Vec3::Y)
-    }
-
-    /// How far it goes with it along the surface, from 0 to 1.
-    fn sticks(&self, slot: usize) -> f32 {
-        1.0 - self.set.next.loose[slot]
-    }
-
-    /// Takes a particle along with the body, no further than it was pressed, and returns what the body takes back for that.
-    fn take_along(&mut self, slot: usize, together: &Twist) -> Impulse {
-        let way = together.at(self.arm(slot)) * self.step;
-        let (n, sticks) = (self.normal(slot), self.sticks(slot));
-        let along = n.dot(way);
-        let most = -self.set.pressed.get(slot).length();
-        let by = (way - n * along) * sticks + n * along.max(most);
-        self.d.set(slot, self.d.get(slot) + by);
-        self.set.unpulled.set(slot, self.set.unpulled.get(slot) + by);
-        if let Some(pull) = &mut self.pull {
-            pull.set(slot, pull.get(slot) - by);
+impl Answer<'_> {
+    #[inline(always)]
+    fn touching(&self, slot: usize) -> Touching {
+        let (set, collider) = (&*self.set, self.collider as f32);
+        let (w, holder) = (Block::load(self.inverse_mass, slot), Block::load(&set.holder, slot));
+        let (x, press) = (Block3::load(self.x, slot), Block3::load(&set.pressed, slot));
+        let (mut pressed, mut masses) = (Block::ZERO, Block::ZERO);
+        let (mut n, mut arms) = (Block3::ZERO, Block3::ZERO);
+        for i in 0..LANES {
+            let press = press.at(i);
+            pressed.0[i] = press.dot(press).sqrt();
+            n.set(i, press * (1.0 / larger(pressed.0[i], f32::MIN_POSITIVE)));
+            arms.set(i, x.at(i) - self.motion.centre[0]);
         }
-        Impulse::at(self.arm(slot), by / (-self.inverse_mass[slot] * self.step))
+        for i in 0..LANES {
+            let touches = (w.0[i] > 0.0) & (holder.0[i] == collider) & (pressed.0[i] > 0.0);
+            let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
+            masses.0[i] = if touches { mass } else { 0.0 };
+        }
+        let mut sticks = Block::load(&set.next.loose, slot);
+        for i in 0..LANES {
+            sticks.0[i] = 1.0 - sticks.0[i];
+        }
+        Touching { slot, w, masses, arms, n, pressed, sticks }
     }
 
-    /// Tells the next corrections how fast the surface is now, and how heavy the particle is there, with its part of the body.
-    fn lighten(&mut self, slot: usize, moves: &Twist, count: usize) {
-        let (arm, n) = (self.arm(slot), self.set.next.normal.get(slot));
-        self.set.velocity.set(slot, self.set.velocity.get(slot) + moves.at(arm));
-        let gives = self.mobility.along(arm, n);
-        let ratio = count as f32 * gives / self.inverse_mass[slot];
-        self.set.next.normal.set(slot, n * (1.0 / (1.0 + ratio)).sqrt());
+    /// Takes particles along with the body, no further than they were pressed, and adds up what the body takes back for that.
+    #[inline(always)]
+    fn take_along(&mut self, touching: &Touching, together: &Twist, sums: &mut [Block3; 2]) {
+        let Touching { slot, masses, arms, n, pressed, sticks, .. } = touching;
+        let slot = *slot;
+        let mut by = Block3::ZERO;
+        for i in 0..LANES {
+            let (n, way) = (n.at(i), together.at(arms.at(i)) * self.step);
+            let along = n.dot(way);
+            let all = (way - n * along) * sticks.0[i] + n * larger(along, -pressed.0[i]);
+            by.set(i, if masses.0[i] > 0.0 { all } else { Vec3::ZERO });
+        }
+        Block3::load(&*self.d, slot).plus(&by).store(self.d, slot);
+        Block3::load(&self.set.unpulled, slot).plus(&by).store(&mut self.set.unpulled, slot);
+        if let Some(pull) = &mut self.pull {
+            let mut left = Block3::load(&**pull, slot);
+            for i in 0..LANES {
+                left.set(i, left.at(i) - by.at(i));
+            }
+            left.store(&mut **pull, slot);
+        }
+        let rate = -1.0 / self.step;
+        for i in 0..LANES {
+            let given = by.at(i) * (masses.0[i] * rate);
+            sums[0].set(i, sums[0].at(i) + given);
+            sums[1].set(i, sums[1].at(i) + arms.at(i).cross(given));
+        }
+    }
+
+    /// Tells the next corrections how fast the surface is now, and how heavy the particles are there, each with its part of the body.
+    /// By now it has answered to them.
+    #[inline(always)]
+    fn lighten(&mut self, touching: &Touching, moves: &Twist, count: f32) {
+        let Touching { slot, w, masses, arms, .. } = touching;
+        let (slot, set) = (*slot, &mut *self.set);
+        let mut normal = Block3::load(&set.next.normal, slot);
+        let mut velocity = Block3::load(&set.velocity, slot);
+        let mut pressed = Block3::load(&set.pressed, slot);
+        let mobility = self.mobility;
+        for i in 0..LANES {
+            let (n, arm, touches) = (normal.at(i), arms.at(i), masses.0[i] > 0.0);
+            let gives = mobility.along(arm, n);
+            let part = (1.0 / (1.0 + count * gives / larger(w.0[i], f32::MIN_POSITIVE))).sqrt();
+            normal.set(i, if touches { n * part } else { n });
+            let faster = velocity.at(i) + moves.at(arm);
+            velocity.set(i, if touches { faster } else { velocity.at(i) });
+            pressed.set(i, if touches { Vec3::ZERO } else { pressed.at(i) });
+        }
+        normal.store(&mut set.next.normal, slot);
+        velocity.store(&mut set.velocity, slot);
+        pressed.store(&mut set.pressed, slot);
     }
 }
 
@@ -149,6 +210,7 @@ fn components(twist: &Twist) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solver::contact::carried::tests::one;
     use bevy_math::Mat3;
 
     #[test]
@@ -159,8 +221,7 @@ mod tests {
             informed: true,
         };
         // Two kilograms at its centre.
-        let mut carried = Carried::NONE;
-        carried.add(2.0, Vec3::ZERO, Vec3::Y, 1.0);
+        let carried = one(2.0, Vec3::ZERO, Vec3::Y, 1.0);
         let impulse = Impulse { linear: Vec3::new(4.0, 0.0, -8.0), angular: Vec3::ONE };
         let moves = body.motion_with(&carried, impulse);
         assert_eq!(moves.linear, Vec3::new(1.0, 0.0, -2.0));

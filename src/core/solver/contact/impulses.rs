@@ -226,11 +226,17 @@ impl Impulses {
             return;
         }
         for Share { collider, at, given, owed } in shares {
-            if let Some(account) = self.account_mut(collider) {
-                let arm = at - account.about;
-                account.given += Impulse::at(arm, given / step);
-                account.owed += Impulse::at(arm, owed / step);
-            }
+            self.give_at(collider, at, given / step, owed / step);
+        }
+    }
+
+    /// Gives what acts at a place, and owes it \[kg m/s\].
+    #[inline(always)]
+    pub fn give_at(&mut self, collider: usize, at: Vec3, given: Vec3, owed: Vec3) {
+        if let Some(account) = self.account_mut(collider) {
+            let arm = at - account.about;
+            account.given += Impulse::at(arm, given);
+            account.owed += Impulse::at(arm, owed);
         }
     }
 
@@ -318,6 +324,7 @@ impl Impulses {
         self.colliders.get(self.first(collider))?.as_ref()
     }
 
+    #[inline(always)]
     fn account_mut(&mut self, collider: usize) -> Option<&mut Account> {
         let first = self.first(collider);
         let account = self.colliders.get_mut(first)?.as_mut()?;

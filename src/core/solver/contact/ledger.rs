@@ -3,112 +3,185 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::active_set::{ActiveSet, slipped};
-use crate::solver::contact::impulses::Share;
 use crate::solver::contact::let_go::followed;
-use crate::solver::simd::block::larger;
+use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
+/// Momentum that a block's particles give to what they lie on, and owe it, times the substep \[kg m\].
+#[derive(Clone, Copy)]
+struct Shares {
+    given: Block3,
+    owed: Block3,
+}
+
 impl ActiveSet {
     /// Gives colliders what they took of pulls that [`HoldOnto`] left out, in a substep of length `step`.
-    pub fn give_left_out(&mut self, inverse_mass: &[f32], x: &Soa, step: f32) {
-        let mut impulses = core::mem::take(&mut self.impulses);
-        impulses.give(self.left_out(inverse_mass, x), step);
-        self.impulses = impulses;
-    }
-
-    fn left_out<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-        x: &'a Soa,
-    ) -> impl Iterator<Item = Share> + 'a {
-        self.held_slots(inverse_mass).map(|(slot, w)| {
-            let dropped = self.dropped.get(slot) / w;
-            self.share(slot, x, dropped, dropped)
-        })
+    pub fn give_left_out(&mut self, isa: Isa, inverse_mass: &[f32], x: &Soa, step: f32) {
+        self.give(isa, inverse_mass, x, step, LeftOut);
     }
 
     /// Gives colliders what they took of pulls at what gives way, after the corrections of a substep of length `step`: it is
     /// moved by a part of its inverse mass, and no normal tells that it is held.
     pub fn give_yielding(
         &mut self,
+        isa: Isa,
         inverse_mass: &[f32],
         [x, d]: [&Soa; 2],
         notes: bool,
         step: f32,
     ) {
-        let mut impulses = core::mem::take(&mut self.impulses);
-        if impulses.are_measured() {
-            impulses.give(self.yielding(inverse_mass, [x, d], notes), step);
-        }
-        self.impulses = impulses;
-    }
-
-    fn yielding<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-        [x, d]: [&'a Soa; 2],
-        notes: bool,
-    ) -> impl Iterator<Item = Share> + 'a {
-        let yields = |&(slot, _): &(usize, f32)| self.now.normal.get(slot) == Vec3::ZERO;
-        self.touching_slots(inverse_mass).filter(yields).map(move |(slot, w)| {
-            let pulled = d.get(slot) - self.unpulled.get(slot);
-            let given = pulled * ((1.0 / self.now.slip[slot] - 1.0) / w);
-            let owed = if notes { given } else { Vec3::ZERO };
-            self.share(slot, x, given, owed)
-        })
+        self.give(isa, inverse_mass, x, step, Yielding { d, notes });
     }
 
     /// Gives colliders what they took of what they have let go, in a substep of length `step`. Where pulls are noted, those
     /// that did not move it are not.
-    pub fn give_taken(&mut self, inverse_mass: &[f32], [x, d]: [&Soa; 2], notes: bool, step: f32) {
-        let mut impulses = core::mem::take(&mut self.impulses);
-        impulses.give(self.taken(inverse_mass, [x, d], notes), step);
-        self.impulses = impulses;
-    }
-
-    fn taken<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-        [x, d]: [&'a Soa; 2],
+    pub fn give_taken(
+        &mut self,
+        isa: Isa,
+        inverse_mass: &[f32],
+        [x, d]: [&Soa; 2],
         notes: bool,
-    ) -> impl Iterator<Item = Share> + 'a {
-        self.held_slots(inverse_mass).filter_map(move |(slot, w)| {
-            let (load, lost, n) = (self.load[slot], self.lost[slot], self.now.normal.get(slot));
-            let is_let_go = load != 0.0 || lost != 0.0;
+        step: f32,
+    ) {
+        self.give(isa, inverse_mass, x, step, Taken { d, notes });
+    }
+
+    fn give(&mut self, isa: Isa, inverse_mass: &[f32], x: &Soa, step: f32, rule: impl Rule) {
+        if self.impulses.are_measured() {
+            isa.run(Give { set: self, inverse_mass, x, step, rule });
+        }
+    }
+}
+
+/// Which pulls are given.
+trait Rule {
+    /// The shares of a block of these inverse masses, at a slot; `None` where it has none.
+    fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares>;
+}
+
+/// Gives the shares of all particles of the active set, in the order of their slots.
+struct Give<'a, R> {
+    set: &'a mut ActiveSet,
+    inverse_mass: &'a [f32],
+    x: &'a Soa,
+    step: f32,
+    rule: R,
+}
+
+impl<R: Rule> Kernel for Give<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { set, inverse_mass, x, step, rule } = self;
+        for block in 0..set.now.blocks.len() {
+            if !set.now.blocks[block] {
+                continue;
+            }
+            let slot = block * LANES;
+            let Some(shares) = rule.shares(set, &Block::load(inverse_mass, slot), slot) else {
+                continue;
+            };
+            let (mut given, mut owed) = (shares.given, shares.owed);
+            for i in 0..LANES {
+                given.set(i, given.at(i) / step);
+                owed.set(i, owed.at(i) / step);
+            }
+            let (x, holder) = (Block3::load(x, slot), Block::load(&set.holder, slot));
+            for i in 0..LANES {
+                let (given, owed) = (given.at(i), owed.at(i));
+                if given != Vec3::ZERO || owed != Vec3::ZERO {
+                    set.impulses.give_at(holder.0[i] as usize, x.at(i), given, owed);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a particle is held by what it lies on.
+#[inline(always)]
+fn is_held(n: Vec3, w: f32) -> bool {
+    (n.x != 0.0) | (n.y != 0.0) | (n.z != 0.0) && w > 0.0
+}
+
+struct LeftOut;
+
+impl Rule for LeftOut {
+    #[inline(always)]
+    fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
+        let (n, dropped) = (Block3::load(&set.now.normal, slot), Block3::load(&set.dropped, slot));
+        let mut given = Block3::ZERO;
+        for i in 0..LANES {
+            let all = dropped.at(i) / larger(w.0[i], f32::MIN_POSITIVE);
+            given.set(i, if is_held(n.at(i), w.0[i]) { all } else { Vec3::ZERO });
+        }
+        Some(Shares { given, owed: given })
+    }
+}
+
+struct Yielding<'a> {
+    d: &'a Soa,
+    notes: bool,
+}
+
+impl Rule for Yielding<'_> {
+    #[inline(always)]
+    fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
+        let (n, slip) = (Block3::load(&set.now.normal, slot), Block::load(&set.now.slip, slot));
+        let mut unslipped = Block::ZERO;
+        for i in 0..LANES {
+            let w = w.0[i];
+            let yields = w > 0.0 && !is_held(n.at(i), w);
+            let part = (1.0 / slip.0[i] - 1.0) / larger(w, f32::MIN_POSITIVE);
+            unslipped.0[i] = if yields { part } else { 0.0 };
+        }
+        // Hardly any block has what gives way.
+        if !unslipped.is_any() {
+            return None;
+        }
+        let (d, unpulled) = (Block3::load(self.d, slot), Block3::load(&set.unpulled, slot));
+        let (mut given, mut owed) = (Block3::ZERO, Block3::ZERO);
+        for i in 0..LANES {
+            let all = (d.at(i) - unpulled.at(i)) * unslipped.0[i];
+            given.set(i, all);
+            owed.set(i, if self.notes { all } else { Vec3::ZERO });
+        }
+        Some(Shares { given, owed })
+    }
+}
+
+struct Taken<'a> {
+    d: &'a Soa,
+    notes: bool,
+}
+
+impl Rule for Taken<'_> {
+    #[inline(always)]
+    fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
+        let (load, lost) = (Block::load(&set.load, slot), Block::load(&set.lost, slot));
+        // What goes on touching has been let go by what met it.
+        if !lost.is_any() && !load.is_any() {
+            return None;
+        }
+        let (n, slip) = (Block3::load(&set.now.normal, slot), Block::load(&set.now.slip, slot));
+        let (d, unpulled) = (Block3::load(self.d, slot), Block3::load(&set.unpulled, slot));
+        let (mut given, mut owed) = (Block3::ZERO, Block3::ZERO);
+        for i in 0..LANES {
+            let (load, lost, n) = (load.0[i], lost.0[i], n.at(i));
+            let is_let_go = is_held(n, w.0[i]) && (load != 0.0 || lost != 0.0);
+            let w = larger(w.0[i], f32::MIN_POSITIVE);
             let fallen = if lost < 0.0 { lost } else { 0.0 };
-            let released = n * (larger(lost, 0.0) + followed(lost, load * w));
-            let pulled = d.get(slot) - released - self.unpulled.get(slot);
-            let unslipped = slipped(pulled, n) * (1.0 / self.now.slip[slot] - 1.0);
-            let unfollowed = n * (load - followed(lost, load * w) / w) + unslipped / w;
-            let owed = if notes { unfollowed } else { Vec3::ZERO };
-            let given = unfollowed + n * (fallen / w);
-            is_let_go.then(|| self.share(slot, x, given, owed))
-        })
-    }
-
-    /// The share of what the particle of a slot lies on.
-    fn share(&self, slot: usize, x: &Soa, given: Vec3, owed: Vec3) -> Share {
-        Share { collider: self.holder[slot] as usize, at: x.get(slot), given, owed }
-    }
-
-    /// Slots of the particles that are held, and their inverse masses.
-    fn held_slots<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-    ) -> impl Iterator<Item = (usize, f32)> + 'a {
-        let all = self.touching_slots(inverse_mass);
-        all.filter(|&(slot, _)| self.now.normal.get(slot) != Vec3::ZERO)
-    }
-
-    /// Slots of blocks of which any particle is held or gives way, as far as these are free to move.
-    fn touching_slots<'a>(
-        &'a self,
-        inverse_mass: &'a [f32],
-    ) -> impl Iterator<Item = (usize, f32)> + 'a {
-        let blocks = self.now.blocks.iter().enumerate().filter(|&(_, &touched)| touched);
-        let slots = blocks.flat_map(|(block, _)| block * LANES..(block + 1) * LANES);
-        let all = slots.map(|slot| (slot, inverse_mass[slot]));
-        all.filter(|&(_, w)| w > 0.0)
+            let follows = followed(lost, load * w);
+            let released = n * (larger(lost, 0.0) + follows);
+            let pulled = d.at(i) - released - unpulled.at(i);
+            let unslipped = slipped(pulled, n) * (1.0 / slip.0[i] - 1.0);
+            let unfollowed = n * (load - follows / w) + unslipped / w;
+            let all = unfollowed + n * (fallen / w);
+            given.set(i, if is_let_go { all } else { Vec3::ZERO });
+            owed.set(i, if is_let_go && self.notes { unfollowed } else { Vec3::ZERO });
+        }
+        Some(Shares { given, owed })
     }
 }

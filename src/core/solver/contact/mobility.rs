@@ -42,6 +42,7 @@ impl Mobility {
     }
 
     /// What an impulse of one along `n` at an arm moves it by there, along `n` \[1/kg\].
+    #[inline(always)]
     pub(super) fn along(&self, arm: Vec3, n: Vec3) -> f32 {
         let turn = arm.cross(n);
         self.inverse_mass + turn.dot(self.inverse_inertia * turn)

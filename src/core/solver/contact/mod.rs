@@ -167,7 +167,7 @@ impl ResolveContacts<'_> {
         let ContactSettings { epsilon, layers, step, .. } = self.settings;
         let layout = self.bands.rows.layout;
         let notes = self.pull.is_some();
-        self.set.give_yielding(self.inverse_mass, [self.x, self.d], notes, step);
+        self.set.give_yielding(isa, self.inverse_mass, [self.x, self.d], notes, step);
         self.broad_phase.begin_substep();
         self.broad_phase.wake(
             isa,
@@ -186,7 +186,7 @@ impl ResolveContacts<'_> {
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
-            self.set.give_taken(self.inverse_mass, [self.x, self.d], notes, step);
+            self.set.give_taken(isa, self.inverse_mass, [self.x, self.d], notes, step);
         }
         self.set.impulses.end_substep(
             self.colliders,
@@ -321,7 +321,7 @@ impl ResolveContacts<'_> {
             }
         }
         if let Some(mobility) = self.set.impulses.mobility(collider) {
-            self.answer(k, gone, &motion, mobility, before);
+            self.answer(isa, k, gone, &motion, mobility, before);
         }
         touching
     }
@@ -329,6 +329,7 @@ impl ResolveContacts<'_> {
     /// Lets a body and what lies on it share what it was given since `before`.
     fn answer(
         &mut self,
+        isa: Isa,
         k: usize,
         gone: f32,
         motion: &Motion<'_>,
@@ -341,7 +342,7 @@ impl ResolveContacts<'_> {
         let given = set.impulses.of(collider) - before;
         let (inverse_mass, x) = (&*self.inverse_mass, &*self.x);
         let (d, pull) = (&mut *self.d, self.pull.as_deref_mut());
-        let taken = Answer {
+        let answer = Answer {
             collider,
             mobility,
             motion,
@@ -354,8 +355,8 @@ impl ResolveContacts<'_> {
             set,
             until,
             gone,
-        }
-        .run();
+        };
+        let taken = isa.run(answer);
         self.set.impulses.give_sum(collider, taken * step, Impulse::ZERO, step);
     }
 }

@@ -67,18 +67,13 @@ impl Tally {
 
     /// The sum over the particles of what they gave.
     pub fn given(&self) -> Impulse {
-        Impulse { linear: sum(&self.given), angular: sum(&self.given_turn) }
+        Impulse { linear: self.given.sum(), angular: self.given_turn.sum() }
     }
 
     /// The sum over the particles of what they owe.
     pub fn owed(&self) -> Impulse {
-        Impulse { linear: sum(&self.owed), angular: sum(&self.owed_turn) }
+        Impulse { linear: self.owed.sum(), angular: self.owed_turn.sum() }
     }
-}
-
-/// The sum over the lanes, in their order.
-fn sum(block: &Block3) -> Vec3 {
-    (0..LANES).fold(Vec3::ZERO, |sum, i| sum + block.at(i))
 }
 
 /// The response of contact to a block of particles.

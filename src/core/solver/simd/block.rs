@@ -151,6 +151,12 @@ impl Block3 {
         self
     }
 
+    /// The sum over the lanes, in their order.
+    #[inline(always)]
+    pub fn sum(&self) -> Vec3 {
+        (0..LANES).fold(Vec3::ZERO, |sum, i| sum + self.at(i))
+    }
+
     /// The vector of one lane.
     #[inline(always)]
     pub fn at(&self, lane: usize) -> Vec3 {

@@ -70,7 +70,7 @@ impl ClothSolver {
             let carried = self.workspace.carries.then_some(&*pull);
             let (inverse_mass, step) = (&self.pins.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
-            contacts.give_left_out(inverse_mass, x, step);
+            contacts.give_left_out(self.isa, inverse_mass, x, step);
         }
     }
 
