@@ -78,6 +78,21 @@ impl Account {
         !self.met && self.owed == Impulse::ZERO && self.coupling == Coupling::NONE
     }
 
+    /// Drops sums that are no numbers. A particle that is pushed out of a solid as far as the universe is wide has an arm that overflows,
+    /// though it comes back within the tick.
+    fn drop_what_is_no_number(&mut self) {
+        for sum in [&mut self.given, &mut self.owed] {
+            for vector in [&mut sum.linear, &mut sum.angular] {
+                if !vector.is_finite() {
+                    *vector = Vec3::ZERO;
+                }
+            }
+        }
+        if !self.deviation.is_valid() {
+            self.deviation = Deviation::NONE;
+        }
+    }
+
     /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.
     fn velocity(&self, part: f32) -> Twist {
         let unplanned = self.given - self.coupling.expected * part;
@@ -195,6 +210,7 @@ impl Impulses {
     pub fn end_tick(&mut self) {
         for &place in &self.live {
             let Some(account) = &mut self.colliders[place] else { continue };
+            account.drop_what_is_no_number();
             let Account { given, deviation, .. } = *account;
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
