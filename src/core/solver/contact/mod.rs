@@ -23,7 +23,7 @@
 //! | `hold` | after the corrections: how those particles were held |
 //! | `found` | during contact: the active set of the next substep |
 //! | `let_go` | after contact: particles of the active set that touch nothing any more |
-//! | `impulse`, `impulses`, `ledger` | momentum given to the colliders that are measured |
+//! | `impulse`, `impulses`, `account`, `ledger` | momentum given to the colliders that are measured |
 //! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
 //! | `coupling` | what is remembered of such a body from tick to tick, and what its engine is given |
 //! | `answer`, `carried`, `linear` | after contact: a body and the particles that lie on it go on together |
@@ -33,6 +33,7 @@
 //! corrections which part of its inverse mass moves it along the surface in the next substep. `swept` has a friction of
 //! its own, at the impact. So has `edges/solve`, for pressed edges and faces.
 
+mod account;
 mod active_set;
 mod answer;
 mod broad_phase;

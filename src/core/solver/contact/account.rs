@@ -1,0 +1,81 @@
+//! The account of a collider that is measured, or is a body.
+
+use bevy_math::Vec3;
+
+use crate::solver::contact::coupling::Coupling;
+use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
+
+/// What a collider is given in a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Account {
+    /// Impulse that the cloth has given.
+    pub given: Impulse,
+    /// Impulse that it gives in the substeps to come, as pulls are carried on.
+    pub owed: Impulse,
+    /// The place that angular impulses are about, in the cloth's coordinates \[m\].
+    pub about: Vec3,
+    /// What it moves by, where it is a body.
+    pub mobility: Option<Mobility>,
+    /// How far that has moved it from where it was planned to be, up to the substep.
+    pub deviation: Deviation,
+    /// Where that is planned to be when the tick begins and when it ends.
+    pub ways: [Vec3; 2],
+    /// Whether it is among those that are live.
+    pub live: bool,
+    /// Whether the cloth may have come to it in this tick, or pulls at it.
+    pub met: bool,
+    /// How many pins pull at it.
+    pub pins: u32,
+    /// Whether the cloth passes through it, as it is pinned within it.
+    pub passed: bool,
+    /// What goes on from tick to tick.
+    pub coupling: Coupling,
+    /// What the engine is to be given of the last tick.
+    pub answer: Impulse,
+}
+
+impl Account {
+    pub fn owing(owed: Impulse, coupling: Coupling) -> Self {
+        Self {
+            given: Impulse::ZERO,
+            owed,
+            about: Vec3::ZERO,
+            mobility: None,
+            deviation: Deviation::NONE,
+            ways: [Vec3::ZERO; 2],
+            live: false,
+            met: false,
+            pins: 0,
+            passed: false,
+            coupling,
+            answer: Impulse::ZERO,
+        }
+    }
+
+    /// Whether nothing is left of what the cloth has done to it.
+    pub fn rests(&self) -> bool {
+        !self.met && self.owed == Impulse::ZERO && self.coupling == Coupling::NONE
+    }
+
+    /// Drops sums that are no numbers. A particle that is pushed out of a solid as far as the universe is wide has an arm that overflows,
+    /// though it comes back within the tick.
+    pub fn drop_what_is_no_number(&mut self) {
+        for sum in [&mut self.given, &mut self.owed] {
+            for vector in [&mut sum.linear, &mut sum.angular] {
+                if !vector.is_finite() {
+                    *vector = Vec3::ZERO;
+                }
+            }
+        }
+        if !self.deviation.is_valid() {
+            self.deviation = Deviation::NONE;
+        }
+    }
+
+    /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.
+    pub fn velocity(&self, part: f32) -> Twist {
+        let unplanned = self.given - self.coupling.expected * part;
+        self.mobility.map_or(Twist::default(), |mobility| mobility.motion(unplanned))
+    }
+}
