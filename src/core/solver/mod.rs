@@ -321,7 +321,7 @@ impl ClothSolver {
 
     /// The impulse that whatever moves a body is to give it after the last tick, by its place in the input, for the cloth to carry it
     /// (see [`Mobility`]). Over time it sums up to [`impulse`](Self::impulse); it is a tick ahead, as far as the cloth is expected
-    /// to go on as it does.
+    /// to go on as it does. The angular part makes up for how far the body has gone since.
     pub fn body_impulse(&self, collider: usize) -> Impulse {
         self.state.contacts.impulses.answer(collider)
     }

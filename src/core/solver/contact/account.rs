@@ -11,6 +11,9 @@ use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 pub(super) struct Account {
     /// Impulse that the cloth has given.
     pub given: Impulse,
+    /// Angular momentum that the engine's body lacks about the end of its way, where it is given the impulse: the cloth gave it
+    /// elsewhere.
+    pub late: Vec3,
     /// Impulse that it gives in the substeps to come, as pulls are carried on.
     pub owed: Impulse,
     /// The place that angular impulses are about, in the cloth's coordinates \[m\].
@@ -39,6 +42,7 @@ impl Account {
     pub fn owing(owed: Impulse, coupling: Coupling) -> Self {
         Self {
             given: Impulse::ZERO,
+            late: Vec3::ZERO,
             owed,
             about: Vec3::ZERO,
             mobility: None,
@@ -51,6 +55,19 @@ impl Account {
             coupling,
             answer: Impulse::ZERO,
         }
+    }
+
+    /// Gives it an impulse about where it is now.
+    #[inline(always)]
+    pub fn give(&mut self, impulse: Impulse) {
+        self.given += impulse;
+        self.late += (self.about - self.ways[1]).cross(impulse.linear);
+    }
+
+    /// What is lacking of its angular momentum when the tick ends. The impulse that was expected has been given to the engine's body
+    /// where its way begins.
+    pub fn lacking(&self) -> Vec3 {
+        self.late + (self.ways[1] - self.ways[0]).cross(self.coupling.expected.linear)
     }
 
     /// Whether nothing is left of what the cloth has done to it.
@@ -67,6 +84,9 @@ impl Account {
                     *vector = Vec3::ZERO;
                 }
             }
+        }
+        if !self.late.is_finite() {
+            self.late = Vec3::ZERO;
         }
         if !self.deviation.is_valid() {
             self.deviation = Deviation::NONE;

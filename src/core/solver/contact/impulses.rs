@@ -141,8 +141,10 @@ impl Impulses {
             let Account { given, deviation, .. } = *account;
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
-                    let is_pinned = account.pins > 0;
-                    account.coupling.end_tick(given, &deviation, inverse_mass, is_pinned)
+                    let (lacking, is_pinned) = (account.lacking(), account.pins > 0);
+                    let coupling = &mut account.coupling;
+                    let answer = coupling.end_tick(given, &deviation, inverse_mass, is_pinned);
+                    Impulse { angular: answer.angular + lacking, ..answer }
                 }
                 None => given,
             };
@@ -159,7 +161,7 @@ impl Impulses {
         for &place in &self.live {
             let Some(account) = &mut self.colliders[place] else { continue };
             account.owed = account.owed * part.unwrap_or(0.0);
-            account.given += account.owed;
+            account.give(account.owed);
         }
     }
 
@@ -178,7 +180,7 @@ impl Impulses {
     pub fn give_at(&mut self, collider: usize, at: Vec3, given: Vec3, owed: Vec3) {
         if let Some(account) = self.account_mut(collider) {
             let arm = at - account.about;
-            account.given += Impulse::at(arm, given);
+            account.give(Impulse::at(arm, given));
             account.owed += Impulse::at(arm, owed);
         }
     }
@@ -186,7 +188,7 @@ impl Impulses {
     /// Gives a collider what has been summed up about its place in a substep of length `step`, times the substep.
     pub fn give_sum(&mut self, collider: usize, given: Impulse, owed: Impulse, step: f32) {
         if let Some(account) = self.account_mut(collider) {
-            account.given += given * (1.0 / step);
+            account.give(given * (1.0 / step));
             account.owed += owed * (1.0 / step);
         }
     }

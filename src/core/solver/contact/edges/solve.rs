@@ -92,9 +92,11 @@ impl System {
     }
 
     /// Brakes the turning of what is pressed about where it is held, which nothing else stops: half of what each corner goes
-    /// beside the others, as far as `friction` does it.
-    fn brake_turning(&mut self, friction: f32) {
+    /// beside the others, as far as `friction` does it. Returns what the collider is given by that about its `centre`, times the
+    /// substep: it takes over the turning.
+    fn brake_turning(&mut self, friction: f32, centre: Vec3) -> Impulse {
         let Self { presses, bodies, .. } = self;
+        let mut given = Impulse::ZERO;
         for press in presses {
             let mass = |body: usize| 1.0 / larger(bodies[body].inverse_mass, LEAST_INVERSE_MASS);
             let along = |body: usize| press.normal.dot(bodies[body].d);
@@ -112,10 +114,15 @@ impl System {
             let most = TURNING * friction * press.push * press.mass;
             let part = if largest > most { most / largest } else { 1.0 };
             for ((body, ..), turning) in press.corners().zip(turning) {
-                let by = part * turning * bodies[body].inverse_mass;
-                bodies[body].d -= press.normal * by;
+                let body = &mut bodies[body];
+                let by = press.normal * (part * turning);
+                body.d -= by * body.inverse_mass;
+                if body.inverse_mass > 0.0 {
+                    given += Impulse::at(body.x - centre, by);
+                }
             }
         }
+        given
     }
 }
 
@@ -152,7 +159,7 @@ impl HoldEdges<'_> {
         }
         system.move_out(self.settings.most_push);
         if self.rule.is_slow {
-            system.brake_turning(self.motion.friction);
+            held.given += system.brake_turning(self.motion.friction, self.motion.centre[0]);
             for press in &system.presses {
                 self.expect(press);
             }
