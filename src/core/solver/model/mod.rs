@@ -89,9 +89,9 @@ pub(crate) trait Stages {
     fn bend(&mut self, bending: Bending, rubs: bool);
     /// Takes over the constants that a plan chose.
     fn follow(&mut self, plan: &Plan, bound: &Bound);
-    /// Whether corrections of a substep are expected again in the next (`integrate::houbolt`), of a cloth that touches
-    /// colliders or does not.
-    fn carries_pulls(&self, touches: bool) -> bool;
+    /// Part of a substep's corrections that is expected again in the next (`integrate::houbolt`), of a cloth that touches
+    /// colliders or does not, and is held by pins or not; `None` where none is.
+    fn carried(&self, touches: bool, is_held: bool) -> Option<f32>;
 
     /// First stage: slows what bends by friction. Takes no more than `part` of a motion, nor more than `most`
     /// of displacement of a mass of one \[kg m\].

@@ -67,7 +67,7 @@ impl ClothSolver {
         self.state.contacts.impulses.carry_on(part);
         let State { x, d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
-            let carried = self.workspace.carries.then_some(&*pull);
+            let carried = self.workspace.carried.is_some().then_some(&*pull);
             let (inverse_mass, step) = (&self.pins.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
             contacts.give_left_out(self.isa, inverse_mass, x, step);

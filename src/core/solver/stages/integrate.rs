@@ -46,13 +46,13 @@ impl ClothSolver {
             },
             inverse_mass: &self.pins.inverse_mass,
             d: d.part_mut(),
-            carry: PullFilter::new(self.workspace.carries, part, pull),
+            carry: PullFilter::new(self.workspace.carried.is_some(), part, pull),
         };
         parallel::run(self.isa, integrate);
         let ratio = plan.step / self.state.last_step;
         let State { x, d, pull, contacts, .. } = &mut self.state;
         let ActiveSet { edges, impulses, .. } = contacts;
-        let pull = self.workspace.carries.then_some(pull);
+        let pull = self.workspace.carried.is_some().then_some(pull);
         let inverse_mass = &self.pins.inverse_mass;
         edges.start_warm(ratio * ratio, plan.step, inverse_mass, x, d, pull, impulses);
         self.state.last_step = plan.step;

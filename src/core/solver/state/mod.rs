@@ -96,8 +96,8 @@ pub(crate) struct Workspace {
     pub a: Soa,
     /// Memory of the integrators for study, where one is chosen.
     pub study: Option<ExplicitWorkspace>,
-    /// Whether corrections are carried on in this tick.
-    pub carries: bool,
+    /// Part of the corrections that is carried on in this tick, if any is.
+    pub carried: Option<f32>,
     /// The memory of contact within a tick.
     pub broad_phase: BroadPhase,
 }
@@ -108,7 +108,7 @@ impl Workspace {
         Self {
             a: Soa::zeros(layout.len()),
             study: None,
-            carries: false,
+            carried: None,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }
     }

@@ -11,6 +11,7 @@ use crate::solver::constraints::threads::chains::SolveChains;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
+use crate::solver::integrate::houbolt::{CARRIED, CARRIED_BY_CHAINS_ON_COLLIDERS};
 use crate::solver::model::mesh::workspace::MeshWorkspace;
 use crate::solver::model::{Acting, Particles, Stages};
 use crate::solver::plan::Plan;
@@ -134,9 +135,9 @@ impl Stages for Mesh {
         self.is_solved_enough = ratio <= STIFFEST_CARRIED;
     }
 
-    /// What lies on colliders is of first order: there one pass over the chains leaves too much to do.
-    fn carries_pulls(&self, touches: bool) -> bool {
-        self.is_solved_enough && !touches
+    fn carried(&self, touches: bool, _: bool) -> Option<f32> {
+        let part = if touches { CARRIED_BY_CHAINS_ON_COLLIDERS } else { CARRIED };
+        self.is_solved_enough.then_some(part)
     }
 
     fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {
