@@ -21,6 +21,7 @@
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
 //! | `side` | a cloth as one side of pairs |
+//! | `support` | what particles rest on, handed on from layer to layer |
 //! | `respond` | pairs that touch are moved apart, with friction |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
@@ -48,6 +49,7 @@ mod parts;
 mod patches;
 mod respond;
 mod side;
+mod support;
 mod tangles;
 mod travel;
 
@@ -60,6 +62,7 @@ pub use crate::solver::cloth_contact::others::InterCollision;
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
 pub(super) use crate::solver::cloth_contact::parts::{Body, Parts};
 pub(super) use crate::solver::cloth_contact::side::Lying;
+pub(super) use crate::solver::cloth_contact::support::Rest;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::settings::{ParameterError, Settings, check};
@@ -94,6 +97,8 @@ pub(in crate::solver) struct Memory {
     pub is_suspected: bool,
     /// Ticks until tangles are searched.
     pub wait: u32,
+    /// What particles rest on, by their slots.
+    pub rests: Vec<(usize, Rest)>,
 }
 
 /// Substeps in 1/60 s that layers need of balls so wide \[m\], so many ticks after they touched.

@@ -53,6 +53,7 @@ impl Tangles {
             down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
             is_suspected: *is_suspected,
             wait: *wait,
+            rests: Vec::new(),
         }
     }
 

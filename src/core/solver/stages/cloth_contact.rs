@@ -46,7 +46,8 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts, plan.step),
+            lying: lying(contacts),
+            step: plan.step,
             most_push: settings.max_depenetration_speed * plan.step,
         };
         self_contact.as_mut().map(|own| act(own, on))
@@ -65,7 +66,8 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts, plan.step),
+            lying: lying(contacts),
+            step: plan.step,
             most_push: settings.max_depenetration_speed * plan.step,
             others: others_contact.as_mut()?,
         })
@@ -73,8 +75,8 @@ impl ClothSolver {
 }
 
 /// Where particles lie on colliders, if any do.
-fn lying(contacts: &mut ActiveSet, step: f32) -> Option<Lying<'_>> {
+fn lying(contacts: &mut ActiveSet) -> Option<Lying<'_>> {
     let ActiveSet { now, velocity, load, .. } = contacts;
     let Normals { normal, slip, loose, .. } = &*now;
-    now.any.then_some(Lying { normal, slip, loose, velocity, step, load })
+    now.any.then_some(Lying { normal, slip, loose, velocity, load })
 }
