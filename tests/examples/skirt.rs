@@ -17,6 +17,8 @@ const CLOSE: f32 = 1e-4;
 /// settled, before the sprint.
 const ROUND: f32 = 6.5;
 const DASH: f32 = 1.0;
+/// Where it dashes to: 30 degrees off, as what is met head on by one capsule alone is the easy case.
+const TOWARDS: Vec3 = Vec3::new(0.866, 0.0, 0.5);
 const SETTLED: f32 = 2.5;
 const SPRINT: f32 = 4.0;
 
@@ -28,9 +30,8 @@ struct Worst {
     off: f32,
     beyond: f32,
     behind: f32,
-    /// In the body, and in a dash and half a second after it \[m\].
+    /// In the body \[m\].
     inside: f32,
-    dashed_inside: f32,
     /// From a place on the skin \[m\]: the skirt is free.
     away: f32,
     /// While it walks, after a dash has settled, and ever.
@@ -60,7 +61,7 @@ fn dash(mut characters: Query<&mut Transform, With<ClothBody>>, time: Res<Time>)
     let done = ((time - 0.5) / ROUND).floor().max(0.0);
     let part = ((phase(time) - DASH) / 0.1).clamp(0.0, 1.0);
     for mut transform in &mut characters {
-        transform.translation.x += 5.0 * (done + part);
+        transform.translation += TOWARDS * 5.0 * (done + part);
     }
 }
 
@@ -114,11 +115,7 @@ fn look(
         }
     }
     worst.ticks += 1;
-    if (DASH..DASH + 0.6).contains(&phase) {
-        worst.dashed_inside = worst.dashed_inside.max(inside);
-    } else {
-        worst.inside = worst.inside.max(inside);
-    }
+    worst.inside = worst.inside.max(inside);
     let strain = cloth.last_tick().unwrap().max_strain - material.max_strain;
     worst.strain = worst.strain.max(strain);
     if (SETTLED..SPRINT).contains(&phase) {
@@ -191,9 +188,8 @@ fn walk_sprint_and_dash() {
     assert!(worst.ticks > 1900 && worst.away > 0.2, "{worst:?}");
     assert!(worst.off < 1e-5, "{worst:?}");
     assert!(worst.beyond < CLOSE && worst.behind < CLOSE && worst.inside < CLOSE, "{worst:?}");
-    // At 50 m/s, bounds that move as fast push into the body for a tick: 3 mm were seen. Then strain is above its limit for a moment
-    // where the waistband is held, by 2 %.
-    assert!(worst.dashed_inside < 0.01 && worst.settled < 0.04, "{worst:?}");
+    // After a dash, strain is above its limit where the cloth below the waistband is crumpled within its bounds.
+    assert!(worst.settled < 0.04, "{worst:?}");
 }
 
 #[test]

@@ -100,6 +100,35 @@ fn a_fast_bar_that_turns_goes_through_no_particle() {
     check_at_most("deepest way [m]", deepest.into(), 1e-3);
 }
 
+/// Limbs of one body that overlap: what the first does to a particle must not hide its way from the second.
+#[test]
+fn a_fast_body_of_several_solids_goes_through_no_particle() {
+    let ball = Sphere::new(0.15);
+    let mut solver = free_sheet(33);
+    let at = |x: f32, height: f32| Pose {
+        translation: Vec3::new(x, height - ball.radius - 0.011, 0.03),
+        ..Pose::IDENTITY
+    };
+    let places = [-0.1, 0.0, 0.1];
+    for tick in 0..4 {
+        // At rest, then at 50 m/s.
+        let height = |tick: i32| 50.0 * TICK * (tick - 1).max(0) as f32;
+        let moving =
+            |x: f32| Collider::new(&ball, at(x, height(tick))).moving_to(at(x, height(tick + 1)));
+        let colliders = places.map(moving);
+        let input = StepInput { dt: TICK, colliders: &colliders, ..StepInput::default() };
+        solver.tick(&input).unwrap();
+        let deepest = (0..33 * 33).map(|i| {
+            let gaps = places.map(|x| {
+                let centre = at(x, height(tick + 1)).translation;
+                solver.position(i).distance(centre) - ball.radius
+            });
+            -gaps.into_iter().fold(f32::INFINITY, f32::min)
+        });
+        check_at_most("inside", deepest.fold(f32::NEG_INFINITY, f32::max).into(), 1e-3);
+    }
+}
+
 #[test]
 fn friction_of_the_sweep_is_coulombs() {
     // A patch that meets the floor at 20 m/s both down and along loses mu times the one of the other.

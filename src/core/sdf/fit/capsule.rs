@@ -3,6 +3,7 @@
 use bevy_math::Vec3;
 
 use super::SurfacePoint;
+use super::columns::{Columns, Equations};
 use super::linear::{Cloud, solve};
 use crate::sdf::shapes::CapsuleBetween;
 
@@ -30,18 +31,20 @@ impl Fit {
     pub fn of(points: &[SurfacePoint]) -> Option<Self> {
         let points = thinned(points);
         let cloud = Cloud::of(&points)?;
+        let points = Columns::new(&points);
         let fits =
             cloud.axes.iter().map(|axis| refined(guess(&points, cloud.mean, *axis), &points));
         let (capsule, error) = fits.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(Self { capsule, error, area: points.iter().map(|it| it.area).sum() })
+        Some(Self { capsule, error, area: points.area })
     }
 
     /// The error of a capsule that is guessed.
     pub fn rough(points: &[SurfacePoint]) -> Option<f32> {
         let points = thinned(points);
         let cloud = Cloud::of(&points)?;
+        let points = Columns::new(&points);
         let errors =
-            cloud.axes.iter().map(|axis| error(&guess(&points, cloud.mean, *axis), &points));
+            cloud.axes.iter().map(|axis| points.error(&guess(&points, cloud.mean, *axis), COVER));
         errors.min_by(f32::total_cmp)
     }
 
@@ -59,79 +62,40 @@ fn thinned(points: &[SurfacePoint]) -> Vec<SurfacePoint> {
 }
 
 /// A capsule along an axis through the middle, as thick as the surface is in the mean, and as long.
-fn guess(points: &[SurfacePoint], middle: Vec3, axis: Vec3) -> CapsuleBetween {
-    let area: f32 = points.iter().map(|it| it.area).sum();
-    let squares = points.iter().map(|it| from_line(middle, axis, it.point).1 * it.area);
-    let radius = (squares.sum::<f32>() / area).sqrt();
-    let (low, high) = ends(points, middle, axis, radius);
+fn guess(points: &Columns, middle: Vec3, axis: Vec3) -> CapsuleBetween {
+    let radius = points.mean_square_from_line(middle, axis).sqrt();
+    let (low, high) = points.ends(middle, axis, radius);
     CapsuleBetween { from: middle + axis * low, to: middle + axis * high, radius }
 }
 
-/// How far along a line a point is, and the square of how far from it.
-fn from_line(middle: Vec3, axis: Vec3, point: Vec3) -> (f32, f32) {
-    let offset = point - middle;
-    let along = offset.dot(axis);
-    (along, (offset.length_squared() - along * along).max(0.0))
-}
-
-/// Where on a line a capsule of this radius begins and ends, if its caps end where the surface does.
-fn ends(points: &[SurfacePoint], middle: Vec3, axis: Vec3, radius: f32) -> (f32, f32) {
-    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-    for it in points {
-        let (along, across) = from_line(middle, axis, it.point);
-        let cap = (radius * radius - across).max(0.0).sqrt();
-        (low, high) = (low.min(along + cap), high.max(along - cap));
-    }
-    if low > high { (0.5 * (low + high), 0.5 * (low + high)) } else { (low, high) }
-}
-
 /// A capsule no longer than the surface: what is beyond it no point could tell.
-fn trimmed(capsule: CapsuleBetween, points: &[SurfacePoint]) -> CapsuleBetween {
+fn trimmed(capsule: CapsuleBetween, points: &Columns) -> CapsuleBetween {
     let (axis, length) = (capsule.to - capsule.from).normalize_and_length();
     if length <= 0.0 {
         return capsule;
     }
-    let (low, high) = ends(points, capsule.from, axis, capsule.radius);
+    let (low, high) = points.ends(capsule.from, axis, capsule.radius);
     let (from, to) = (low.clamp(0.0, length), high.clamp(0.0, length));
     CapsuleBetween { from: capsule.from + axis * from, to: capsule.from + axis * to, ..capsule }
 }
 
-/// How far a point is outside of a capsule, how far along its axis \[1\], and which way is out.
-fn apart(capsule: &CapsuleBetween, point: Vec3) -> (f32, f32, Vec3) {
+/// How far a point is outside of a capsule.
+pub fn distance(capsule: &CapsuleBetween, point: Vec3) -> f32 {
     let axis = capsule.to - capsule.from;
     let length = axis.length_squared();
     let offset = point - capsule.from;
     let part = if length > 0.0 { (offset.dot(axis) / length).clamp(0.0, 1.0) } else { 0.5 };
-    let out = offset - axis * part;
-    let distance = out.length();
-    (distance - capsule.radius, part, if distance > 0.0 { out / distance } else { Vec3::ZERO })
-}
-
-/// How far a point is outside of a capsule.
-pub fn distance(capsule: &CapsuleBetween, point: Vec3) -> f32 {
-    apart(capsule, point).0
-}
-
-fn weight(it: &SurfacePoint, distance: f32) -> f32 {
-    if distance > 0.0 { COVER * it.area } else { it.area }
-}
-
-fn error(capsule: &CapsuleBetween, points: &[SurfacePoint]) -> f32 {
-    let squared = |it: &SurfacePoint| {
-        let distance = distance(capsule, it.point);
-        weight(it, distance) * distance * distance
-    };
-    points.iter().map(squared).sum()
+    (offset - axis * part).length() - capsule.radius
 }
 
 /// The capsule of least error near another, and its error.
-fn refined(from: CapsuleBetween, points: &[SurfacePoint]) -> (CapsuleBetween, f32) {
-    let mut best = (from, error(&from, points));
+fn refined(from: CapsuleBetween, points: &Columns) -> (CapsuleBetween, f32) {
+    let mut best = (from, points.error(&from, COVER));
     let mut damping = 1e-2;
     for _ in 0..STEPS {
         let Some(next) = step(&best.0, points, damping) else { break };
         let next = trimmed(next, points);
-        let found = error(&next, points);
+        let found = points.error(&next, COVER);
         if found < best.1 {
             let is_near = found > (1.0 - CONVERGED) * best.1;
             best = (next, found);
@@ -147,21 +111,8 @@ fn refined(from: CapsuleBetween, points: &[SurfacePoint]) -> (CapsuleBetween, f3
 }
 
 /// A damped step of Gauss and Newton towards less error.
-fn step(capsule: &CapsuleBetween, points: &[SurfacePoint], damping: f64) -> Option<CapsuleBetween> {
-    let mut normal = [[0.0; 7]; 7];
-    let mut right = [0.0; 7];
-    for it in points {
-        let (distance, part, out) = apart(capsule, it.point);
-        let [ends, radius] = [[(1.0 - part) * out, part * out], [Vec3::ONE; 2]];
-        let slope = [ends[0].x, ends[0].y, ends[0].z, ends[1].x, ends[1].y, ends[1].z, radius[0].x];
-        let weight = weight(it, distance);
-        for (i, a) in slope.into_iter().enumerate() {
-            right[i] += f64::from(weight * a * distance);
-            for (sum, b) in normal[i][..=i].iter_mut().zip(slope) {
-                *sum += f64::from(weight * a * b);
-            }
-        }
-    }
+fn step(capsule: &CapsuleBetween, points: &Columns, damping: f64) -> Option<CapsuleBetween> {
+    let Equations { mut normal, right } = points.equations(capsule, COVER);
     // What no point tells anything of stays as it is.
     let largest = (0..7).map(|i| normal[i][i]).fold(0.0, f64::max);
     for (i, row) in normal.iter_mut().enumerate() {

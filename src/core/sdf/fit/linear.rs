@@ -23,10 +23,15 @@ impl Cloud {
         let mut moments = [[0.0; 3]; 3];
         for SurfacePoint { point, area } in points {
             let offset = (*point - mean).to_array();
-            for (row, a) in moments.iter_mut().zip(offset) {
-                for (sum, b) in row.iter_mut().zip(offset) {
-                    *sum += f64::from(area * a * b);
+            for i in 0..3 {
+                for j in 0..=i {
+                    moments[i][j] += f64::from(area * offset[i] * offset[j]);
                 }
+            }
+        }
+        for i in 0..3 {
+            for j in 0..i {
+                moments[j][i] = moments[i][j];
             }
         }
         Some(Self { mean, axes: eigenvectors(moments) })

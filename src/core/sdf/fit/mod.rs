@@ -5,10 +5,12 @@
 //! | here | one surface as several capsules: fitted, and cut in two for as long as that is worth it |
 //! | `body` | shares a skinned surface out to its joints |
 //! | `capsule` | one capsule: least squares |
+//! | `columns` | the points that it is fitted to, side by side |
 //! | `linear` | axes of a cloud of points, and small linear systems |
 
 mod body;
 mod capsule;
+mod columns;
 mod linear;
 
 pub use body::{BodySurface, JointCapsule, fit_body};
@@ -84,9 +86,9 @@ impl Part {
         let capsule = self.fit.capsule;
         let mut outside: Vec<f32> =
             self.points.iter().map(|it| distance(&capsule, it.point)).collect();
-        outside.sort_by(f32::total_cmp);
         let covered = ((1.0 - LEFT_OUT) * (outside.len() - 1) as f32) as usize;
-        let missing = outside.get(covered).map_or(0.0, |it| it - 1.5 * tolerance).max(0.0);
+        let (_, covered, _) = outside.select_nth_unstable_by(covered, f32::total_cmp);
+        let missing = (*covered - 1.5 * tolerance).max(0.0);
         CapsuleBetween { radius: capsule.radius + missing, ..capsule }
     }
 

@@ -60,6 +60,8 @@ pub(crate) struct Awake {
     pub first: usize,
     /// How far any point of it has gone since it woke \[m\].
     pub gone: f32,
+    /// Depth of the deepest particle in it, where any needs more than this substep to come out; else 0 \[m\].
+    pub left: f32,
 }
 
 impl BroadPhase {
@@ -164,7 +166,7 @@ impl BroadPhase {
             }
             // Places shift.
             self.edge_until.clear();
-            self.awake.insert(place, Awake { collider: index, first, gone: 0.0 });
+            self.awake.insert(place, Awake { collider: index, first, gone: 0.0, left: 0.0 });
             place += 1;
         }
     }

@@ -2,26 +2,38 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::contact::broad_phase::Awake;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
-use crate::solver::contact::mobility::Mobility;
-use crate::solver::contact::{CALMED, LEAST_SLIDING, ResolveContacts};
+use crate::solver::contact::{CALMED, LEAST_SLIDING, ROUNDED_UP, ResolveContacts};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
+
 impl ResolveContacts<'_> {
+    /// Calms the cloth around all colliders that it is left in and that nothing moves: those that move have done so.
+    ///
+    /// After all have been met, as it changes where ways through the substep begin, by which others are met.
+    pub(super) fn calm_all(&mut self) {
+        for k in 0..self.broad_phase.awake.len() {
+            let Awake { collider, gone, left, .. } = self.broad_phase.awake[k];
+            if left > 0.0 {
+                let gone = (self.broad_phase.gone + self.broad_phase.pushed + gone) * ROUNDED_UP;
+                let motion = self.motion(collider);
+                self.calm(k, gone, &motion);
+            }
+        }
+    }
+
     /// Calms the cloth around particles that are so deep inside a collider that they need more than one substep to come
     /// out. Particles within [`CALMED`] times that depth keep their displacements, but their speed is limited to the
-    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound. Returns what the
-    /// collider is given by that, times the substep.
+    /// speed of depenetration: the threads that the pushes stretch would accelerate them without bound.
     #[inline(never)]
-    pub(super) fn calm(
-        &mut self,
-        first: usize,
-        gone: f32,
-        motion: &Motion<'_>,
-        deepest: f32,
-        mobility: Option<Mobility>,
-    ) -> Impulse {
+    pub(super) fn calm(&mut self, k: usize, gone: f32, motion: &Motion<'_>) {
+        let Awake { collider, first, ref mut left, .. } = self.broad_phase.awake[k];
+        let deepest = core::mem::take(left);
+        if deepest <= 0.0 {
+            return;
+        }
         // Nothing lies on what gives way: its load would drive the rest of the cloth out faster.
         self.set.next.give_way();
         self.broad_phase.struck = true;
@@ -30,6 +42,7 @@ impl ResolveContacts<'_> {
         let near = CALMED * deepest;
         let mut given = Impulse::ZERO;
         // A body goes with the cloth as the cloth goes with it.
+        let mobility = self.set.impulses.mobility(collider);
         let mass = mobility.map_or(0.0, |_| self.mass_within(first, gone, motion, near));
         for row in 0..layout.rows {
             for column in (0..layout.columns).step_by(LANES) {
@@ -60,7 +73,9 @@ impl ResolveContacts<'_> {
                 x.store(self.x, slot);
             }
         }
-        given
+        if motion.measured {
+            self.set.impulses.give_sum(collider, given, Impulse::ZERO, self.settings.step);
+        }
     }
 
     /// Whether a block's particles are all further from a collider than `near`.

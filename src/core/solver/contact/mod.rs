@@ -160,7 +160,7 @@ pub(super) struct ResolveContacts<'a> {
     pub set: &'a mut ActiveSet,
 }
 
-impl ResolveContacts<'_> {
+impl<'c> ResolveContacts<'c> {
     /// Meets one collider after the other.
     pub fn run(mut self, isa: Isa) -> u32 {
         let way =
@@ -184,6 +184,7 @@ impl ResolveContacts<'_> {
         for k in 0..self.broad_phase.awake.len() {
             touching += self.meet(isa, k, way);
         }
+        self.calm_all();
         if self.set.now.any {
             let pull = self.pull.as_deref_mut();
             isa.run(LetGo { set: self.set, inverse_mass: self.inverse_mass, d: self.d, pull });
@@ -203,21 +204,14 @@ impl ResolveContacts<'_> {
     /// fastest particle goes in this substep \[m\].
     fn meet(&mut self, isa: Isa, k: usize, way: f32) -> u32 {
         let (broad_phase, set) = (&mut *self.broad_phase, &mut *self.set);
-        let Awake { collider, first, gone } = broad_phase.awake[k];
+        let Awake { collider, first, gone, .. } = broad_phase.awake[k];
         if set.impulses.passes(collider) {
             return 0;
         }
-        let (from, to) = (self.span.from, self.span.to);
-        let collider_now = &self.colliders[collider];
-        set.impulses.meet(collider, self.colliders, self.origin, from);
-        let moved = set.impulses.deviation(collider);
-        let moves = set.impulses.velocity(collider, to);
-        let moved = [moved, moved.after(&moves, self.settings.step)];
-        let apart = |i: usize| set.impulses.apart(collider, [from, to][i], &moved[i]);
-        let apart = [apart(0), apart(1)];
+        set.impulses.meet(collider, self.colliders, self.origin, self.span.from);
         let before = set.impulses.of(collider);
-        let span = [from, to];
-        let motion = Motion::new(collider_now, self.origin, self.settings.friction, span, apart);
+        let motion = self.motion(collider);
+        let (broad_phase, set) = (&mut *self.broad_phase, &mut *self.set);
         broad_phase.awake[k].gone = gone + motion.reach;
         // Particles that another collider has pushed have gone further.
         let way = way + broad_phase.pushed + motion.reach;
@@ -313,18 +307,24 @@ impl ResolveContacts<'_> {
                 set.impulses.give_sum(collider, held.given, Impulse::ZERO, self.settings.step);
             }
         }
-        if is_left {
-            let mobility = self.set.impulses.mobility(collider);
-            let given = self.calm(first, gone, &motion, deepest, mobility);
-            if motion.measured {
-                let step = self.settings.step;
-                self.set.impulses.give_sum(collider, given, Impulse::ZERO, step);
-            }
-        }
+        self.broad_phase.awake[k].left = if is_left { deepest } else { 0.0 };
         if let Some(mobility) = self.set.impulses.mobility(collider) {
+            self.calm(k, gone, &motion);
             self.answer(isa, k, gone, &motion, mobility, before);
         }
         touching
+    }
+
+    /// The motion of a collider through the substep.
+    fn motion(&self, collider: usize) -> Motion<'c> {
+        let span = [self.span.from, self.span.to];
+        let impulses = &self.set.impulses;
+        let moved = impulses.deviation(collider);
+        let moves = impulses.velocity(collider, span[1]);
+        let moved = [moved, moved.after(&moves, self.settings.step)];
+        let apart = [0, 1].map(|i| impulses.apart(collider, span[i], &moved[i]));
+        let colliders = self.colliders;
+        Motion::new(&colliders[collider], self.origin, self.settings.friction, span, apart)
     }
 
     /// Lets a body and what lies on it share what it was given since `before`.
