@@ -8,9 +8,12 @@
 //! place itself, or one before it, obeys both. Where a particle can obey both only on the circle in which the two balls meet, it is
 //! put there.
 
+mod limit;
+
+pub use limit::{Backstop, SkinLimit, SkinMotion};
+
 use bevy_math::Vec3;
 
-use crate::solver::settings::{ParameterError, check};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, larger, smaller};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
@@ -22,86 +25,6 @@ use crate::solver::topology::Topology;
 const FAR: f32 = 1e18;
 /// Distance of a backstop that stops nothing \[m\].
 const NOWHERE: f32 = 1e9;
-
-/// How a particle is held to its place on the skin. The default lets it go where it may.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub struct SkinLimit {
-    /// How far it goes from there at most \[m\]; infinite where it may go anywhere, 0 where it stays there.
-    pub max_distance: f32,
-    /// What it does not enter, if there is anything.
-    pub backstop: Option<Backstop>,
-    /// Rate of the critically damped spring that draws it there \[1/s\]: a tenth of the way is left after a time of about
-    /// `4 / drive`. 0 draws nothing.
-    pub drive: f32,
-}
-
-/// A ball behind a particle's place on the skin, along the skin's normal there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub struct Backstop {
-    /// How far behind the place its surface is \[m\]; negative is before it, at most by the max distance.
-    pub distance: f32,
-    /// Its radius \[m\]; infinite is all that is behind. Larger than the triangles around, so that none of it comes between them.
-    pub radius: f32,
-}
-
-impl Default for SkinLimit {
-    fn default() -> Self {
-        Self { max_distance: f32::INFINITY, backstop: None, drive: 0.0 }
-    }
-}
-
-impl Default for Backstop {
-    fn default() -> Self {
-        Self { distance: 0.0, radius: f32::INFINITY }
-    }
-}
-
-impl SkinLimit {
-    /// The limit of a cloth that is larger by a factor.
-    pub fn scaled(&self, factor: f32) -> Self {
-        let stop = |stop: &Backstop| Backstop {
-            distance: stop.distance * factor,
-            radius: stop.radius * factor,
-        };
-        Self {
-            max_distance: self.max_distance * factor,
-            backstop: self.backstop.as_ref().map(stop),
-            drive: self.drive,
-        }
-    }
-
-    /// Checks every number.
-    ///
-    /// # Errors
-    /// [`ParameterError`] for the first number that is NaN or out of its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        let Self { max_distance, backstop, drive } = *self;
-        if max_distance.is_nan() || max_distance < 0.0 {
-            let range = "0 or more, or infinite";
-            return Err(ParameterError { name: "max distance", value: max_distance, range });
-        }
-        check("drive", drive, 0.0, 1e4, "from 0 to 10000 /s")?;
-        let Some(Backstop { distance, radius }) = backstop else { return Ok(()) };
-        let range = "from minus the max distance to 1000 m";
-        check("backstop distance", distance, -smaller(max_distance, 1e3), 1e3, range)?;
-        if !(radius > 0.0 && radius > -distance) {
-            let range = "above 0 and above minus its distance, or infinite";
-            return Err(ParameterError { name: "backstop radius", value: radius, range });
-        }
-        Ok(())
-    }
-}
-
-/// The place of a particle on the skin, in a tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SkinMotion {
-    /// Where it is at the tick's start and at its end \[m\]. On the way it goes straight, and evenly.
-    pub place: [Vec3; 2],
-    /// Normal of the skin there, at the same times; outwards, of any length. What has no backstop needs none.
-    pub normal: [Vec3; 2],
-}
 
 /// The skin of a cloth.
 #[derive(Clone, Debug)]
@@ -116,6 +39,8 @@ pub(crate) struct Skin {
     curvature: Array,
     has_backstops: bool,
     has_drives: bool,
+    /// The rate of all drives, where they are alike \[1/s\].
+    all_drive: Option<f32>,
     /// Places at the tick's start, and how far they go in it \[m\]; normals, and how they change.
     place: Soa,
     way: Soa,
@@ -144,6 +69,10 @@ impl Skin {
         Self {
             has_backstops,
             has_drives: limits.iter().any(|limit| limit.drive > 0.0),
+            all_drive: limits
+                .first()
+                .map(|it| it.drive)
+                .filter(|drive| limits.iter().all(|limit| limit.drive == *drive)),
             limits: limits.to_vec(),
             max_distance,
             drive,
@@ -216,6 +145,11 @@ impl Kernel for HoldToSkin<'_> {
         let Band { layout, rows, .. } = self.band.clone();
         let skin = self.skin;
         let drives = skin.has_drives && self.step > 0.0;
+        // Where all are alike, nothing is to be read nor worked out for each.
+        let alike = match skin.all_drive {
+            Some(drive) => Draw::new(drive, self.step, self.since),
+            None => Draw::NONE,
+        };
         let blocks = layout.blocks_across();
         for row in rows {
             let first = layout.slot(row, 0);
@@ -233,52 +167,63 @@ impl Kernel for HoldToSkin<'_> {
                     let at = place.at(i) + way.at(i) * self.passed;
                     off.set(i, (x.at(i) - at) + moved.at(i));
                 }
-                let was = off;
+                let w = w.at(block);
                 if drives {
-                    let drive = Block::load(&skin.drive, slot);
+                    let mut by = Block3::ZERO;
+                    if skin.all_drive.is_some() {
+                        for i in 0..LANES {
+                            let relative = moved.at(i) - way.at(i) * self.part;
+                            by.set(i, alike.of(off.at(i), relative));
+                        }
+                    } else {
+                        let drive = Block::load(&skin.drive, slot);
+                        for i in 0..LANES {
+                            let relative = moved.at(i) - way.at(i) * self.part;
+                            let draw = Draw::new(drive.0[i], self.step, self.since);
+                            by.set(i, draw.of(off.at(i), relative));
+                        }
+                    }
                     for i in 0..LANES {
-                        let relative = moved.at(i) - way.at(i) * self.part;
-                        let [rate, all] = [self.step, self.since].map(|time| drive.0[i] * time);
-                        off.set(i, draw(off.at(i), relative, rate, all));
+                        let by = if w.0[i] > 0.0 { by.at(i) } else { Vec3::ZERO };
+                        off.set(i, off.at(i) + by);
+                        moved.set(i, moved.at(i) + by);
                     }
                 }
-                let drawn = off;
                 let most = Block::load(&skin.max_distance, slot);
+                let mut square = Block::ZERO;
                 let mut beyond = Block::ZERO;
                 for i in 0..LANES {
-                    let off = off.at(i);
-                    beyond.0[i] = off.dot(off) - most.0[i] * most.0[i];
+                    square.0[i] = off.at(i).dot(off.at(i));
+                    beyond.0[i] = square.0[i] - most.0[i] * most.0[i];
                 }
+                let drawn = off;
                 // Hardly any block has particles at their bounds.
                 let is_beyond = beyond.is_any_above(0.0);
                 if is_beyond {
                     for i in 0..LANES {
                         off.set(i, within(off.at(i), most.0[i]));
+                        square.0[i] = off.at(i).dot(off.at(i));
                     }
                 }
-                let is_behind = skin.has_backstops && may_be_behind(skin, self.passed, slot, &off);
+                let is_behind =
+                    skin.has_backstops && may_be_behind(skin, self.passed, slot, &off, &square);
                 if is_behind {
                     stop(skin, self.passed, slot, &most, &mut off);
                 }
-                if !(drives || is_beyond || is_behind) {
-                    continue;
-                }
-                let (mut mended, mut all) = (Block3::ZERO, Block3::ZERO);
-                let (w, mut changes) = (w.at(block), Block::ZERO);
-                for i in 0..LANES {
-                    let free = if w.0[i] > 0.0 { 1.0 } else { 0.0 };
-                    let change = (off.at(i) - was.at(i)) * free;
-                    all.set(i, change);
-                    mended.set(i, (off.at(i) - drawn.at(i)) * -free);
-                    changes.0[i] = change.dot(change);
-                }
-                if changes.is_any() {
-                    moved = moved.plus(&all);
-                    d.set(block, moved);
+                if is_beyond || is_behind {
+                    let mut mended = Block3::ZERO;
+                    for i in 0..LANES {
+                        let by = if w.0[i] > 0.0 { off.at(i) - drawn.at(i) } else { Vec3::ZERO };
+                        moved.set(i, moved.at(i) + by);
+                        mended.set(i, -by);
+                    }
                     if let Some(pull) = &mut pull {
                         pull.add(block, &mended);
                     }
+                } else if !drives {
+                    continue;
                 }
+                d.set(block, moved);
             }
         }
     }
@@ -289,13 +234,13 @@ cut_between_rows!(HoldToSkin, d, pull);
 /// Whether any of a block of particles is in its backstop, by their ways from their places; without roots and divisions, as hardly any
 /// is.
 #[inline(always)]
-fn may_be_behind(skin: &Skin, passed: f32, slot: usize, off: &Block3) -> bool {
+fn may_be_behind(skin: &Skin, passed: f32, slot: usize, off: &Block3, square: &Block) -> bool {
     let behind = Block::load(&skin.behind, slot);
     // No nearer to the place than this is any of it.
     let mut out = Block::ZERO;
     for i in 0..LANES {
-        let (off, behind) = (off.at(i), behind.0[i]);
-        out.0[i] = if behind > 0.0 { off.dot(off) - behind * behind } else { 1.0 };
+        let behind = behind.0[i];
+        out.0[i] = if behind > 0.0 { square.0[i] - behind * behind } else { 1.0 };
     }
     if !out.is_any_above(0.0) {
         return false;
@@ -306,7 +251,7 @@ fn may_be_behind(skin: &Skin, passed: f32, slot: usize, off: &Block3) -> bool {
         let (off, n) = (off.at(i), normal.at(i) + turn.at(i) * passed);
         let (behind, curvature) = (behind.0[i], curvature.0[i]);
         // What `Stop::before` calls the gap has the sign of `sideways + along`, when the normal is of length one.
-        let sideways = curvature * (off.dot(off) + behind * behind) + 2.0 * behind;
+        let sideways = curvature * (square.0[i] + behind * behind) + 2.0 * behind;
         let along = 2.0 * (1.0 + curvature * behind) * off.dot(n);
         let is_deep = along * along >= sideways * sideways * n.dot(n) * 0.999;
         let is_in = sideways < 0.0 || along < 0.0 && is_deep;
@@ -329,12 +274,31 @@ fn stop(skin: &Skin, passed: f32, slot: usize, most: &Block, off: &mut Block3) {
     }
 }
 
-/// Where a particle is from its place when a critically damped spring has drawn it for a time of `all`, in the last part of which, `rate`,
-/// it would have come so far by itself. Implicit Euler, so that no rate is too high.
-#[inline(always)]
-fn draw(off: Vec3, relative: Vec3, rate: f32, all: f32) -> Vec3 {
-    let before = off - relative;
-    before + (relative - before * (rate * all)) * (1.0 / (1.0 + 2.0 * all + all * all))
+/// A critically damped spring that draws for a time, in the last part of which, a substep, a particle would have come on by itself.
+/// Implicit Euler, so that no rate is too high.
+#[derive(Clone, Copy)]
+struct Draw {
+    /// Of the way that it would have come on, and of where it is.
+    way: f32,
+    off: f32,
+}
+
+impl Draw {
+    const NONE: Self = Self { way: 0.0, off: 0.0 };
+
+    /// With a rate \[1/s\], after substeps of a length, in all of a time \[s\].
+    #[inline(always)]
+    fn new(drive: f32, step: f32, since: f32) -> Self {
+        let [rate, all] = [step, since].map(|time| drive * time);
+        let damped = 1.0 / (1.0 + 2.0 * all + all * all);
+        Self { way: (rate * all - 2.0 * all - all * all) * damped, off: -rate * all * damped }
+    }
+
+    /// How far it draws a particle that is `off` its place, `relative` to which it has come so far.
+    #[inline(always)]
+    fn of(self, off: Vec3, relative: Vec3) -> Vec3 {
+        relative * self.way + off * self.off
+    }
 }
 
 /// A vector that is not longer than `most`.
