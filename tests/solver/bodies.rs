@@ -221,7 +221,7 @@ fn momentum(cloth: &ClothSolver, body: &Body) -> (DVec3, DVec3, f64) {
 #[test]
 fn a_sheet_that_hits_a_free_box_keeps_momentum() {
     // As it is, from the side, and beside the middle.
-    let ways = [(Vec3::ZERO, 0.0, 5e-4), (Vec3::X * 3.0, 0.0, 1.5e-3), (Vec3::ZERO, 0.3, 1.5e-3)];
+    let ways = [(Vec3::ZERO, 0.0, 5e-4), (Vec3::X * 3.0, 0.0, 8e-4), (Vec3::ZERO, 0.3, 1.5e-3)];
     for (along, aside, of_angular) in ways {
         for ratio in [0.1, 0.3, 1.0, 10.0, 100.0] {
             let lattice = sheet(Vec2::ONE, 48, 48, Settings::default().lumping);

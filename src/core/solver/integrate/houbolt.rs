@@ -17,11 +17,7 @@
 //! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
 //! first order there, and so is a mesh that is so stiff that one pass over its chains of edges leaves too much to do.
 //!
-//! A half is the most that is stable, and nothing is left to damp what else drives a cloth on. Where it lies on
-//! colliders, friction and contact follow the corrections with a delay, and do: single flaps of a cloth on a cube then
-//! tremble for ever. So a little less is carried on there, and a mesh, whose chains leave more to do, carries on a third.
-//! A sheet that hangs from pins goes on with a half: where it hangs depends on that part by some millimetres, and to be touched
-//! is not to move all of it.
+//! A mesh that lies on colliders carries on a third: its chains leave more to do than threads, and contact follows with a delay.
 
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};
@@ -29,8 +25,6 @@ use crate::solver::simd::soa::{PartMut, Soa};
 /// Part of the pulls that goes on. A half makes the method one of second order, and is the most that is
 /// stable.
 pub(crate) const CARRIED: f32 = 0.5;
-/// The same of a sheet that touches a collider and hangs from no pin: what swings is damped at 8 % of the rate of Euler's implicit method.
-pub(crate) const CARRIED_ON_COLLIDERS: f32 = 0.46;
 /// The same of a mesh that touches a collider. A cloth at rest stretches the less, the more is carried on, and trembles from 0.4 on.
 pub(crate) const CARRIED_BY_CHAINS_ON_COLLIDERS: f32 = 1.0 / 3.0;
 /// Strain beyond which nothing is carried: what is so far out of shape is to be mended, and a correction

@@ -90,8 +90,8 @@ pub(crate) trait Stages {
     /// Takes over the constants that a plan chose.
     fn follow(&mut self, plan: &Plan, bound: &Bound);
     /// Part of a substep's corrections that is expected again in the next (`integrate::houbolt`), of a cloth that touches
-    /// colliders or does not, and is held by pins or not; `None` where none is.
-    fn carried(&self, touches: bool, is_held: bool) -> Option<f32>;
+    /// colliders or does not; `None` where none is.
+    fn carried(&self, touches: bool) -> Option<f32>;
 
     /// First stage: slows what bends by friction. Takes no more than `part` of a motion, nor more than `most`
     /// of displacement of a mass of one \[kg m\].

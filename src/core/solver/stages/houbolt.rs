@@ -14,9 +14,8 @@ impl ClothSolver {
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
             && self.survey.max_strain <= MOST_STRAIN;
-        let (touches, is_held) = (self.state.contacts.now.any, !self.pins.slots.is_empty());
-        self.workspace.carried =
-            if carries { self.model.stages().carried(touches, is_held) } else { None };
+        let touches = self.state.contacts.now.any;
+        self.workspace.carried = if carries { self.model.stages().carried(touches) } else { None };
         self.state.carries &= self.workspace.carried.is_some();
     }
 

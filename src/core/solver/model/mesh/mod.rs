@@ -135,7 +135,7 @@ impl Stages for Mesh {
         self.is_solved_enough = ratio <= STIFFEST_CARRIED;
     }
 
-    fn carried(&self, touches: bool, _: bool) -> Option<f32> {
+    fn carried(&self, touches: bool) -> Option<f32> {
         let part = if touches { CARRIED_BY_CHAINS_ON_COLLIDERS } else { CARRIED };
         self.is_solved_enough.then_some(part)
     }

@@ -13,7 +13,7 @@ use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::spring_rows::SpringRows;
-use crate::solver::integrate::houbolt::{CARRIED, CARRIED_ON_COLLIDERS};
+use crate::solver::integrate::houbolt::CARRIED;
 use crate::solver::model::{Acting, Particles, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::plan::stability::Bound;
@@ -102,8 +102,8 @@ impl Stages for Sheet {
 
     fn follow(&mut self, _: &Plan, _: &Bound) {}
 
-    fn carried(&self, touches: bool, is_held: bool) -> Option<f32> {
-        Some(if touches && !is_held { CARRIED_ON_COLLIDERS } else { CARRIED })
+    fn carried(&self, _: bool) -> Option<f32> {
+        Some(CARRIED)
     }
 
     fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {
