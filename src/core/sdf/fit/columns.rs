@@ -71,7 +71,7 @@ impl Columns {
     pub fn mean_square_from_line(&self, middle: Vec3, axis: Vec3) -> f32 {
         let mut sums = [0.0; LANES];
         for group in &self.groups {
-            let (_, across) = group.from_line(middle, axis);
+            let (_, across) = group.along_and_across(middle, axis);
             for i in 0..LANES {
                 sums[i] += across[i] * group.area[i];
             }
@@ -83,7 +83,7 @@ impl Columns {
     pub fn ends(&self, middle: Vec3, axis: Vec3, radius: f32) -> (f32, f32) {
         let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
         for group in &self.groups {
-            let (along, across) = group.from_line(middle, axis);
+            let (along, across) = group.along_and_across(middle, axis);
             for i in 0..LANES {
                 let cap = larger(radius * radius - across[i], 0.0).sqrt();
                 low[i] = smaller(along[i] + cap, low[i]);
@@ -188,7 +188,7 @@ impl Axis {
 impl Group {
     /// How far along a line points are, and the squares of how far from it.
     #[inline(always)]
-    fn from_line(&self, middle: Vec3, axis: Vec3) -> (Lanes, Lanes) {
+    fn along_and_across(&self, middle: Vec3, axis: Vec3) -> (Lanes, Lanes) {
         let [mut along, mut across] = [[0.0; LANES]; 2];
         for i in 0..LANES {
             let (x, y, z) = (self.x[i] - middle.x, self.y[i] - middle.y, self.z[i] - middle.z);

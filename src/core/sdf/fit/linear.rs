@@ -29,10 +29,8 @@ impl Cloud {
                 }
             }
         }
-        for i in 0..3 {
-            for j in 0..i {
-                moments[j][i] = moments[i][j];
-            }
+        for (i, j) in [(1, 0), (2, 0), (2, 1)] {
+            moments[j][i] = moments[i][j];
         }
         Some(Self { mean, axes: eigenvectors(moments) })
     }
