@@ -51,7 +51,7 @@ impl Couple {
 
     /// Moves apart what touches.
     pub fn meet(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
-        self.touched = self.respond(bodies, found, 1.0, true);
+        self.touched = self.respond(bodies, found, 1.0);
         if self.touched.count == 0 {
             return;
         }
@@ -66,24 +66,18 @@ impl Couple {
 
     /// Moves apart once more what touched in the same substep.
     pub fn meet_again(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
-        self.respond(bodies, found, 1.0, true);
+        self.respond(bodies, found, 1.0);
     }
 
     /// Keeps apart what the strain limit has pulled together, after it met in the same substep.
     pub fn keep_apart(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
         if self.touched.is_pressed() {
-            self.respond(bodies, found, AT_LEAST, false);
+            self.respond(bodies, found, AT_LEAST);
         }
     }
 
     /// Moves pairs apart to a part of the distance at which they touch.
-    fn respond(
-        &mut self,
-        bodies: &mut [impl Body],
-        found: Found<'_>,
-        part: f32,
-        notes: bool,
-    ) -> Touched {
+    fn respond(&mut self, bodies: &mut [impl Body], found: Found<'_>, part: f32) -> Touched {
         let Found { at, first, still } = found;
         let nothing = Touched::default();
         let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return nothing };
@@ -106,7 +100,6 @@ impl Couple {
             friction: self.friction,
             most_push,
             part,
-            notes,
         })
     }
 

@@ -25,9 +25,6 @@ const LEAST_MARGIN: f32 = 0.15;
 /// How much further particles may move in a tick than their speeds let expect.
 const SLACK: f32 = 1.5;
 
-/// How often couples are met once more, from the uppermost to the lowest and back. With one, the upper layers of a pile of four creep.
-const ROUNDS: usize = 3;
-
 /// The couples of some cloths, and the pairs of their particles that may touch.
 #[derive(Debug, Default)]
 pub(in crate::solver) struct Couples {
@@ -49,9 +46,6 @@ pub(in crate::solver) struct Couples {
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
     is_found: bool,
-    /// How many layers each cloth lies on, and the couples by these.
-    levels: Vec<f32>,
-    order: Vec<usize>,
     /// Boxes of all regions, of their motion, and the first of each cloth, then their end.
     boxes: Vec<Extent>,
     moved: Vec<Extent>,
@@ -155,13 +149,6 @@ impl Couples {
 
     /// Moves apart what touches, in a substep after which the tick has so many `left`.
     pub fn meet(&mut self, bodies: &mut [impl Body], left: u32) {
-        self.levels.clear();
-        for body in bodies.iter_mut() {
-            self.levels.push(body.parts().map_or(0.0, |parts| {
-                parts.others.support.turn();
-                parts.others.support.now.mean_level()
-            }));
-        }
         if self.count == 0 {
             return;
         }
@@ -173,26 +160,22 @@ impl Couples {
         }
         self.search_tangles(bodies);
         let isa = self.isa();
-        let Self { couples, at, last, first, still, levels, order, .. } = self;
-        order.clear();
-        order.extend((0..self.count).filter(|&place| !couples[place].pairs.is_empty()));
-        // The lowest first.
-        let level = |place: usize| couples[place].of.map(|of| levels[of]).iter().sum::<f32>();
-        order.sort_unstable_by(|&a, &b| level(a).total_cmp(&level(b)).then(a.cmp(&b)));
-        for &place in &*order {
-            couples[place].look(isa, last, first);
+        let Self { couples, at, last, first, still, .. } = self;
+        for couple in &mut couples[..self.count] {
+            if !couple.pairs.is_empty() {
+                couple.look(isa, last, first);
+            }
         }
-        for &place in &*order {
-            couples[place].meet(bodies, Found { at, first, still });
+        for couple in &mut couples[..self.count] {
+            if !couple.pairs.is_empty() {
+                couple.meet(bodies, Found { at, first, still });
+            }
         }
-        // A layer that lies on another has been stopped before what lies on it pushed it on. Back from there it is stopped once more.
-        order.retain(|&place| couples[place].touched.count > 0);
-        if order.len() > 1 {
-            for _ in 0..ROUNDS {
-                order.reverse();
-                for &place in &*order {
-                    couples[place].meet_again(bodies, Found { at, first, still });
-                }
+        // A layer that lies on another has been stopped before what lies on it dragged it on. Back from there it is stopped once more.
+        let couples = &mut couples[..self.count];
+        if couples.iter().filter(|couple| couple.touched.count > 0).count() > 1 {
+            for couple in couples.iter_mut().rev().filter(|couple| couple.touched.count > 0) {
+                couple.meet_again(bodies, Found { at, first, still });
             }
         }
     }

@@ -97,8 +97,6 @@ pub(in crate::solver) struct Substep<'a> {
     pub d: &'a mut Soa,
     /// Where its particles lie on colliders, if any do.
     pub lying: Option<Lying<'a>>,
-    /// Length of the substep \[s\].
-    pub step: f32,
     /// How far a pair is moved apart in the substep at most, without speed \[m\].
     pub most_push: f32,
 }
@@ -179,7 +177,7 @@ impl SelfContact {
 
     /// Moves apart what touches. Tells how many pairs do.
     pub fn meet(&mut self, on: Substep<'_>) -> u32 {
-        let Substep { isa, inverse_mass, x, d, lying, step: length, most_push } = on;
+        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
             let since = Since { from: &self.found_at, last: &mut self.last, first: 0 };
@@ -200,8 +198,7 @@ impl SelfContact {
         let Self { pairs, batches, last: at, .. } = self;
         let Travelled { most: travelled, step, .. } = travelled;
         isa.run(LookAtPairs { pairs, batches, at, first: [0; 2], travelled, step });
-        self.touched =
-            self.respond(Substep { isa, inverse_mass, x, d, lying, step: length, most_push }, 1.0);
+        self.touched = self.respond(Substep { isa, inverse_mass, x, d, lying, most_push }, 1.0);
         self.since_touch = if self.touched.count > 0 { 0 } else { self.since_touch };
         self.tangles.is_suspected |= self.touched.is_deep();
         self.touched.count
@@ -219,7 +216,7 @@ impl SelfContact {
 
     /// Moves pairs apart to a part of the distance at which they touch.
     fn respond(&mut self, on: Substep<'_>, part: f32) -> Touched {
-        let Substep { isa, inverse_mass, x, d, lying, step, most_push } = on;
+        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let side = Side {
             normals: &mut self.normals,
             faces: &self.tangles.faces,
@@ -229,8 +226,6 @@ impl SelfContact {
             x,
             d,
             lying,
-            support: None,
-            step,
             is_down: self.tangles.any.then_some(&*self.tangles.is_down),
         };
         isa.run(Respond {
@@ -241,7 +236,6 @@ impl SelfContact {
             friction: self.settings.friction,
             most_push,
             part,
-            notes: false,
         })
     }
 

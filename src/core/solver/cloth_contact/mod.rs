@@ -21,7 +21,6 @@
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
 //! | `side` | a cloth as one side of pairs |
-//! | `support` | what particles rest on, handed on from layer to layer |
 //! | `respond` | pairs that touch are moved apart, with friction |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
@@ -49,7 +48,6 @@ mod parts;
 mod patches;
 mod respond;
 mod side;
-mod support;
 mod tangles;
 mod travel;
 
@@ -62,7 +60,6 @@ pub use crate::solver::cloth_contact::others::InterCollision;
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
 pub(super) use crate::solver::cloth_contact::parts::{Body, Parts};
 pub(super) use crate::solver::cloth_contact::side::Lying;
-pub(super) use crate::solver::cloth_contact::support::Rest;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::settings::{ParameterError, Settings, check};
@@ -97,8 +94,6 @@ pub(in crate::solver) struct Memory {
     pub is_suspected: bool,
     /// Ticks until tangles are searched.
     pub wait: u32,
-    /// What particles rest on, by their slots.
-    pub rests: Vec<(usize, Rest)>,
 }
 
 /// Substeps in 1/60 s that layers need of balls so wide \[m\], so many ticks after they touched.

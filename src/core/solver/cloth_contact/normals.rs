@@ -58,6 +58,6 @@ pub(super) fn direction([n_a, n_b]: [Vec3; 2], apart: Vec3, distance: f32) -> Ve
 
 /// From 0 at the first of two numbers to 1 at the second.
 #[inline(always)]
-pub(super) fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
+fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
     smaller(larger((value - from) * (1.0 / (to - from)), 0.0), 1.0)
 }

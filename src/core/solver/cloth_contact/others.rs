@@ -5,7 +5,6 @@ use std::sync::Arc;
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::normals::Normals;
-use crate::solver::cloth_contact::support::Support;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::Regions;
 use crate::solver::cloth_contact::{CALM, Memory, check_numbers, substeps_for};
@@ -54,7 +53,6 @@ pub(in crate::solver) struct OthersContact {
     pub(super) regions: Regions,
     pub(super) tangles: Tangles,
     pub(super) normals: Normals,
-    pub(super) support: Support,
     /// Ticks since it touched another cloth, up to [`CALM`].
     pub(super) since_touch: u32,
     /// Whether it may touch others in this tick.
@@ -71,7 +69,6 @@ impl OthersContact {
             regions: Regions::new(layout),
             tangles: Tangles::new(topology, faces),
             normals: Normals::new(layout.len()),
-            support: Support::new(layout.len()),
             since_touch: CALM,
             is_in_company: false,
         }
@@ -82,9 +79,6 @@ impl OthersContact {
         self.since_touch = (self.since_touch + 1).min(CALM);
         self.tangles.begin_tick();
         self.is_in_company = is_in_company;
-        if !is_in_company {
-            self.support.clear();
-        }
     }
 
     /// Substeps in 1/60 s that it asks for.
@@ -104,19 +98,17 @@ impl OthersContact {
 
     /// Takes out all that its later bits depend on.
     pub fn memory(&self) -> Memory {
-        Memory { rests: self.support.kept(), ..self.tangles.memory(None, self.since_touch) }
+        self.tangles.memory(None, self.since_touch)
     }
 
     /// Takes over another's memory.
     pub fn remember(&mut self, memory: &Memory) {
         self.since_touch = memory.since_touch.min(CALM);
         self.tangles.remember(memory);
-        self.support.put_back(&memory.rests);
     }
 
     /// Particles have been put elsewhere.
     pub fn forget(&mut self) {
         self.tangles.suspect();
-        self.support.clear();
     }
 }

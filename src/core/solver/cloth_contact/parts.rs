@@ -22,8 +22,6 @@ pub(in crate::solver) struct Parts<'a> {
     pub d: &'a mut Soa,
     /// Where its particles lie on colliders, if any do.
     pub lying: Option<Lying<'a>>,
-    /// Length of the substep \[s\].
-    pub step: f32,
     /// How far a pair is moved apart in the substep at most, without speed \[m\].
     pub most_push: f32,
     pub others: &'a mut OthersContact,
@@ -40,15 +38,13 @@ impl<'a> Parts<'a> {
         if let Some((d, inverse_mass)) = still {
             (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
         }
-        let OthersContact { tangles, normals, support, .. } = &mut *self.others;
+        let OthersContact { tangles, normals, .. } = &mut *self.others;
         let Tangles { faces, any, is_down, .. } = tangles;
         Side {
             inverse_mass: self.inverse_mass,
             x: self.x,
             d: self.d,
             lying: self.lying.as_mut().map(Lying::reborrow),
-            support: self.moves.then_some(support),
-            step: self.step,
             is_down: any.then_some(&**is_down),
             normals,
             faces,

@@ -4,9 +4,8 @@ use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::batches::{Batch, Batches};
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::cloth_contact::normals::{direction, ramp};
+use crate::solver::cloth_contact::normals::direction;
 use crate::solver::cloth_contact::side::Side;
-use crate::solver::cloth_contact::support::Rest;
 use crate::solver::cloth_contact::tangles::DEEP;
 use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
@@ -82,16 +81,7 @@ pub(super) struct Respond<'a, 'b> {
     pub most_push: f32,
     /// Part of the distance at which pairs touch, to which they are moved apart.
     pub part: f32,
-    /// Whether it is noted what rests on what.
-    pub notes: bool,
 }
-
-/// Of the depth that no approach undoes, the part that layers which lie on each other are moved apart by in a substep: all of it at
-/// once would shake a pile, as what moves one pair apart pushes the next one together. Deeper pairs are moved further, up to the whole
-/// way.
-const GENTLY: f32 = 0.1;
-/// Depths between which that part grows, in distances at which a pair touches.
-const DEEPENS: [f32; 2] = [0.04, 0.22];
 
 /// The pairs that touched in a substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,9 +109,8 @@ impl Kernel for Respond<'_, '_> {
 
     #[inline(always)]
     fn run(self) -> Touched {
-        let Self { batches, sides, shift, drift, friction, most_push, part, notes } = self;
+        let Self { batches, sides, shift, drift, friction, most_push, part } = self;
         let second = sides.len() - 1;
-        let gently = if notes { GENTLY } else { 1.0 };
         let mut touched = Touched::default();
         for batch in batches.touching() {
             let mut met = Met::NOTHING;
@@ -131,9 +120,9 @@ impl Kernel for Respond<'_, '_> {
             if !met.touches.contains(&1) {
                 continue;
             }
-            let a = Grains::load(&mut sides[0], &batch.slots[0], &met, 1.0);
-            let b = Grains::load(&mut sides[second], &batch.slots[1], &met, -1.0);
-            met.respond(&a, &b, &reach, drift, friction, [most_push, gently]);
+            let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
+            let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
+            met.respond(&a, &b, &reach, drift, friction, most_push);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
@@ -143,19 +132,6 @@ impl Kernel for Respond<'_, '_> {
                 touched.count += 1;
                 touched.deepest = larger(touched.deepest, met.depth.0[i] / reach.0[i]);
                 let (momentum, pushed) = (met.momentum.at(i), met.pushed.at(i));
-                if notes && met.braked.0[i] >= 0.0 {
-                    let (normal, braked) = (met.normal.at(i), met.braked.0[i]);
-                    let below = sides[second].holds(b, -normal);
-                    let above = sides[0].holds(a, normal);
-                    let gone = drift / sides[0].step;
-                    if let Some(rest) = below.and_then(|rest| rest.handed_on(normal, braked)) {
-                        sides[0].note(a, Rest { velocity: rest.velocity - gone, ..rest });
-                    } else if let Some(rest) =
-                        above.and_then(|rest| rest.handed_on(-normal, braked))
-                    {
-                        sides[second].note(b, Rest { velocity: rest.velocity + gone, ..rest });
-                    }
-                }
                 sides[0].give(a, momentum, pushed);
                 sides[second].give(b, -momentum, -pushed);
             }
@@ -179,7 +155,7 @@ struct Grains {
 
 impl Grains {
     #[inline(always)]
-    fn load(side: &mut Side<'_>, slots: &[u32; LANES], met: &Met, sign: f32) -> Self {
+    fn load(side: &mut Side<'_>, slots: &[u32; LANES], touches: &[u32; LANES]) -> Self {
         let mut grains = Self {
             normal: Block3::ZERO,
             onto: Block3::ZERO,
@@ -188,9 +164,9 @@ impl Grains {
             slipping: Block::ZERO,
             loose: Block::ZERO,
         };
-        for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
+        for i in (0..LANES).filter(|&i| touches[i] != 0) {
             let slot = slots[i] as usize;
-            let (lies, w) = (side.lies(slot, met.apart.at(i) * sign), side.inverse_mass[slot]);
+            let (lies, w) = (side.lies(slot), side.inverse_mass[slot]);
             grains.normal.set(i, side.normal(slot));
             grains.onto.set(i, lies.onto);
             grains.undone.set(i, lies.undone);
@@ -223,10 +199,6 @@ struct Met {
     /// What the first particle is given, and the second one is given back, and what moves them without speed \[kg m\].
     momentum: Block3,
     pushed: Block3,
-    /// Direction of the push on the first particle.
-    normal: Block3,
-    /// Part of the way along the surface that friction takes; negative where they do not press.
-    braked: Block,
 }
 
 impl Met {
@@ -238,8 +210,6 @@ impl Met {
         depth: Block::ZERO,
         momentum: Block3::ZERO,
         pushed: Block3::ZERO,
-        normal: Block3::ZERO,
-        braked: Block::ZERO,
     };
 
     /// Finds out which pairs touch. What is no number touches nothing.
@@ -273,7 +243,7 @@ impl Met {
         reach: &Block,
         drift: Vec3,
         friction: f32,
-        [most_push, gently]: [f32; 2],
+        most_push: f32,
     ) {
         for i in 0..LANES {
             let (apart, square, reach) = (self.apart.at(i), self.square.0[i], reach.0[i]);
@@ -300,15 +270,10 @@ impl Met {
                 a.mobility(&a.loose, i, sliding, way) + b.mobility(&b.loose, i, sliding, way);
             let yields = larger(yields, least);
             let held = friction * pressed * yields / way.sqrt();
-            let taken = smaller(held, 1.0);
-            let braked = taken / yields;
+            let braked = smaller(held, 1.0) / yields;
             self.depth.0[i] = reach - distance;
-            self.normal.set(i, normal);
-            self.braked.0[i] = if pressed > 0.0 { taken } else { -1.0 };
             self.momentum.set(i, normal * pressed - sliding * braked);
-            let left = depth - undone;
-            let part = larger(ramp(left / reach, DEEPENS), gently);
-            self.pushed.set(i, normal * (smaller(left * part, most_push) * share));
+            self.pushed.set(i, normal * (smaller(depth - undone, most_push) * share));
         }
     }
 }

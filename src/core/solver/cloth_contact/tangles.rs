@@ -53,7 +53,6 @@ impl Tangles {
             down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
             is_suspected: *is_suspected,
             wait: *wait,
-            rests: Vec::new(),
         }
     }
 

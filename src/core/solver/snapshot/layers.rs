@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::{Memory, Rest};
+use crate::solver::cloth_contact::Memory;
 use crate::solver::settings::is_near;
 use crate::solver::snapshot::{by_particle, by_slot};
 use crate::solver::topology::Topology;
@@ -17,48 +17,26 @@ pub(super) struct SavedLayers {
     down: Vec<u32>,
     is_suspected: bool,
     wait: u32,
-    /// Particles that rest on others, and what on.
-    rests: Vec<(u32, SavedRest)>,
-}
-
-/// What a particle rests on; see [`Rest`].
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-struct SavedRest {
-    normal: Vec3,
-    velocity: Vec3,
-    loose: f32,
-    level: f32,
 }
 
 impl SavedLayers {
     pub fn of(topology: &Topology, memory: Memory) -> Self {
-        let Memory { found_at, since_touch, down, is_suspected, wait, rests } = memory;
+        let Memory { found_at, since_touch, down, is_suspected, wait } = memory;
         let mut down: Vec<_> =
             down.into_iter().map(|slot| topology.particle(slot) as u32).collect();
         down.sort_unstable();
         let found_at = found_at.map(|found_at| by_particle(topology, &found_at));
-        let rest = |(slot, rest)| {
-            let Rest { normal, velocity, loose, level } = rest;
-            (topology.particle(slot) as u32, SavedRest { normal, velocity, loose, level })
-        };
-        let rests = rests.into_iter().map(rest).collect();
-        Self { found_at, since_touch, down, is_suspected, wait, rests }
+        Self { found_at, since_touch, down, is_suspected, wait }
     }
 
     pub fn memory(&self, topology: &Topology) -> Memory {
-        let Self { found_at, since_touch, down, is_suspected, wait, rests } = self;
-        let rest = |(particle, rest): &(u32, SavedRest)| {
-            let SavedRest { normal, velocity, loose, level } = *rest;
-            (topology.slot(*particle as usize), Rest { normal, velocity, loose, level })
-        };
+        let Self { found_at, since_touch, down, is_suspected, wait } = self;
         Memory {
             found_at: found_at.as_deref().map(|found_at| by_slot(topology, found_at)),
             since_touch: *since_touch,
             down: down.iter().map(|&particle| topology.slot(particle as usize)).collect(),
             is_suspected: *is_suspected,
             wait: *wait,
-            rests: rests.iter().map(rest).collect(),
         }
     }
 
@@ -69,12 +47,5 @@ impl SavedLayers {
         };
         self.found_at.as_ref().is_none_or(is_good)
             && self.down.iter().all(|&particle| (particle as usize) < particles)
-            && self.rests.iter().all(|(particle, rest)| {
-                (*particle as usize) < particles
-                    && is_near(rest.normal)
-                    && is_near(rest.velocity)
-                    && (0.0..=1.0).contains(&rest.loose)
-                    && (0.0..f32::INFINITY).contains(&rest.level)
-            })
     }
 }

@@ -46,8 +46,7 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts),
-            step: plan.step,
+            lying: lying(contacts, plan.step),
             most_push: settings.max_depenetration_speed * plan.step,
         };
         self_contact.as_mut().map(|own| act(own, on))
@@ -66,8 +65,7 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d,
-            lying: lying(contacts),
-            step: plan.step,
+            lying: lying(contacts, plan.step),
             most_push: settings.max_depenetration_speed * plan.step,
             others: others_contact.as_mut()?,
         })
@@ -75,8 +73,8 @@ impl ClothSolver {
 }
 
 /// Where particles lie on colliders, if any do.
-fn lying(contacts: &mut ActiveSet) -> Option<Lying<'_>> {
+fn lying(contacts: &mut ActiveSet, step: f32) -> Option<Lying<'_>> {
     let ActiveSet { now, velocity, load, .. } = contacts;
     let Normals { normal, slip, loose, .. } = &*now;
-    now.any.then_some(Lying { normal, slip, loose, velocity, load })
+    now.any.then_some(Lying { normal, slip, loose, velocity, step, load })
 }
