@@ -79,15 +79,6 @@ fn trimmed(capsule: CapsuleBetween, points: &Columns) -> CapsuleBetween {
     CapsuleBetween { from: capsule.from + axis * from, to: capsule.from + axis * to, ..capsule }
 }
 
-/// How far a point is outside of a capsule.
-pub fn distance(capsule: &CapsuleBetween, point: Vec3) -> f32 {
-    let axis = capsule.to - capsule.from;
-    let length = axis.length_squared();
-    let offset = point - capsule.from;
-    let part = if length > 0.0 { (offset.dot(axis) / length).clamp(0.0, 1.0) } else { 0.5 };
-    (offset - axis * part).length() - capsule.radius
-}
-
 /// The capsule of least error near another, and its error.
 fn refined(from: CapsuleBetween, points: &Columns) -> (CapsuleBetween, f32) {
     let mut best = (from, points.error(&from, COVER));

@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use super::SurfacePoint;
-use crate::sdf::shapes::CapsuleBetween;
+use crate::sdf::shapes::{CapsuleBetween, larger, smaller};
 
 /// Points side by side.
 const LANES: usize = 8;
@@ -33,7 +33,7 @@ pub struct Equations {
     pub right: [f64; 7],
 }
 
-/// Where points are to a capsule.
+/// How points lie to a capsule.
 struct Apart {
     /// How far they are outside.
     distance: Lanes,
@@ -79,7 +79,7 @@ impl Columns {
         sum(&sums) as f32 / self.area
     }
 
-    /// Where on a line a capsule of this radius begins and ends, if its caps end where the surface does.
+    /// The ends of a capsule of this radius on a line, if its caps end where the surface does.
     pub fn ends(&self, middle: Vec3, axis: Vec3, radius: f32) -> (f32, f32) {
         let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
         for group in &self.groups {
@@ -231,14 +231,4 @@ fn weight(area: f32, distance: f32, cover: f32) -> f32 {
 
 fn sum(lanes: &Lanes) -> f64 {
     lanes.iter().map(|it| f64::from(*it)).sum()
-}
-
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

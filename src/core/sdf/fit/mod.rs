@@ -17,8 +17,8 @@ pub use body::{BodySurface, JointCapsule, fit_body};
 
 use bevy_math::Vec3;
 
-use super::shapes::CapsuleBetween;
-use capsule::{Fit, distance};
+use super::{SignedDistance, shapes::CapsuleBetween};
+use capsule::Fit;
 use linear::Cloud;
 
 /// A point of a surface, and the part of the surface that it stands for.
@@ -85,7 +85,7 @@ impl Part {
     fn covering(&self, tolerance: f32) -> CapsuleBetween {
         let capsule = self.fit.capsule;
         let mut outside: Vec<f32> =
-            self.points.iter().map(|it| distance(&capsule, it.point)).collect();
+            self.points.iter().map(|it| capsule.distance(it.point)).collect();
         let covered = ((1.0 - LEFT_OUT) * (outside.len() - 1) as f32) as usize;
         let (_, covered, _) = outside.select_nth_unstable_by(covered, f32::total_cmp);
         let missing = (*covered - 1.5 * tolerance).max(0.0);

@@ -42,13 +42,13 @@ type Kernel = (f32, [f32; 3]);
 
 /// The larger one, as one machine instruction; NaN if `a` is.
 #[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
+pub(super) fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
 /// The smaller one, as one machine instruction; NaN if `a` is.
 #[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 

@@ -64,7 +64,7 @@ impl Account {
         self.late += (self.about - self.ways[1]).cross(impulse.linear);
     }
 
-    /// What is lacking of its angular momentum when the tick ends. The impulse that was expected has been given to the engine's body
+    /// The angular momentum that it lacks when the tick ends. The impulse that was expected has been given to the engine's body
     /// where its way begins.
     pub fn lacking(&self) -> Vec3 {
         self.late + (self.ways[1] - self.ways[0]).cross(self.coupling.expected.linear)

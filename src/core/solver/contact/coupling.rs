@@ -6,7 +6,7 @@
 //! is what it gave in the last one, and later the difference to what it did. A swing then decays by as much. A body that the
 //! cloth carries comes to rest, and the engine finds it at rest: its weight is balanced when it looks.
 //!
-//! What a body is given at a tick's end it was given elsewhere on its way. The angular impulse makes up for that
+//! A body is given at a tick's end what the cloth gave it elsewhere on its way. The angular impulse makes up for that
 //! (`Account::lacking`), so that cloth and body keep their angular momentum as well.
 
 use crate::solver::contact::impulse::Impulse;

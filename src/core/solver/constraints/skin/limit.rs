@@ -1,4 +1,4 @@
-//! What is asked for of a skin, and where it is in a tick.
+//! Limits of the particles of a skinned cloth, and the motion of the skin in a tick.
 
 use bevy_math::Vec3;
 
