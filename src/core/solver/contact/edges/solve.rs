@@ -115,10 +115,10 @@ impl System {
             let part = if largest > most { most / largest } else { 1.0 };
             for ((body, ..), turning) in press.corners().zip(turning) {
                 let body = &mut bodies[body];
-                let by = press.normal * (part * turning);
-                body.d -= by * body.inverse_mass;
+                let by = part * turning * body.inverse_mass;
+                body.d -= press.normal * by;
                 if body.inverse_mass > 0.0 {
-                    given += Impulse::at(body.x - centre, by);
+                    given += Impulse::at(body.x - centre, press.normal * (part * turning));
                 }
             }
         }
