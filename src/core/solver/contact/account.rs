@@ -14,6 +14,8 @@ pub(super) struct Account {
     /// Angular momentum that the engine's body lacks about the end of its way, where it is given the impulse: the cloth gave it
     /// elsewhere.
     pub late: Vec3,
+    /// The momentum that this is known of \[kg m/s\].
+    pub told: Vec3,
     /// Impulse that it gives in the substeps to come, as pulls are carried on.
     pub owed: Impulse,
     /// The place that angular impulses are about, in the cloth's coordinates \[m\].
@@ -43,6 +45,7 @@ impl Account {
         Self {
             given: Impulse::ZERO,
             late: Vec3::ZERO,
+            told: Vec3::ZERO,
             owed,
             about: Vec3::ZERO,
             mobility: None,
@@ -57,15 +60,15 @@ impl Account {
         }
     }
 
-    /// Gives it an impulse about where it is now.
-    #[inline(always)]
-    pub fn give(&mut self, impulse: Impulse) {
-        self.given += impulse;
-        self.late += (self.about - self.ways[1]).cross(impulse.linear);
+    /// Goes on to be at a place.
+    pub fn go_to(&mut self, place: Vec3) {
+        let since = self.given.linear - self.told;
+        self.late += (self.about - self.ways[1]).cross(since);
+        (self.told, self.about) = (self.given.linear, place);
     }
 
-    /// The angular momentum that it lacks when the tick ends. The impulse that was expected has been given to the engine's body
-    /// where its way begins.
+    /// The angular momentum that it lacks when the tick ends, and it has gone to its place. The impulse that was expected has been
+    /// given to the engine's body where its way begins.
     pub fn lacking(&self) -> Vec3 {
         self.late + (self.ways[1] - self.ways[0]).cross(self.coupling.expected.linear)
     }

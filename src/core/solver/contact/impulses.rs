@@ -124,12 +124,12 @@ impl Impulses {
     pub fn end_substep(&mut self, colliders: &[Collider<'_>], origin: Vec3, to: f32, step: f32) {
         for &place in &self.live {
             let Some(account) = &mut self.colliders[place] else { continue };
-            account.about = colliders[place].centre_at(to) - origin;
+            let mut at = colliders[place].centre_at(to) - origin;
             if account.met && account.mobility.is_some() {
                 account.deviation = account.deviation.after(&account.velocity(to), step);
-                let apart = account.coupling.ahead_at(to).and(&account.deviation);
-                account.about += apart.shift;
+                at += account.coupling.ahead_at(to).and(&account.deviation).shift;
             }
+            account.go_to(at);
         }
     }
 
@@ -161,7 +161,7 @@ impl Impulses {
         for &place in &self.live {
             let Some(account) = &mut self.colliders[place] else { continue };
             account.owed = account.owed * part.unwrap_or(0.0);
-            account.give(account.owed);
+            account.given += account.owed;
         }
     }
 
@@ -171,24 +171,21 @@ impl Impulses {
             return;
         }
         for Share { collider, at, given, owed } in shares {
-            self.give_at(collider, at, given / step, owed / step);
+            let arm = at - self.about(collider);
+            self.give_sum(collider, Impulse::at(arm, given), Impulse::at(arm, owed), step);
         }
     }
 
-    /// Gives what acts at a place, and owes it \[kg m/s\].
+    /// The place of a collider that sums for it are about.
     #[inline(always)]
-    pub fn give_at(&mut self, collider: usize, at: Vec3, given: Vec3, owed: Vec3) {
-        if let Some(account) = self.account_mut(collider) {
-            let arm = at - account.about;
-            account.give(Impulse::at(arm, given));
-            account.owed += Impulse::at(arm, owed);
-        }
+    pub fn about(&self, collider: usize) -> Vec3 {
+        self.account(collider).map_or(Vec3::ZERO, |account| account.about)
     }
 
     /// Gives a collider what has been summed up about its place in a substep of length `step`, times the substep.
     pub fn give_sum(&mut self, collider: usize, given: Impulse, owed: Impulse, step: f32) {
         if let Some(account) = self.account_mut(collider) {
-            account.give(given * (1.0 / step));
+            account.given += given * (1.0 / step);
             account.owed += owed * (1.0 / step);
         }
     }

@@ -3,11 +3,18 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::active_set::{ActiveSet, slipped};
+use crate::solver::contact::impulse::Impulse;
+use crate::solver::contact::impulses::Impulses;
 use crate::solver::contact::let_go::followed;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
+
+/// Colliders whose shares are summed up at once. A row of particles may lie on a few, and on the same ones as the row before.
+const AT_ONCE: usize = 8;
+/// The place of no collider.
+const NONE: f32 = -1.0;
 
 /// Momentum that a block's particles give to what they lie on, and owe it, times the substep \[kg m\].
 #[derive(Clone, Copy)]
@@ -55,6 +62,25 @@ impl ActiveSet {
     }
 }
 
+impl Shares {
+    /// 1 in the lanes that have any.
+    #[inline(always)]
+    fn any(&self) -> [f32; LANES] {
+        let mut any = [0.0; LANES];
+        for i in 0..LANES {
+            let (given, owed) = (self.given.at(i), self.owed.at(i));
+            let none = given.x == 0.0
+                && given.y == 0.0
+                && given.z == 0.0
+                && owed.x == 0.0
+                && owed.y == 0.0
+                && owed.z == 0.0;
+            any[i] = if none { 0.0 } else { 1.0 };
+        }
+        any
+    }
+}
+
 /// Which pulls are given.
 trait Rule {
     /// The shares of a block of these inverse masses, at a slot; `None` where it has none.
@@ -76,6 +102,7 @@ impl<R: Rule> Kernel for Give<'_, R> {
     #[inline(always)]
     fn run(self) {
         let Self { set, inverse_mass, x, step, rule } = self;
+        let mut sums: [Sums; AT_ONCE] = core::array::from_fn(|_| Sums::of(NONE, Vec3::ZERO));
         for block in 0..set.now.blocks.len() {
             if !set.now.blocks[block] {
                 continue;
@@ -84,20 +111,82 @@ impl<R: Rule> Kernel for Give<'_, R> {
             let Some(shares) = rule.shares(set, &Block::load(inverse_mass, slot), slot) else {
                 continue;
             };
-            let (mut given, mut owed) = (shares.given, shares.owed);
-            for i in 0..LANES {
-                given.set(i, given.at(i) / step);
-                owed.set(i, owed.at(i) / step);
-            }
-            let (x, holder) = (Block3::load(x, slot), Block::load(&set.holder, slot));
-            for i in 0..LANES {
-                let (given, owed) = (given.at(i), owed.at(i));
-                if given != Vec3::ZERO || owed != Vec3::ZERO {
-                    set.impulses.give_at(holder.0[i] as usize, x.at(i), given, owed);
+            let holder = Block::load(&set.holder, slot);
+            let mut left = shares.any();
+            while let Some(first) = left.iter().position(|&left| left > 0.0) {
+                let collider = holder.0[first];
+                let sums = &mut sums[collider as usize % AT_ONCE];
+                if sums.collider != collider {
+                    sums.give(&mut set.impulses, step);
+                    *sums = Sums::of(collider, set.impulses.about(collider as usize));
                 }
+                let mut own = Block(left);
+                for i in 0..LANES {
+                    let is_own = holder.0[i] == collider;
+                    own.0[i] = if is_own { own.0[i] } else { 0.0 };
+                    left[i] = if is_own { 0.0 } else { left[i] };
+                }
+                sums.add(&own, &Block3::load(x, slot), &shares);
             }
         }
+        for sums in &sums {
+            sums.give(&mut set.impulses, step);
+        }
     }
+}
+
+/// What particles give to a collider and owe it, summed up by lanes.
+struct Sums {
+    collider: f32,
+    /// The place that they are about.
+    about: Vec3,
+    /// Linear and angular ones.
+    given: [Block3; 2],
+    owed: [Block3; 2],
+}
+
+impl Sums {
+    /// Nothing, for a collider.
+    #[inline(always)]
+    fn of(collider: f32, about: Vec3) -> Self {
+        let none = [Block3::ZERO; 2];
+        Self { collider, about, given: none, owed: none }
+    }
+
+    /// Adds the shares of particles at `x` whose lanes are 1.
+    #[inline(always)]
+    fn add(&mut self, own: &Block, x: &Block3, shares: &Shares) {
+        for (sums, all) in [(&mut self.given, &shares.given), (&mut self.owed, &shares.owed)] {
+            let (share, turn) = shares_of(own, x, all, self.about);
+            sums[0] = sums[0].plus(&share);
+            sums[1] = sums[1].plus(&turn);
+        }
+    }
+
+    /// Gives it to the collider, after a substep of length `step`.
+    #[inline(always)]
+    fn give(&self, impulses: &mut Impulses, step: f32) {
+        if self.collider >= 0.0 {
+            let of = |[linear, angular]: &[Block3; 2]| Impulse {
+                linear: linear.sum(),
+                angular: angular.sum(),
+            };
+            impulses.give_sum(self.collider as usize, of(&self.given), of(&self.owed), step);
+        }
+    }
+}
+
+/// The shares of lanes that are 1, of particles at `x`, and the turning that they make about a place.
+#[inline(always)]
+fn shares_of(own: &Block, x: &Block3, all: &Block3, about: Vec3) -> (Block3, Block3) {
+    let (mut share, mut turn) = (Block3::ZERO, Block3::ZERO);
+    for i in 0..LANES {
+        share.set(i, all.at(i) * own.0[i]);
+    }
+    for i in 0..LANES {
+        turn.set(i, (x.at(i) - about).cross(share.at(i)));
+    }
+    (share, turn)
 }
 
 /// Whether a particle is held by what it lies on.

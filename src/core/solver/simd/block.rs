@@ -151,10 +151,18 @@ impl Block3 {
         self
     }
 
-    /// The sum over the lanes, in their order.
+    /// The sum over the lanes: of halves, and of halves of these.
     #[inline(always)]
     pub fn sum(&self) -> Vec3 {
-        (0..LANES).fold(Vec3::ZERO, |sum, i| sum + self.at(i))
+        let mut lanes = *self;
+        let mut width = LANES;
+        while width > 1 {
+            width /= 2;
+            for i in 0..width {
+                lanes.set(i, lanes.at(i) + lanes.at(i + width));
+            }
+        }
+        lanes.at(0)
     }
 
     /// The vector of one lane.
