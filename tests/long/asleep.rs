@@ -10,7 +10,7 @@ use bevy::{
     prelude::*,
     time::TimeUpdateStrategy,
 };
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothInterCollision, ClothSelfCollision, prelude::*};
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
 const FRAMES: u32 = 20 * 60;
@@ -58,4 +58,46 @@ fn on_a_cylinder() {
 #[test]
 fn on_a_cone() {
     check(Cone { radius: 0.5, height: 0.8 }, 0.4);
+}
+
+/// Four towels on a bench that is smaller than they are, as in the example `pile`. Truth: none of them slides off, and they sleep.
+#[test]
+fn towels_on_a_bench() {
+    let mut app = app_with(ClothPlugin::default());
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
+    spawn(&mut app, SdfCollider::from(InfinitePlane3d::new(Vec3::Y)));
+    let seat = SdfCollider::from(Cuboid::new(0.6, 0.04, 0.34));
+    spawn(&mut app, (seat, Transform::from_xyz(0.0, 0.3, 0.0)));
+    let terry = ClothMaterial { area_density: 0.4, friction: 0.9, ..ClothMaterial::COTTON };
+    let towels = [0.0, 1.0, 2.0, 3.0].map(|layer: f32| {
+        let place = Transform::from_xyz(0.02 * layer, 0.38 + 0.13 * layer, 0.015 * layer)
+            .with_rotation(Quat::from_rotation_y(0.25 + 0.45 * layer));
+        let meets = (
+            ClothInterCollision { friction: 0.9, ..default() },
+            ClothSelfCollision { friction: 0.9, ..default() },
+        );
+        let sheet = Cloth::sheet(Vec2::splat(0.7), UVec2::splat(64));
+        spawn(&mut app, (sheet, terry, meets, place))
+    });
+    let centre = |app: &App, towel| {
+        let positions = simulation(app, towel).positions();
+        let count = positions.len() as f32;
+        positions.sum::<Vec3>() / count
+    };
+    let mut early = [Vec3::ZERO; 4];
+    let mut since = None;
+    for frame in 0..30 * 60 {
+        app.update();
+        if frame == 4 * 60 {
+            early = towels.map(|towel| centre(&app, towel));
+        }
+        let sleep = towels.iter().all(|&towel| simulation(&app, towel).is_asleep());
+        since = sleep.then(|| since.unwrap_or(frame));
+    }
+    for (towel, early) in towels.into_iter().zip(early) {
+        let slid = centre(&app, towel).distance(early);
+        check_at_most("slid since the fourth second [m]", slid.into(), 0.02);
+    }
+    let since = since.map_or(f64::INFINITY, |frame| f64::from(frame) * FRAME.as_secs_f64());
+    check_at_most("all asleep after [s]", since, 25.0);
 }

@@ -4,7 +4,7 @@
 //! looked at, and did not touch, sleeps until the path that particles have come since is as long as its least gap was.
 
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::simd::block::{Block, smaller};
+use crate::solver::simd::block::{Block, Block3, smaller};
 use crate::solver::simd::lanes::LANES;
 
 /// Steps in which pairs are sorted by their gaps.
@@ -17,10 +17,25 @@ pub(super) struct Batch {
     pub slots: [[u32; LANES]; 2],
     /// Distances at which they touch \[m\].
     pub reach: Block,
+    /// Where pairs were that have touched in the tick.
+    pub anchors: Anchors,
     /// How many lanes hold a pair.
     count: usize,
     /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.
     until: f32,
+}
+
+/// Where pairs began to touch in the tick, but for what they have slid since: friction holds them there.
+#[derive(Clone, Debug)]
+pub(super) struct Anchors {
+    /// 1 where a pair has one, else 0.
+    pub set: Block,
+    /// From the second particle to the first \[m\].
+    pub apart: Block3,
+}
+
+impl Anchors {
+    const NONE: Self = Self { set: Block::ZERO, apart: Block3::ZERO };
 }
 
 /// Where a batch touches.
@@ -113,8 +128,15 @@ impl Batches {
     }
 
     /// The batches that touched when they were looked at last.
-    pub fn touching(&self) -> impl Iterator<Item = &Batch> {
-        self.all.iter().filter(|batch| batch.until == TOUCHES)
+    pub fn touching(&mut self) -> impl Iterator<Item = &mut Batch> {
+        self.all.iter_mut().filter(|batch| batch.until == TOUCHES)
+    }
+
+    /// Forgets where pairs touch.
+    pub fn weigh_anchor(&mut self) {
+        for batch in self.touching() {
+            batch.anchors.set = Block::ZERO;
+        }
     }
 
     /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
@@ -157,13 +179,19 @@ impl Awake<'_> {
     /// None of its pairs touches before particles have come by a gap further.
     #[inline(always)]
     pub fn sleeps(self, gap: f32) {
+        self.batch.anchors.set = Block::ZERO;
         self.batch.until = self.path + gap;
     }
 }
 
 impl Batch {
-    const EMPTY: Self =
-        Self { slots: [[0; LANES]; 2], reach: Block::ZERO, count: 0, until: f32::INFINITY };
+    const EMPTY: Self = Self {
+        slots: [[0; LANES]; 2],
+        reach: Block::ZERO,
+        anchors: Anchors::NONE,
+        count: 0,
+        until: f32::INFINITY,
+    };
 
     /// Takes in a pair, and wakes.
     fn push(&mut self, pair: &Pair, path: f32) {

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::batches::{Batch, Batches};
+use crate::solver::cloth_contact::batches::{Anchors, Batch, Batches};
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::normals::direction;
 use crate::solver::cloth_contact::side::Side;
@@ -65,6 +65,10 @@ const PRESSED: f32 = 0.25;
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
 ///
+/// A pair is met once or twice in a substep, and other pairs drag at its particles after friction has stopped them. What is left of that
+/// sums up: a pile creeps down a slope on which it should stay. So friction brakes what a pair has slid since it began to touch in the
+/// tick, as far as Coulomb's bound lets it: what is beyond, it has slid for good.
+///
 /// Its change of the displacements is a correction like those of the threads: a particle that lies on a collider follows it along the
 /// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
 /// apart that they press together, and do not stretch for it.
@@ -122,7 +126,7 @@ impl Kernel for Respond<'_, '_> {
             }
             let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
             let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
-            met.respond(&a, &b, &reach, drift, friction, most_push);
+            met.respond(&a, &b, &reach, drift, friction, most_push, &mut batch.anchors);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
@@ -244,7 +248,9 @@ impl Met {
         drift: Vec3,
         friction: f32,
         most_push: f32,
+        anchors: &mut Anchors,
     ) {
+        let (mut set, mut anchor) = (anchors.set, anchors.apart);
         for i in 0..LANES {
             let (apart, square, reach) = (self.apart.at(i), self.square.0[i], reach.0[i]);
             let distance = square.sqrt();
@@ -264,6 +270,10 @@ impl Met {
             let pressed = undone * share;
             // What lies on a collider that holds it goes as that does, whatever has dragged it in this substep.
             let slides = relative - (a.undone.at(i) - b.undone.at(i));
+            // Back to the anchor as well: what other pairs have dragged it by since friction stopped it.
+            let before = apart - relative;
+            let off = (before - anchor.at(i)) * set.0[i];
+            let slides = slides + off;
             let sliding = slides - normal * slides.dot(normal);
             let way = larger(sliding.dot(sliding), f32::MIN_POSITIVE);
             let yields =
@@ -274,6 +284,11 @@ impl Met {
             self.depth.0[i] = reach - distance;
             self.momentum.set(i, normal * pressed - sliding * braked);
             self.pushed.set(i, normal * (smaller(depth - undone, most_push) * share));
+            let touches = self.touches[i] != 0;
+            let held_at = before - off * smaller(held, 1.0);
+            anchor.set(i, if touches { held_at } else { anchor.at(i) });
+            set.0[i] = if touches { 1.0 } else { set.0[i] };
         }
+        *anchors = Anchors { set, apart: anchor };
     }
 }
