@@ -4,7 +4,8 @@
 //! looked at, and did not touch, sleeps until the path that particles have come since is as long as its least gap was.
 
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::simd::block::{Block, Block3, smaller};
+use crate::solver::cloth_contact::friction::Anchors;
+use crate::solver::simd::block::{Block, smaller};
 use crate::solver::simd::lanes::LANES;
 
 /// Steps in which pairs are sorted by their gaps.
@@ -23,19 +24,6 @@ pub(super) struct Batch {
     count: usize,
     /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.
     until: f32,
-}
-
-/// Where pairs began to touch in the tick, but for what they have slid since: friction holds them there.
-#[derive(Clone, Debug)]
-pub(super) struct Anchors {
-    /// 1 where a pair has one, else 0.
-    pub set: Block,
-    /// From the second particle to the first \[m\].
-    pub apart: Block3,
-}
-
-impl Anchors {
-    const NONE: Self = Self { set: Block::ZERO, apart: Block3::ZERO };
 }
 
 /// Where a batch touches.

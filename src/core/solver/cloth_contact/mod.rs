@@ -21,7 +21,9 @@
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
 //! | `side` | a cloth as one side of pairs |
-//! | `respond` | pairs that touch are moved apart, with friction |
+//! | `grains` | the particles of one side of a batch |
+//! | `respond` | pairs that touch are moved apart |
+//! | `friction` | pairs that touch rub on each other, and are held where they began to |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
 //! | `itself` | contact of a cloth with itself |
@@ -38,6 +40,8 @@ mod couples;
 mod crossings;
 mod faces;
 mod find;
+mod friction;
+mod grains;
 mod grid;
 mod itself;
 mod kin;

@@ -2,12 +2,13 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::batches::{Anchors, Batch, Batches};
+use crate::solver::cloth_contact::batches::{Batch, Batches};
 use crate::solver::cloth_contact::find::Pair;
+use crate::solver::cloth_contact::friction::Rubbing;
+use crate::solver::cloth_contact::grains::Grains;
 use crate::solver::cloth_contact::normals::direction;
 use crate::solver::cloth_contact::side::Side;
 use crate::solver::cloth_contact::tangles::DEEP;
-use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
@@ -64,10 +65,6 @@ const PRESSED: f32 = 0.25;
 ///
 /// The approach that a push undoes is taken from the displacements, and with it friction brakes what slides. The rest of the depth
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
-///
-/// A pair is met once or twice in a substep, and other pairs drag at its particles after friction has stopped them. What is left of that
-/// sums up: a pile creeps down a slope on which it should stay. So friction brakes what a pair has slid since it began to touch in the
-/// tick, as far as Coulomb's bound lets it: what is beyond, it has slid for good.
 ///
 /// Its change of the displacements is a correction like those of the threads: a particle that lies on a collider follows it along the
 /// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
@@ -126,7 +123,18 @@ impl Kernel for Respond<'_, '_> {
             }
             let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
             let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
-            met.respond(&a, &b, &reach, drift, friction, most_push, &mut batch.anchors);
+            met.press([&a, &b], &reach, drift, most_push);
+            let rubbing = Rubbing {
+                touches: &met.touches,
+                apart: &met.apart,
+                relative: &met.relative,
+                normal: &met.normal,
+                pressed: &met.pressed,
+                pushed: &met.pushed,
+                grains: [&a, &b],
+                friction,
+            };
+            let rubbed = rubbing.brake(&mut batch.anchors);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);
@@ -135,57 +143,15 @@ impl Kernel for Respond<'_, '_> {
                 }
                 touched.count += 1;
                 touched.deepest = larger(touched.deepest, met.depth.0[i] / reach.0[i]);
-                let (momentum, pushed) = (met.momentum.at(i), met.pushed.at(i));
-                sides[0].give(a, momentum, pushed);
-                sides[second].give(b, -momentum, -pushed);
+                let normal = met.normal.at(i);
+                let momentum = normal * met.pressed.0[i] - rubbed.braked.at(i);
+                let pushed = normal * met.pushed.0[i];
+                let [one, other] = rubbed.back.each_ref().map(|back| back.at(i));
+                sides[0].give(a, momentum, pushed, one);
+                sides[second].give(b, -momentum, -pushed, other);
             }
         }
         touched
-    }
-}
-
-/// What the response depends on of the particles of one side of a batch, where they touch.
-struct Grains {
-    normal: Block3,
-    onto: Block3,
-    /// What the collider's friction is to undo of its displacement \[m\].
-    undone: Block3,
-    /// Inverse mass, all of it, and what is left of it along a collider \[1/kg\].
-    inverse_mass: Block,
-    slipping: Block,
-    /// The same when the collider's friction has held it.
-    loose: Block,
-}
-
-impl Grains {
-    #[inline(always)]
-    fn load(side: &mut Side<'_>, slots: &[u32; LANES], touches: &[u32; LANES]) -> Self {
-        let mut grains = Self {
-            normal: Block3::ZERO,
-            onto: Block3::ZERO,
-            undone: Block3::ZERO,
-            inverse_mass: Block::ZERO,
-            slipping: Block::ZERO,
-            loose: Block::ZERO,
-        };
-        for i in (0..LANES).filter(|&i| touches[i] != 0) {
-            let slot = slots[i] as usize;
-            let (lies, w) = (side.lies(slot), side.inverse_mass[slot]);
-            grains.normal.set(i, side.normal(slot));
-            grains.onto.set(i, lies.onto);
-            grains.undone.set(i, lies.undone);
-            grains.inverse_mass.0[i] = w;
-            grains.slipping.0[i] = w * lies.slip;
-            grains.loose.0[i] = w * lies.slip * lies.loose;
-        }
-        grains
-    }
-
-    /// How far momentum of one along a direction of some length moves a particle that moves by `w` where it is free \[1/kg\].
-    #[inline(always)]
-    fn mobility(&self, w: &Block, lane: usize, direction: Vec3, square: f32) -> f32 {
-        let onto = self.onto.at(lane).dot(direction);
-        w.0[lane] * (1.0 - onto * onto / square)
     }
 }
 
@@ -194,15 +160,17 @@ struct Met {
     /// From the second particle to the first \[m\], and its square.
     apart: Block3,
     square: Block,
-    /// How much further the first one moves in its own cloth's frame \[m\].
+    /// How much further the first one moves in the substep \[m\].
     relative: Block3,
     /// One where a pair touches.
     touches: [u32; LANES],
     /// How much nearer they are than they touch \[m\].
     depth: Block,
-    /// What the first particle is given, and the second one is given back, and what moves them without speed \[kg m\].
-    momentum: Block3,
-    pushed: Block3,
+    /// The direction in which they are moved apart, the momentum along it that undoes their approach, and what moves them without
+    /// speed \[kg m\].
+    normal: Block3,
+    pressed: Block,
+    pushed: Block,
 }
 
 impl Met {
@@ -212,8 +180,9 @@ impl Met {
         relative: Block3::ZERO,
         touches: [0; LANES],
         depth: Block::ZERO,
-        momentum: Block3::ZERO,
-        pushed: Block3::ZERO,
+        normal: Block3::ZERO,
+        pressed: Block::ZERO,
+        pushed: Block::ZERO,
     };
 
     /// Finds out which pairs touch. What is no number touches nothing.
@@ -239,18 +208,9 @@ impl Met {
         }
     }
 
+    /// Moves pairs apart.
     #[inline(always)]
-    fn respond(
-        &mut self,
-        a: &Grains,
-        b: &Grains,
-        reach: &Block,
-        drift: Vec3,
-        friction: f32,
-        most_push: f32,
-        anchors: &mut Anchors,
-    ) {
-        let (mut set, mut anchor) = (anchors.set, anchors.apart);
+    fn press(&mut self, [a, b]: [&Grains; 2], reach: &Block, drift: Vec3, most_push: f32) {
         for i in 0..LANES {
             let (apart, square, reach) = (self.apart.at(i), self.square.0[i], reach.0[i]);
             let distance = square.sqrt();
@@ -260,35 +220,15 @@ impl Met {
             let above = apart.dot(normal);
             let depth = (above * above + (reach * reach - square)).sqrt() - above;
             let relative = self.relative.at(i) + drift;
-            let along = relative.dot(normal);
-            let undone = smaller(larger(-along, 0.0), depth);
-            let least = (a.inverse_mass.0[i] + b.inverse_mass.0[i]) * LEAST_MOBILITY;
-            let least = larger(least, f32::MIN_POSITIVE);
+            let undone = smaller(larger(-relative.dot(normal), 0.0), depth);
             let share =
                 a.mobility(&a.slipping, i, normal, 1.0) + b.mobility(&b.slipping, i, normal, 1.0);
-            let share = 1.0 / larger(share, least);
-            let pressed = undone * share;
-            // What lies on a collider that holds it goes as that does, whatever has dragged it in this substep.
-            let slides = relative - (a.undone.at(i) - b.undone.at(i));
-            // Back to the anchor as well: what other pairs have dragged it by since friction stopped it.
-            let before = apart - relative;
-            let off = (before - anchor.at(i)) * set.0[i];
-            let slides = slides + off;
-            let sliding = slides - normal * slides.dot(normal);
-            let way = larger(sliding.dot(sliding), f32::MIN_POSITIVE);
-            let yields =
-                a.mobility(&a.loose, i, sliding, way) + b.mobility(&b.loose, i, sliding, way);
-            let yields = larger(yields, least);
-            let held = friction * pressed * yields / way.sqrt();
-            let braked = smaller(held, 1.0) / yields;
+            let share = 1.0 / larger(share, a.least_mobility_with(b, i));
             self.depth.0[i] = reach - distance;
-            self.momentum.set(i, normal * pressed - sliding * braked);
-            self.pushed.set(i, normal * (smaller(depth - undone, most_push) * share));
-            let touches = self.touches[i] != 0;
-            let held_at = before - off * smaller(held, 1.0);
-            anchor.set(i, if touches { held_at } else { anchor.at(i) });
-            set.0[i] = if touches { 1.0 } else { set.0[i] };
+            self.relative.set(i, relative);
+            self.normal.set(i, normal);
+            self.pressed.0[i] = undone * share;
+            self.pushed.0[i] = smaller(depth - undone, most_push) * share;
         }
-        *anchors = Anchors { set, apart: anchor };
     }
 }

@@ -85,9 +85,9 @@ impl Side<'_> {
         }
     }
 
-    /// Gives a particle momentum, and moves it without speed \[kg m\].
+    /// Gives a particle momentum, and moves it without speed: by a push \[kg m\], and by a way \[m\].
     #[inline(always)]
-    pub fn give(&mut self, slot: usize, mut momentum: Vec3, mut pushed: Vec3) {
+    pub fn give(&mut self, slot: usize, mut momentum: Vec3, mut pushed: Vec3, mut back: Vec3) {
         let mut w = self.inverse_mass[slot];
         if let Some(Lying { normal, slip, load, .. }) = &mut self.lying {
             let onto = normal.get(slot);
@@ -95,9 +95,10 @@ impl Side<'_> {
             load[slot] += borne;
             momentum -= onto * borne;
             pushed -= onto * onto.dot(pushed);
+            back -= onto * onto.dot(back);
             w *= slip[slot];
         }
         self.d.set(slot, self.d.get(slot) + momentum * w);
-        self.x.set(slot, self.x.get(slot) + pushed * w);
+        self.x.set(slot, self.x.get(slot) + pushed * w + back);
     }
 }
