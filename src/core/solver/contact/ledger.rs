@@ -65,8 +65,8 @@ impl ActiveSet {
 impl Shares {
     /// 1 in the lanes that have any.
     #[inline(always)]
-    fn any(&self) -> [f32; LANES] {
-        let mut any = [0.0; LANES];
+    fn any(&self) -> Block {
+        let mut any = Block::ZERO;
         for i in 0..LANES {
             let (given, owed) = (self.given.at(i), self.owed.at(i));
             let none = given.x == 0.0
@@ -75,7 +75,7 @@ impl Shares {
                 && owed.x == 0.0
                 && owed.y == 0.0
                 && owed.z == 0.0;
-            any[i] = if none { 0.0 } else { 1.0 };
+            any.0[i] = if none { 0.0 } else { 1.0 };
         }
         any
     }
@@ -113,19 +113,21 @@ impl<R: Rule> Kernel for Give<'_, R> {
             };
             let holder = Block::load(&set.holder, slot);
             let mut left = shares.any();
-            while let Some(first) = left.iter().position(|&left| left > 0.0) {
+            while let Some(first) = left.0.iter().position(|&left| left > 0.0) {
                 let collider = holder.0[first];
                 let sums = &mut sums[collider as usize % AT_ONCE];
                 if sums.collider != collider {
                     sums.give(&mut set.impulses, step);
                     *sums = Sums::of(collider, set.impulses.about(collider as usize));
                 }
-                let mut own = Block(left);
+                let mut own = left;
                 for i in 0..LANES {
                     let is_own = holder.0[i] == collider;
                     own.0[i] = if is_own { own.0[i] } else { 0.0 };
-                    left[i] = if is_own { 0.0 } else { left[i] };
+                    left.0[i] = if is_own { 0.0 } else { left.0[i] };
                 }
+                // Also where it is no number.
+                left.0[first] = 0.0;
                 sums.add(&own, &Block3::load(x, slot), &shares);
             }
         }
