@@ -120,13 +120,6 @@ impl Batches {
         self.all.iter_mut().filter(|batch| batch.until == TOUCHES)
     }
 
-    /// Forgets where pairs touch.
-    pub fn weigh_anchor(&mut self) {
-        for batch in self.touching() {
-            batch.anchors.set = Block::ZERO;
-        }
-    }
-
     /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
     fn put(&mut self, pair: &Pair) {
         let Self { all, first_free, next, second, .. } = self;

@@ -1,14 +1,15 @@
 //! Coulomb's friction of pairs that touch.
 //!
 //! A pair is met once or twice in a substep, and others drag at its particles after friction has stopped them. What is left of that
-//! sums up: without more, a pile creeps down a slope on which it should stay, by a centimetre a second. So a pair has an *anchor*,
-//! where it began to touch in the tick, and friction brakes what leads away from there, as far as Coulomb's bound lets it. Beyond
-//! that the pair slides, and its anchor with it.
+//! sums up: without more, a pile creeps down a slope on which it should stay, by a centimetre a second. So a pair of two cloths has an
+//! *anchor*, where it began to touch in the tick, and friction brakes what leads away from there, as far as Coulomb's bound lets it.
+//! Beyond that the pair slides, and its anchor with it.
 //!
 //! Layers that press on each other are moved apart without speed, by what the approach of others has left (`respond`). In the same
 //! way, and bounded by that push, pairs are moved back to their anchors.
 //!
-//! Anchors are forgotten at a tick's end, so that a cloth that is saved between two ticks goes on as if it had not been.
+//! Anchors are forgotten at a tick's end, so that a cloth that is saved between two ticks goes on as if it had not been. Pairs of one
+//! cloth have none: a heap creeps little, and its threads and anchors would shake it.
 
 use bevy_math::Vec3;
 
@@ -44,6 +45,8 @@ pub(super) struct Rubbing<'a> {
     pub grains: [&'a Grains; 2],
     /// Coulomb's coefficient.
     pub friction: f32,
+    /// Whether pairs have anchors.
+    pub anchors: bool,
 }
 
 /// What friction does to pairs.
@@ -84,7 +87,7 @@ impl Rubbing<'_> {
             let back = left * smaller(most / square.sqrt(), 1.0);
             rubbed.back[0].set(i, back * (-one / yields));
             rubbed.back[1].set(i, back * (other / yields));
-            let touches = self.touches[i] != 0;
+            let touches = (self.touches[i] != 0) & self.anchors;
             let held_at = before - off * held - back;
             anchor.set(i, if touches { held_at } else { anchor.at(i) });
             set.0[i] = if touches { 1.0 } else { set.0[i] };

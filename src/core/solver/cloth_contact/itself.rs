@@ -141,8 +141,6 @@ impl SelfContact {
     pub fn begin_tick(&mut self) {
         self.since_touch = (self.since_touch + 1).min(CALM);
         self.tangles.begin_tick();
-        // A cloth that is saved between two ticks knows of none.
-        self.batches.weigh_anchor();
     }
 
     /// Substeps in 1/60 s that it asks for.

@@ -133,6 +133,7 @@ impl Kernel for Respond<'_, '_> {
                 pushed: &met.pushed,
                 grains: [&a, &b],
                 friction,
+                anchors: second > 0,
             };
             let rubbed = rubbing.brake(&mut batch.anchors);
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
