@@ -18,7 +18,7 @@ pub(super) struct Batch {
     pub slots: [[u32; LANES]; 2],
     /// Distances at which they touch \[m\].
     pub reach: Block,
-    /// Where pairs were that have touched in the tick.
+    /// Where pairs of two cloths began to touch in the tick.
     pub anchors: Anchors,
     /// How many lanes hold a pair.
     count: usize,
@@ -160,7 +160,6 @@ impl Awake<'_> {
     /// None of its pairs touches before particles have come by a gap further.
     #[inline(always)]
     pub fn sleeps(self, gap: f32) {
-        self.batch.anchors.set = Block::ZERO;
         self.batch.until = self.path + gap;
     }
 }

@@ -21,7 +21,7 @@ use crate::solver::simd::lanes::LANES;
 #[derive(Clone, Debug)]
 pub(super) struct Anchors {
     /// 1 where a pair has one, else 0.
-    pub set: Block,
+    set: Block,
     /// From the second particle to the first \[m\].
     apart: Block3,
 }
@@ -45,11 +45,9 @@ pub(super) struct Rubbing<'a> {
     pub grains: [&'a Grains; 2],
     /// Coulomb's coefficient.
     pub friction: f32,
-    /// Whether pairs have anchors.
-    pub anchors: bool,
 }
 
-/// What friction does to pairs.
+/// The outcome of friction.
 pub(super) struct Rubbed {
     /// Momentum that is taken from the first particle, and given to the second one \[kg m\].
     pub braked: Block3,
@@ -58,9 +56,9 @@ pub(super) struct Rubbed {
 }
 
 impl Rubbing<'_> {
-    /// Brakes what slides.
+    /// Brakes pairs that slide, and holds them at their anchors if they have any.
     #[inline(always)]
-    pub fn brake(&self, anchors: &mut Anchors) -> Rubbed {
+    pub fn brake<const ANCHORED: bool>(&self, anchors: &mut Anchors) -> Rubbed {
         let [a, b] = self.grains;
         let mut rubbed = Rubbed { braked: Block3::ZERO, back: [Block3::ZERO; 2] };
         let (mut set, mut anchor) = (anchors.set, anchors.apart);
@@ -69,6 +67,7 @@ impl Rubbing<'_> {
             let across = |way: Vec3| way - normal * way.dot(normal);
             let before = self.apart.at(i) - relative;
             let off = across(before - anchor.at(i)) * set.0[i];
+            let off = if ANCHORED { off } else { Vec3::ZERO };
             // What lies on a collider that holds it goes as that does, whatever has dragged it in this substep.
             let slides = relative - (a.undone.at(i) - b.undone.at(i));
             let sliding = across(slides) + off;
@@ -79,6 +78,9 @@ impl Rubbing<'_> {
             let most = self.friction * self.pressed.0[i] * yields;
             let held = smaller(most / way.sqrt(), 1.0);
             rubbed.braked.set(i, sliding * (held / yields));
+            if !ANCHORED {
+                continue;
+            }
             let left = off * (1.0 - held);
             let square = larger(left.dot(left), f32::MIN_POSITIVE);
             let [one, other] = [a, b].map(|it| it.mobility(&it.loose, i, left, square));
@@ -87,12 +89,14 @@ impl Rubbing<'_> {
             let back = left * smaller(most / square.sqrt(), 1.0);
             rubbed.back[0].set(i, back * (-one / yields));
             rubbed.back[1].set(i, back * (other / yields));
-            let touches = (self.touches[i] != 0) & self.anchors;
+            let touches = self.touches[i] != 0;
             let held_at = before - off * held - back;
             anchor.set(i, if touches { held_at } else { anchor.at(i) });
             set.0[i] = if touches { 1.0 } else { set.0[i] };
         }
-        *anchors = Anchors { set, apart: anchor };
+        if ANCHORED {
+            *anchors = Anchors { set, apart: anchor };
+        }
         rubbed
     }
 }

@@ -7,16 +7,17 @@ use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
 
-/// What the response depends on of the particles of one side of a batch, where they touch.
+/// Numbers of the particles of one side of a batch, where they touch.
 pub(super) struct Grains {
+    /// The cloth's normal, and that of the collider that a particle lies on.
     pub normal: Block3,
     pub onto: Block3,
-    /// What the collider's friction is to undo of its displacement \[m\].
+    /// Part of the displacement that the collider's friction is to undo \[m\].
     pub undone: Block3,
     /// Inverse mass, all of it, and what is left of it along a collider \[1/kg\].
     pub inverse_mass: Block,
     pub slipping: Block,
-    /// The same when the collider's friction has held it.
+    /// Inverse mass that is left along a collider once its friction has held the particle \[1/kg\].
     pub loose: Block,
 }
 

@@ -133,9 +133,11 @@ impl Kernel for Respond<'_, '_> {
                 pushed: &met.pushed,
                 grains: [&a, &b],
                 friction,
-                anchors: second > 0,
             };
-            let rubbed = rubbing.brake(&mut batch.anchors);
+            let rubbed = match second {
+                0 => rubbing.brake::<false>(&mut batch.anchors),
+                _ => rubbing.brake::<true>(&mut batch.anchors),
+            };
             for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
                 let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
                 let [a, b] = batch.slots.map(|slots| slots[i] as usize);

@@ -35,14 +35,14 @@ impl Carried {
                 linear.set(i, along + axis * (mass * sticks));
             }
             self.linear[column] = self.linear[column].plus(&linear);
-            between[column] = turned(arms, &linear);
+            between[column] = arms.cross(&linear);
             self.between[column] = self.between[column].plus(&between[column]);
         }
         let [a, b, c] = &between;
         let row = |a: &Block, b: &Block, c: &Block| Block3 { x: *a, y: *b, z: *c };
         let rows = [row(&a.x, &b.x, &c.x), row(&a.y, &b.y, &c.y), row(&a.z, &b.z, &c.z)];
         for (column, row) in rows.into_iter().enumerate() {
-            self.angular[column] = self.angular[column].plus(&turned(arms, &row));
+            self.angular[column] = self.angular[column].plus(&arms.cross(&row));
         }
     }
 
@@ -55,16 +55,6 @@ impl Carried {
             _ => [Vec3::from(between.map(|column| column[i - 3])), angular[i - 3]],
         })
     }
-}
-
-/// The cross products of arms with vectors.
-#[inline(always)]
-fn turned(arms: &Block3, vectors: &Block3) -> Block3 {
-    let mut turned = Block3::ZERO;
-    for i in 0..LANES {
-        turned.set(i, arms.at(i).cross(vectors.at(i)));
-    }
-    turned
 }
 
 #[cfg(test)]

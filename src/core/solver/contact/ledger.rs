@@ -69,13 +69,7 @@ impl Shares {
         let mut any = Block::ZERO;
         for i in 0..LANES {
             let (given, owed) = (self.given.at(i), self.owed.at(i));
-            let none = given.x == 0.0
-                && given.y == 0.0
-                && given.z == 0.0
-                && owed.x == 0.0
-                && owed.y == 0.0
-                && owed.z == 0.0;
-            any.0[i] = if none { 0.0 } else { 1.0 };
+            any.0[i] = if given != Vec3::ZERO || owed != Vec3::ZERO { 1.0 } else { 0.0 };
         }
         any
     }
@@ -137,7 +131,7 @@ impl<R: Rule> Kernel for Give<'_, R> {
     }
 }
 
-/// What particles give to a collider and owe it, summed up by lanes.
+/// Shares of particles in a collider, summed up by lanes.
 struct Sums {
     collider: f32,
     /// The place that they are about.
@@ -158,10 +152,16 @@ impl Sums {
     /// Adds the shares of particles at `x` whose lanes are 1.
     #[inline(always)]
     fn add(&mut self, own: &Block, x: &Block3, shares: &Shares) {
-        for (sums, all) in [(&mut self.given, &shares.given), (&mut self.owed, &shares.owed)] {
-            let (share, turn) = shares_of(own, x, all, self.about);
+        // A product, not a choice: that would be made lane by lane.
+        let (mut arms, mut given, mut owed) = (Block3::ZERO, Block3::ZERO, Block3::ZERO);
+        for i in 0..LANES {
+            arms.set(i, x.at(i) - self.about);
+            given.set(i, shares.given.at(i) * own.0[i]);
+            owed.set(i, shares.owed.at(i) * own.0[i]);
+        }
+        for (sums, share) in [(&mut self.given, given), (&mut self.owed, owed)] {
             sums[0] = sums[0].plus(&share);
-            sums[1] = sums[1].plus(&turn);
+            sums[1] = sums[1].plus(&arms.cross(&share));
         }
     }
 
@@ -176,19 +176,6 @@ impl Sums {
             impulses.give_sum(self.collider as usize, of(&self.given), of(&self.owed), step);
         }
     }
-}
-
-/// The shares of lanes that are 1, of particles at `x`, and the turning that they make about a place.
-#[inline(always)]
-fn shares_of(own: &Block, x: &Block3, all: &Block3, about: Vec3) -> (Block3, Block3) {
-    let (mut share, mut turn) = (Block3::ZERO, Block3::ZERO);
-    for i in 0..LANES {
-        share.set(i, all.at(i) * own.0[i]);
-    }
-    for i in 0..LANES {
-        turn.set(i, (x.at(i) - about).cross(share.at(i)));
-    }
-    (share, turn)
 }
 
 /// Whether a particle is held by what it lies on.

@@ -151,6 +151,16 @@ impl Block3 {
         self
     }
 
+    /// The cross products with another.
+    #[inline(always)]
+    pub fn cross(&self, other: &Self) -> Self {
+        let mut cross = Self::ZERO;
+        for i in 0..LANES {
+            cross.set(i, self.at(i).cross(other.at(i)));
+        }
+        cross
+    }
+
     /// The sum over the lanes: of halves, and of halves of these.
     #[inline(always)]
     pub fn sum(&self) -> Vec3 {
