@@ -1,4 +1,4 @@
-//! Hulls and meshes, baked in the background: once a shape, however many colliders have it.
+//! Hulls and meshes, made into solids in the background: once a shape, however many colliders have it.
 
 use core::hash::{BuildHasher, Hasher};
 use std::sync::{Arc, OnceLock, Weak};
@@ -10,7 +10,11 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 
 use crate::collider::bake::{SdfCells, bake_mesh};
 use crate::error::engine::EngineProblem;
-use crate::sdf::{BakeError, DistanceField};
+use crate::sdf::shapes::Shell;
+use crate::sdf::{BakeError, SignedDistance};
+
+/// Most triangles of a shell that is made at once: it is there in less time than a task would need.
+const FEW: usize = 2048;
 
 /// A shape that is known by its triangles.
 pub(crate) trait Triangles: Send + Sync + 'static {
@@ -22,63 +26,71 @@ pub(crate) trait Triangles: Send + Sync + 'static {
     fn buffers(&self) -> (Vec<Vec3>, Vec<u32>);
 }
 
-/// A field that is baked, or will be. Dropped with the last collider that has it.
+/// What is made of triangles.
+#[derive(Clone, Copy)]
+pub(crate) enum Making {
+    /// A field of what they enclose.
+    Field(SdfCells),
+    /// All that is within a radius of them \[m\].
+    Shell(f32),
+}
+
+/// A solid that is made, or will be. Dropped with the last collider that has it.
 pub(crate) struct Bake {
-    result: Arc<OnceLock<Result<Arc<DistanceField>, BakeError>>>,
+    result: Arc<OnceLock<Result<Arc<dyn SignedDistance>, EngineProblem>>>,
     /// Kept, as it is found by its address.
-    shape: Arc<dyn Triangles>,
+    _shape: Arc<dyn Triangles>,
     /// Cancelled when it is dropped.
-    _task: Task<()>,
+    _task: Option<Task<()>>,
 }
 
 impl Bake {
-    /// The field; `None` while it is baked.
-    pub fn get(&self) -> Result<Option<Arc<DistanceField>>, EngineProblem> {
-        match self.result.get() {
-            None => Ok(None),
-            Some(Ok(field)) => Ok(Some(field.clone())),
-            Some(Err(BakeError::NotClosed { open_edges })) => {
-                Err(EngineProblem::OpenMesh { shape: self.shape.name(), open_edges: *open_edges })
-            }
-            Some(Err(problem)) => {
-                Err(EngineProblem::Bake { shape: self.shape.name(), problem: problem.clone() })
-            }
-        }
+    /// The solid; `None` while it is made.
+    pub fn get(&self) -> Result<Option<Arc<dyn SignedDistance>>, EngineProblem> {
+        self.result.get().cloned().transpose()
     }
 }
 
-/// How fine a field is, as bits.
-type Fineness = [u32; 3];
+/// What is made, as bits.
+type Kind = [u32; 3];
 /// Two hashes of a mesh, and how many numbers went into them.
 type Content = (u64, u64, usize);
 
 /// All bakes that a collider has.
 #[derive(Resource, Default)]
 pub(crate) struct Bakes {
-    by_address: HashMap<(usize, Fineness), Weak<Bake>>,
-    by_content: HashMap<(Content, Fineness), Weak<Bake>>,
+    by_address: HashMap<(usize, Kind), Weak<Bake>>,
+    by_content: HashMap<(Content, Kind), Weak<Bake>>,
 }
 
 impl Bakes {
-    /// The bake of a shape: that of the same one, or of an equal one, or one that is started.
-    pub fn bake(&mut self, shape: Arc<dyn Triangles>, cells: SdfCells) -> Arc<Bake> {
-        let fineness = fineness_of(cells);
-        let address = (shape.address(), fineness);
+    /// The solid of a shape: that of the same one, or of an equal one, or one that is begun.
+    pub fn bake(&mut self, shape: Arc<dyn Triangles>, making: Making) -> Arc<Bake> {
+        let kind = kind_of(making);
+        let address = (shape.address(), kind);
         if let Some(known) = self.by_address.get(&address).and_then(Weak::upgrade) {
             return known;
         }
         let (positions, indices) = shape.buffers();
-        let content = (content_of(&positions, &indices), fineness);
+        let content = (content_of(&positions, &indices), kind);
         if let Some(known) = self.by_content.get(&content).and_then(Weak::upgrade) {
             return known;
         }
-        let result = Arc::new(OnceLock::new());
+        let (result, name) = (Arc::new(OnceLock::new()), shape.name());
+        let is_quick = matches!(making, Making::Shell(_)) && indices.len() <= 3 * FEW;
         let outcome = result.clone();
-        let task = AsyncComputeTaskPool::get_or_init(TaskPool::default).spawn(async move {
+        let work = move || {
             // Nothing else sets it.
-            let _ = outcome.set(bake_mesh(&positions, &indices, cells).map(Arc::new));
-        });
-        let bake = Arc::new(Bake { result, shape, _task: task });
+            let _ = outcome.set(make(name, &positions, &indices, making));
+        };
+        let task = if is_quick {
+            work();
+            None
+        } else {
+            let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+            Some(pool.spawn(async move { work() }))
+        };
+        let bake = Arc::new(Bake { result, _shape: shape, _task: task });
         self.by_address.insert(address, Arc::downgrade(&bake));
         self.by_content.insert(content, Arc::downgrade(&bake));
         bake
@@ -91,10 +103,34 @@ impl Bakes {
     }
 }
 
-fn fineness_of(cells: SdfCells) -> Fineness {
-    match cells {
-        SdfCells::Count(count) => [0, count, 0],
-        SdfCells::Size { cell_size, margin } => [1, cell_size.to_bits(), margin.to_bits()],
+fn make(
+    shape: &'static str,
+    positions: &[Vec3],
+    indices: &[u32],
+    making: Making,
+) -> Result<Arc<dyn SignedDistance>, EngineProblem> {
+    match making {
+        Making::Field(cells) => match bake_mesh(positions, indices, cells) {
+            Ok(field) => Ok(Arc::new(field)),
+            Err(BakeError::NotClosed { open_edges }) => {
+                Err(EngineProblem::OpenMesh { shape, open_edges })
+            }
+            Err(problem) => Err(EngineProblem::Bake { shape, problem }),
+        },
+        Making::Shell(radius) => match Shell::new(positions, indices, radius) {
+            Ok(shell) => Ok(Arc::new(shell)),
+            Err(problem) => Err(EngineProblem::Shell { shape, problem }),
+        },
+    }
+}
+
+fn kind_of(making: Making) -> Kind {
+    match making {
+        Making::Field(SdfCells::Count(count)) => [0, count, 0],
+        Making::Field(SdfCells::Size { cell_size, margin }) => {
+            [1, cell_size.to_bits(), margin.to_bits()]
+        }
+        Making::Shell(radius) => [2, radius.to_bits(), 0],
     }
 }
 

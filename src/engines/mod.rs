@@ -13,7 +13,6 @@ mod bodies;
 mod boxes;
 mod changes;
 mod engine;
-mod plate;
 #[cfg(feature = "rapier")]
 pub(crate) mod rapier;
 mod solid;

@@ -8,14 +8,13 @@ use super::parry::shape::{
 };
 use crate::engines::bakes::Triangles;
 use crate::engines::boxes::boxes_of;
-use crate::engines::plate::Plate;
 use crate::engines::solid::{EngineSolid, Reader};
 use crate::error::engine::EngineProblem;
 use crate::sdf::shapes::{self, CapsuleBetween, HeightFieldCell};
 use crate::solver::ParameterError;
 
-/// Most parts that voxels, a surface or a line are cut into: a point looks at the box of each.
-const MOST: usize = 2048;
+/// Most parts that voxels or a line are cut into, which is done at once.
+const MOST: usize = 65_536;
 
 /// Reads a shape, in its own frame.
 pub(super) fn read(shape: &SharedShape, reader: &mut Reader) -> Result<EngineSolid, EngineProblem> {
@@ -47,12 +46,7 @@ pub(super) fn read(shape: &SharedShape, reader: &mut Reader) -> Result<EngineSol
         TypedShape::RoundTriangle(round) => {
             plate(round.inner_shape.vertices(), round.border_radius, reader)
         }
-        TypedShape::TriMesh(mesh) if reader.thickness > 0.0 => {
-            let radius = reader.radius(name)?;
-            many(mesh.triangles(), name, |triangle| {
-                at_origin(plate(triangle.vertices(), radius, reader)?)
-            })
-        }
+        TypedShape::TriMesh(_) if reader.thickness > 0.0 => reader.thickened(Kept(shape.clone())),
         TypedShape::ConvexPolyhedron(_) | TypedShape::TriMesh(_) => {
             Ok(reader.baked(Kept(shape.clone())))
         }
@@ -167,10 +161,8 @@ pub(super) fn is_baked(shape: &SharedShape, reader: &Reader) -> bool {
 }
 
 fn plate(corners: &[Vec3; 3], radius: f32, reader: &Reader) -> Result<EngineSolid, EngineProblem> {
-    if !corners.iter().all(|corner| corner.is_finite()) {
-        return Err(not_finite("a corner of its triangle"));
-    }
-    reader.custom(Plate { corners: *corners, radius })
+    let problem = |problem| EngineProblem::Shell { shape: "triangle", problem };
+    reader.custom(shapes::Shell::new(corners, &[0, 1, 2], radius).map_err(problem)?)
 }
 
 fn not_finite(name: &'static str) -> EngineProblem {

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use crate::collider::bake::SdfCells;
 use crate::collider::shape::{CustomSdf, SdfShape};
-use crate::engines::bakes::{Bake, Bakes, Triangles};
+use crate::engines::bakes::{Bake, Bakes, Making, Triangles};
 use crate::error::engine::EngineProblem;
 use crate::sdf::SignedDistance;
 use crate::sdf::shapes::{Compound, Part, Rounded};
@@ -16,7 +16,7 @@ use crate::solver::ParameterError;
 pub(crate) enum EngineSolid {
     /// An exact one.
     Exact(SdfShape),
-    /// One that is baked, or will be.
+    /// One that is made of triangles, or will be.
     Baked(Arc<Bake>),
     /// One that is swollen by a radius \[m\].
     Rounded(Box<Self>, f32),
@@ -25,7 +25,7 @@ pub(crate) enum EngineSolid {
 }
 
 impl EngineSolid {
-    /// What cloths collide with; `None` while something of it is baked.
+    /// What cloths collide with; `None` while something of it is made.
     pub fn shape(&self) -> Result<Option<SdfShape>, EngineProblem> {
         match self {
             Self::Exact(shape) => Ok(Some(shape.clone())),
@@ -36,7 +36,7 @@ impl EngineSolid {
     fn solid(&self) -> Result<Option<Arc<dyn SignedDistance>>, EngineProblem> {
         Ok(match self {
             Self::Exact(shape) => shape.to_solid(),
-            Self::Baked(bake) => bake.get()?.map(|field| field as _),
+            Self::Baked(bake) => bake.get()?,
             Self::Rounded(inner, radius) => {
                 let rounded = |solid| Arc::new(Rounded { solid, radius: *radius }) as _;
                 inner.solid()?.map(rounded)
@@ -89,7 +89,13 @@ impl Reader<'_> {
 
     /// A solid within triangles.
     pub fn baked(&mut self, shape: impl Triangles) -> EngineSolid {
-        EngineSolid::Baked(self.bakes.bake(Arc::new(shape), self.cells))
+        EngineSolid::Baked(self.bakes.bake(Arc::new(shape), Making::Field(self.cells)))
+    }
+
+    /// A surface of triangles that has the collider's thickness.
+    pub fn thickened(&mut self, shape: impl Triangles) -> Result<EngineSolid, EngineProblem> {
+        let radius = self.radius(shape.name())?;
+        Ok(EngineSolid::Baked(self.bakes.bake(Arc::new(shape), Making::Shell(radius))))
     }
 
     /// How far the surface is from what has no inside \[m\].

@@ -1,7 +1,7 @@
 //! Problems of the colliders of physics engines, each with what to do about it.
 
 use crate::sdf::BakeError;
-use crate::sdf::shapes::{CompoundError, HeightFieldError};
+use crate::sdf::shapes::{CompoundError, HeightFieldError, ShellError};
 use crate::solver::ParameterError;
 
 /// Why cloths do not collide with the collider of a physics engine.
@@ -38,7 +38,7 @@ pub enum EngineProblem {
     TooMany {
         /// What the engine calls the shape.
         shape: &'static str,
-        /// How many triangles, segments or boxes of voxels it has.
+        /// How many segments or boxes of voxels it has.
         count: usize,
         /// How many it may have.
         most: usize,
@@ -53,6 +53,14 @@ pub enum EngineProblem {
         shape: &'static str,
         /// The problem with it.
         problem: BakeError,
+    },
+    /// The shape cannot have a thickness.
+    #[error("its {shape} cannot be thickened: {problem}")]
+    Shell {
+        /// What the engine calls the shape.
+        shape: &'static str,
+        /// The problem with it.
+        problem: ShellError,
     },
     /// The mesh has a border.
     #[error(

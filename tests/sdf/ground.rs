@@ -76,7 +76,7 @@ fn over(p: DVec2, triangle: &[DVec3; 3]) -> bool {
 }
 
 /// The least of the distances to the sides, and to the plane if the foot is between them.
-fn to_triangle(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
+pub fn to_triangle(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
     let side = |a: DVec3, b: DVec3| {
         let t = (p - a).dot(b - a) / (b - a).length_squared();
         p.distance(a + t.clamp(0.0, 1.0) * (b - a))

@@ -4,6 +4,7 @@
 //!   of such points; inside and outside by the shape's inequality; central differences for the normal.
 //! - Swollen solids and compounds: the definition in `f64` over all parts.
 //! - Ground: the least distance in `f64` to all triangles, walls and the floor.
+//! - Surfaces with a thickness: the least distance in `f64` to all triangles, less the radius.
 //! - Saved fields: bit equality, and a checksum written out by its definition.
 //! - Blocks: the single point's bits.
 //! - Fitted capsules: a capsule is its own best capsule.
@@ -17,6 +18,7 @@ mod ground;
 mod meshes;
 mod saved;
 mod shapes;
+mod shells;
 mod solids;
 // Each test crate uses a part of it.
 #[allow(dead_code, unused_imports)]

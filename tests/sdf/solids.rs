@@ -158,7 +158,7 @@ fn compound(scene: &[(Truth, Vec3, Quat)]) -> Compound {
 #[test]
 fn compounds_are_as_near_as_their_nearest_part() {
     let mut dice = Dice(40);
-    for count in [1, 2, 7, 40] {
+    for count in [1, 2, 7, 40, 300] {
         let scene = scene(count, &mut dice);
         let truth = |p: DVec3| {
             let part = |&(truth, t, q): &(Truth, Vec3, Quat)| {

@@ -5,7 +5,8 @@
 //!
 //! - [`shapes`]: exact distances of `bevy_math`'s own primitives ([`Sphere`], [`Cuboid`],
 //!   [`Capsule3d`], [`InfinitePlane3d`], [`Cylinder`], [`Torus`], [`Cone`]); the trait is implemented on them
-//!   directly. [`Rounded`] swells a solid, [`Compound`] puts several together, and [`HeightField`] is ground.
+//!   directly. [`Rounded`] swells a solid, [`Compound`] puts several together, [`HeightField`] is ground, and [`Shell`] a surface
+//!   with a thickness.
 //! - [`DistanceField`]: a grid of distances to a closed triangle mesh, made once by
 //!   [`DistanceField::bake`], or read from a file ([`DistanceField::from_bytes`]), and looked up with
 //!   trilinear interpolation.
@@ -20,6 +21,7 @@
 //! [`Rounded`]: shapes::Rounded
 //! [`Compound`]: shapes::Compound
 //! [`HeightField`]: shapes::HeightField
+//! [`Shell`]: shapes::Shell
 
 #![forbid(unsafe_code)]
 

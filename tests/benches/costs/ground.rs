@@ -1,9 +1,11 @@
-//! What a point costs on a height field, by how far from the ground it is.
+//! What a point costs on a height field, by how far from the ground it is; and near shells and compounds, by how many parts they
+//! have.
 
 use std::{error::Error, time::Instant};
 
-use bevy::math::{Vec2, Vec3, ops};
-use bevy_drape::sdf::{SignedDistance, shapes::HeightField};
+use bevy::math::{Quat, Vec2, Vec3, ops, primitives::Sphere};
+use bevy_drape::sdf::shapes::{Compound, HeightField, Part, Shell};
+use bevy_drape::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
 
 use crate::turns::median;
 
@@ -47,7 +49,72 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
             println!("  {name:48} {near:10.0} {far:10.0}");
         }
     }
+    println!("\nof many parts, a point within 0.05 m, 16 points 0.03 m apart at once");
+    println!("  {:32} {:>10} {:>10} {:>10}", "", "made in s", "MB", "ns a point");
+    for side in [8, 32, 128, 512] {
+        let (count, spacing) = (side as f32, 0.25 * side as f32);
+        let heights = hills(side + 1, 0.1 * spacing);
+        let place = |k: usize| spacing * (k as f32 / count - 0.5);
+        let vertex = |k: usize| {
+            let (i, j) = (k / (side + 1), k % (side + 1));
+            Vec3::new(place(j), heights[k], place(i))
+        };
+        let vertices: Vec<Vec3> = (0..heights.len()).map(vertex).collect();
+        let begun = Instant::now();
+        let shell = Shell::new(&vertices, &squares(side), 0.02)?;
+        let (made, memory) = (begun.elapsed().as_secs_f64(), shell.memory_bytes() as f64 / 1e6);
+        let name = format!("shell of {} triangles", shell.triangle_count());
+        let cost = block_cost(&shell, &vertices);
+        println!("  {name:32} {made:10.3} {memory:10.2} {cost:10.1}");
+
+        let ball = |at: &Vec3| Part::new(Sphere::new(0.1), *at, Quat::IDENTITY);
+        let begun = Instant::now();
+        let balls = Compound::new(vertices.iter().map(ball))?;
+        let made = begun.elapsed().as_secs_f64();
+        let name = format!("compound of {} balls", balls.part_count());
+        let cost = block_cost(&balls, &vertices);
+        println!("  {name:32} {made:10.3} {:>10} {cost:10.1}", "");
+    }
     Ok(())
+}
+
+/// Two triangles for each square of a grid.
+fn squares(side: usize) -> Vec<u32> {
+    let corner = |i: usize, j: usize| (i * (side + 1) + j) as u32;
+    let cells = (0..side * side).map(|k| (k / side, k % side));
+    cells
+        .flat_map(|(i, j)| {
+            let [a, b] = [corner(i, j), corner(i, j + 1)];
+            let [c, d] = [corner(i + 1, j), corner(i + 1, j + 1)];
+            [a, c, b, b, c, d]
+        })
+        .collect()
+}
+
+/// What a point of a row of 16 costs that begins near one of these places \[ns\].
+fn block_cost(solid: &dyn SignedDistance, places: &[Vec3]) -> f64 {
+    let mut dice = Dice(73);
+    let blocks: Vec<_> = (0..POINTS / LANES)
+        .map(|_| {
+            let first = places[(dice.roll() * places.len() as f32) as usize % places.len()];
+            let mut block = PointBlock::default();
+            for lane in 0..LANES {
+                let above = dice.between(0.0, 0.05);
+                block.set(lane, first + Vec3::new(0.03 * lane as f32, above, 0.0));
+            }
+            block
+        })
+        .collect();
+    let turn = |_| {
+        let begun = Instant::now();
+        let mut out = SampleBlock::default();
+        for block in &blocks {
+            solid.sample_block(block, &mut out);
+            core::hint::black_box(&out);
+        }
+        begun.elapsed().as_secs_f64() * 1e9 / POINTS as f64
+    };
+    median((0..TURNS).map(turn).collect())
 }
 
 /// Hills of several lengths, and a cliff.

@@ -1,6 +1,7 @@
 //! Several solids as one.
 
 use super::larger;
+use super::tree::{Bounds, BoxTree};
 use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy_math::{Mat3, Quat, Vec3, Vec3A, bounding::Aabb3d};
 use std::sync::Arc;
@@ -59,11 +60,12 @@ pub enum CompoundError {
 /// surface of each goes on inside the others, and a point is taken for less deep than it is, never for
 /// deeper.
 ///
-/// A part whose box is further from a point than a part found already is passed over. The boxes are looked
-/// at one after the other, which is quick for some dozens of parts.
+/// A part whose box is further from a point than a part found already is passed over, through a tree of boxes: of thousands of
+/// parts, a point looks at a few.
 #[derive(Clone, Debug)]
 pub struct Compound {
     parts: Box<[Placed]>,
+    tree: BoxTree,
     bounds: Option<Aabb3d>,
     least_radius: f32,
     overestimate: f32,
@@ -85,7 +87,9 @@ impl Compound {
         let union = |a: Aabb3d, b: Aabb3d| Aabb3d { min: a.min.min(b.min), max: a.max.max(b.max) };
         let boxes = parts.iter().map(|part| part.bounds).collect::<Option<Vec<_>>>();
         let solids = || parts.iter().map(|part| &part.solid);
+        let roomy: Vec<Bounds> = parts.iter().map(Placed::roomy_bounds).collect();
         Ok(Self {
+            tree: BoxTree::new(&roomy, 1),
             bounds: boxes.and_then(|boxes| boxes.into_iter().reduce(union)),
             least_radius: solids().map(|s| s.least_radius()).fold(f32::INFINITY, f32::min),
             overestimate: solids().map(|s| s.overestimate()).fold(0.0, f32::max),
@@ -98,98 +102,78 @@ impl Compound {
         self.parts.len()
     }
 
-    /// The parts in turn that may be nearest to a point: the one with the nearest box, which mostly is, then
-    /// the others in their order unless they are known to be further.
-    fn nearest<T>(
+    /// The nearest part, and what is measured of it. Of parts that tie, the first.
+    fn nearest<T: Default>(
         &self,
         point: Vec3,
         measure: impl Fn(&Placed, Vec3) -> (f32, T),
-    ) -> (f32, T, &Placed) {
-        let (mut first, mut lowest) = (0, self.parts[0].gap(point));
-        for (index, part) in self.parts.iter().enumerate().skip(1) {
-            let gap = part.gap(point);
-            if gap < lowest {
-                (first, lowest) = (index, gap);
-            }
-        }
-        let mut nearest = &self.parts[first];
-        let (mut least, mut found) = measure(nearest, nearest.local(point));
-        for (index, part) in self.parts.iter().enumerate() {
-            if index == first || part.gap(point) >= least {
-                continue;
-            }
+    ) -> (f32, T, usize) {
+        let (mut least, mut found, mut nearest) = (f32::INFINITY, T::default(), 0);
+        self.tree.search(point.to_array(), &mut { f32::INFINITY }, |place, limit| {
+            let index = self.tree.order()[place] as usize;
+            let part = &self.parts[index];
             let (distance, other) = measure(part, part.local(point));
-            if distance < least {
-                (least, found, nearest) = (distance, other, part);
+            if distance < least || distance == least && index < nearest {
+                (least, found, nearest) = (distance, other, index);
+                *limit = limit_of(least);
             }
-        }
+        });
         (least, found, nearest)
     }
 
-    /// [`nearest`](Self::nearest) for a block: each lane takes from the same parts in the same order, and so
-    /// has the same bits. `measure` samples a part and is told which lanes have to take it, and which may if
-    /// it is nearer; it keeps the least distances.
+    /// [`nearest`](Self::nearest) for a block. `measure` samples a part, and is told what is known: it takes what is nearer.
     fn nearest_block(
         &self,
         points: &PointBlock,
-        least: &mut [f32; LANES],
-        mut measure: impl FnMut(&Placed, &PointBlock, Lanes, &mut [f32; LANES]),
-    ) {
-        let mut first = [0; LANES];
-        let mut lowest = self.parts[0].gaps(points);
-        for (index, part) in self.parts.iter().enumerate().skip(1) {
-            let gaps = part.gaps(points);
-            for lane in 0..LANES {
-                if gaps[lane] < lowest[lane] {
-                    (first[lane], lowest[lane]) = (index, gaps[lane]);
-                }
-            }
-        }
-        for (index, part) in self.parts.iter().enumerate() {
-            let takes = first.map(|first| first == index);
-            if takes.contains(&true) {
-                measure(part, &part.local_block(points), Lanes::Take(takes), least);
-            }
-        }
-        for (index, part) in self.parts.iter().enumerate() {
-            let gaps = part.gaps(points);
-            let mut may = [false; LANES];
-            for lane in 0..LANES {
-                let is_further = gaps[lane] >= least[lane];
-                may[lane] = first[lane] != index && !is_further;
-            }
-            if may.contains(&true) {
-                measure(part, &part.local_block(points), Lanes::TakeIfNearer(may), least);
-            }
-        }
+        mut measure: impl FnMut(&Placed, &PointBlock, &mut Known),
+    ) -> Known {
+        let mut known = Known { index: 0, least: [f32::INFINITY; LANES], nearest: [0; LANES] };
+        self.tree.search_block(points, &mut [f32::INFINITY; LANES], |place, limits| {
+            known.index = self.tree.order()[place];
+            let part = &self.parts[known.index as usize];
+            measure(part, &part.local_block(points), &mut known);
+            *limits = known.least.map(limit_of);
+        });
+        known
     }
 }
 
-/// Which lanes of a block take what a part says.
-#[derive(Clone, Copy)]
-enum Lanes {
-    Take([bool; LANES]),
-    TakeIfNearer([bool; LANES]),
+/// Square of how far away a part's box may be where another part is this near \[m2\]: what is in a part is in its box.
+#[inline(always)]
+fn limit_of(least: f32) -> f32 {
+    let least = larger(least, 0.0);
+    least * least
 }
 
-impl Lanes {
-    /// Whether a lane takes this distance.
+/// What is known of a block of points.
+struct Known {
+    /// The part that is measured.
+    index: u32,
+    least: [f32; LANES],
+    nearest: [u32; LANES],
+}
+
+impl Known {
+    /// Takes a lane's distance, if it is nearer than what is known.
     #[inline(always)]
-    fn takes(&self, lane: usize, distance: f32, least: f32) -> bool {
-        match self {
-            Self::Take(lanes) => lanes[lane],
-            Self::TakeIfNearer(lanes) => lanes[lane] && distance < least,
-        }
+    fn take(&mut self, lane: usize, distance: f32) -> bool {
+        let (least, nearest) = (self.least[lane], self.nearest[lane]);
+        let takes = (distance < least) | ((distance == least) & (self.index < nearest));
+        self.least[lane] = if takes { distance } else { least };
+        self.nearest[lane] = if takes { self.index } else { nearest };
+        takes
     }
 }
 
 impl SignedDistance for Compound {
     fn sample(&self, point: Vec3) -> SdfSample {
-        let (distance, normal, part) = self.nearest(point, |part, local| {
+        let (distance, normal, nearest) = self.nearest(point, |part, local| {
             let SdfSample { distance, normal } = part.solid.sample(local);
-            (distance, normal)
+            (distance, Some(normal))
         });
-        SdfSample { distance, normal: part.outward(normal.to_array()).into() }
+        // Only what is nowhere is near to nothing.
+        let outward = |normal: Vec3| self.parts[nearest].outward(normal.to_array()).into();
+        SdfSample { distance, normal: normal.map_or(Vec3::Y, outward) }
     }
 
     fn distance(&self, point: Vec3) -> f32 {
@@ -198,30 +182,30 @@ impl SignedDistance for Compound {
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
         let mut sampled = SampleBlock::default();
-        let mut least = [0.0; LANES];
-        self.nearest_block(points, &mut least, |part, local, lanes, least| {
+        out.ny = [1.0; LANES];
+        (out.nx, out.nz) = ([0.0; LANES], [0.0; LANES]);
+        let known = self.nearest_block(points, |part, local, known| {
             part.solid.sample_block(local, &mut sampled);
-            for (lane, least) in least.iter_mut().enumerate() {
+            for lane in 0..LANES {
                 let distance = sampled.distance[lane];
-                if lanes.takes(lane, distance, *least) {
-                    *least = distance;
+                if known.take(lane, distance) {
                     let normal = [sampled.nx[lane], sampled.ny[lane], sampled.nz[lane]];
                     out.set(lane, distance, part.outward(normal));
                 }
             }
         });
+        out.distance = known.least;
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         let mut sampled = [0.0; LANES];
-        self.nearest_block(points, out, |part, local, lanes, least| {
+        let known = self.nearest_block(points, |part, local, known| {
             part.solid.distance_block(local, &mut sampled);
-            for (lane, least) in least.iter_mut().enumerate() {
-                if lanes.takes(lane, sampled[lane], *least) {
-                    *least = sampled[lane];
-                }
+            for (lane, distance) in sampled.into_iter().enumerate() {
+                known.take(lane, distance);
             }
         });
+        *out = known.least;
     }
 
     /// A box around the parts' own boxes: a little more than the smallest where a part is turned.
@@ -254,9 +238,6 @@ struct Placed {
     axes: [[f32; 3]; 3],
     /// A box around it in the compound's frame.
     bounds: Option<Aabb3d>,
-    /// The same with room for rounding, or all of space.
-    low: [f32; 3],
-    high: [f32; 3],
 }
 
 impl Placed {
@@ -277,20 +258,22 @@ impl Placed {
             let half = Vec3A::from(turn.abs() * Vec3::from(half));
             Aabb3d { min: centre - half, max: centre + half }
         });
-        let (mut low, mut high) = (Vec3A::NEG_INFINITY, Vec3A::INFINITY);
-        if let Some(Aabb3d { min, max }) = bounds {
-            // A few roundings of the largest number on the way.
-            let room = 1e-6 * (min.abs().max(max.abs()).max_element() + translation.length());
-            (low, high) = (min - room, max + room);
-        }
         Ok(Self {
             solid,
             translation: translation.to_array(),
             axes: turn.to_cols_array_2d(),
             bounds,
-            low: low.to_array(),
-            high: high.to_array(),
         })
+    }
+
+    /// Its box with room for a few roundings of the largest number on the way, or all of space.
+    fn roomy_bounds(&self) -> Bounds {
+        let Some(Aabb3d { min, max }) = self.bounds else {
+            return Bounds { low: [f32::NEG_INFINITY; 3], high: [f32::INFINITY; 3] };
+        };
+        let largest = min.abs().max(max.abs()).max_element();
+        let room = 1e-6 * (largest + Vec3::from(self.translation).length());
+        Bounds { low: (min - room).to_array(), high: (max + room).to_array() }
     }
 
     /// A point in the solid's own frame. Written out, so that nothing is fused.
@@ -318,27 +301,5 @@ impl Placed {
     fn outward(&self, normal: [f32; 3]) -> [f32; 3] {
         let [x, y, z] = &self.axes;
         [0, 1, 2].map(|i| x[i] * normal[0] + y[i] * normal[1] + z[i] * normal[2])
-    }
-
-    /// What the distance to the part is at least: that to its box, and of a point in the box nothing is known.
-    #[inline(always)]
-    fn gap_at(&self, point: [f32; 3]) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|axis| {
-            larger(larger(self.low[axis] - point[axis], point[axis] - self.high[axis]), 0.0)
-        });
-        let gap = (x * x + y * y + z * z).sqrt();
-        if gap == 0.0 { f32::NEG_INFINITY } else { gap }
-    }
-
-    fn gap(&self, point: Vec3) -> f32 {
-        self.gap_at(point.to_array())
-    }
-
-    fn gaps(&self, points: &PointBlock) -> [f32; LANES] {
-        let mut gaps = [0.0; LANES];
-        for (lane, gap) in gaps.iter_mut().enumerate() {
-            *gap = self.gap_at([points.x[lane], points.y[lane], points.z[lane]]);
-        }
-        gaps
     }
 }

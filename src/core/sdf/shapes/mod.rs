@@ -9,8 +9,8 @@
 //! half-space below the plane through the origin. Sizes are expected to be finite and not negative;
 //! others give a meaningless distance, but no panic.
 //!
-//! Solids made of others or of many numbers, [`Rounded`], [`Compound`] and [`HeightField`], say in their own words
-//! where they are exact, and check what they are given.
+//! Solids made of others or of many numbers, [`Rounded`], [`Compound`], [`HeightField`] and [`Shell`], say in their own
+//! words where they are exact, and check what they are given.
 //!
 //! [`Capsule3d`]: bevy_math::primitives::Capsule3d
 //! [`Cylinder`]: bevy_math::primitives::Cylinder
@@ -20,10 +20,13 @@
 
 mod compound;
 mod cuboid;
+mod face;
 mod height_field;
 mod revolved;
 mod round;
 mod rounded;
+mod shell;
+mod tree;
 
 pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
@@ -33,6 +36,7 @@ pub use round::{
     half_space_distance_block, sphere_block, sphere_distance_block,
 };
 pub use rounded::Rounded;
+pub use shell::{Shell, ShellError};
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};

@@ -1,0 +1,222 @@
+//! A surface of triangles with a thickness.
+
+use super::face::{Face, NearestFaces};
+use super::length_and_direction;
+use super::tree::{Bounds, BoxTree};
+use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use bevy_math::{Vec3, bounding::Aabb3d};
+use core::fmt;
+
+/// Most triangles in a leaf of the tree.
+const LEAF: usize = 4;
+/// Furthest that a corner may be from the origin along an axis \[m\].
+const FURTHEST: f32 = 1e7;
+
+/// Everything within a distance of triangles: the floors and walls of a level, a sail of wood, a bowl. The surface
+/// may be open, and need not be one piece.
+///
+/// It is solid on both sides of the triangles and has no inside besides, so that what has come through is pushed away to
+/// the other side. A cloth is held out of it at any speed that is traced (`SignedDistance::core_depth`).
+///
+/// Outside, the distance is exact up to the rounding of `f32`. Inside, it is that to the nearest triangle less the radius: where
+/// triangles meet, a point is taken for less deep than it is, never for deeper. A point looks at a few triangles near it through a
+/// tree of boxes, however many there are.
+pub struct Shell {
+    /// In the order of the tree's leaves.
+    faces: Box<[Face]>,
+    /// Whose triangles they are.
+    tree: BoxTree,
+    radius: f32,
+    bounds: Aabb3d,
+}
+
+/// Why triangles make no [`Shell`].
+#[derive(thiserror::Error, Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ShellError {
+    /// There is nothing to be near to.
+    #[error("a shell needs at least one triangle")]
+    NoTriangles,
+    /// Indices are in threes.
+    #[error("a shell's {indices} indices are not in threes: give three for each triangle")]
+    NotTriangles {
+        /// How many there are.
+        indices: usize,
+    },
+    /// An index is of no vertex.
+    #[error(
+        "triangle {triangle} of a shell has vertex {index} of {vertices}: let its indices be below that"
+    )]
+    Index {
+        /// Which triangle, from zero.
+        triangle: usize,
+        /// Its index.
+        index: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A corner is nowhere.
+    #[error(
+        "vertex {vertex} of a shell is at {position}: give it finite numbers, within 1e7 m"
+    )]
+    Position {
+        /// Which vertex, from zero.
+        vertex: u32,
+        /// Where it was put \[m\].
+        position: Vec3,
+    },
+    /// The radius is none.
+    #[error("a shell's radius is {radius}: give it a number above 0, up to 1e7 m")]
+    Radius {
+        /// What was given \[m\].
+        radius: f32,
+    },
+}
+
+impl Shell {
+    /// All that is within `radius` \[m\] of triangles: of vertices \[m\], and three indices each.
+    ///
+    /// Triangles without an area count as the line or the point that they are. Takes some 0.1 s for a hundred thousand
+    /// triangles.
+    ///
+    /// # Errors
+    ///
+    /// If there are no triangles, an index is of no vertex, or a number is not what it has to be.
+    pub fn new(vertices: &[Vec3], indices: &[u32], radius: f32) -> Result<Self, ShellError> {
+        if !(radius > 0.0 && radius <= FURTHEST) {
+            return Err(ShellError::Radius { radius });
+        }
+        let (triangles, rest) = indices.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(ShellError::NotTriangles { indices: indices.len() });
+        }
+        if triangles.is_empty() {
+            return Err(ShellError::NoTriangles);
+        }
+        let corner = |triangle: usize, index: u32| {
+            let Some(&position) = vertices.get(index as usize) else {
+                return Err(ShellError::Index { triangle, index, vertices: vertices.len() });
+            };
+            let is_somewhere = position.is_finite() && position.abs().max_element() <= FURTHEST;
+            is_somewhere
+                .then_some(position)
+                .ok_or(ShellError::Position { vertex: index, position })
+        };
+        let mut corners = Vec::with_capacity(triangles.len());
+        for (triangle, &[a, b, c]) in triangles.iter().enumerate() {
+            corners.push([corner(triangle, a)?, corner(triangle, b)?, corner(triangle, c)?]);
+        }
+        let boxes: Vec<Bounds> = corners.iter().map(bounds_of).collect();
+        let tree = BoxTree::new(&boxes, LEAF);
+        let face = |&number: &u32| Face::new(corners[number as usize].map(|at| at.to_array()));
+        let whole = tree.bounds();
+        let (low, high) = (Vec3::from(whole.low) - radius, Vec3::from(whole.high) + radius);
+        Ok(Self {
+            faces: tree.order().iter().map(face).collect(),
+            tree,
+            radius,
+            bounds: Aabb3d { min: low.into(), max: high.into() },
+        })
+    }
+
+    /// Number of triangles, at least one.
+    pub fn triangle_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Distance of the surface from the triangles \[m\].
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// Memory that the shell takes \[B\].
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val::<[Face]>(&self.faces) + self.tree.memory_bytes()
+    }
+
+    /// The nearest triangle's squared distance, the way from its nearest place, and its place in the list.
+    fn nearest(&self, point: [f32; 3]) -> (f32, [f32; 3], usize) {
+        let (mut least, mut away, mut found) = (f32::INFINITY, [0.0; 3], 0);
+        self.tree.search(point, &mut { f32::INFINITY }, |place, limit| {
+            let (squared, other) = self.faces[place].away(point);
+            if squared < least || squared == least && place < found {
+                (least, away, found, *limit) = (squared, other, place, squared);
+            }
+        });
+        (least, away, found)
+    }
+
+    fn nearest_block(&self, points: &PointBlock) -> NearestFaces {
+        let mut nearest = NearestFaces::unknown();
+        self.tree.search_block(points, &mut [f32::INFINITY; LANES], |place, limits| {
+            nearest.take(&self.faces[place], place as i32, points);
+            *limits = nearest.squared;
+        });
+        nearest
+    }
+
+    /// Out of the shell, on the side where the point is. On a triangle both its sides are as near.
+    #[inline(always)]
+    fn outward(&self, away: [f32; 3], found: usize) -> [f32; 3] {
+        let across = self.faces[found].normal;
+        let across = if across == [0.0; 3] { [0.0, 1.0, 0.0] } else { across };
+        length_and_direction(away, across).1
+    }
+}
+
+impl SignedDistance for Shell {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        let (squared, away, found) = self.nearest(point.to_array());
+        SdfSample {
+            distance: squared.sqrt() - self.radius,
+            normal: self.outward(away, found).into(),
+        }
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        let NearestFaces { squared, away, face } = self.nearest_block(points);
+        for lane in 0..LANES {
+            let way = [away.x[lane], away.y[lane], away.z[lane]];
+            let normal = self.outward(way, face[lane] as usize);
+            out.set(lane, squared[lane].sqrt() - self.radius, normal);
+        }
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        let NearestFaces { squared, .. } = self.nearest_block(points);
+        for lane in 0..LANES {
+            out[lane] = squared[lane].sqrt() - self.radius;
+        }
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        Some(self.bounds)
+    }
+
+    /// Zero. Where triangles meet, the nearest way out of one may lead into another, and what goes further
+    /// than the radius may come out on the other side.
+    fn core_depth(&self) -> f32 {
+        0.0
+    }
+
+    /// The radius: borders and ridges are as round as that.
+    fn least_radius(&self) -> f32 {
+        self.radius
+    }
+}
+
+/// Without the triangles, which are many.
+impl fmt::Debug for Shell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Shell")
+            .field("triangles", &self.faces.len())
+            .field("radius", &self.radius)
+            .field("bounds", &self.bounds)
+            .finish_non_exhaustive()
+    }
+}
+
+fn bounds_of(corners: &[Vec3; 3]) -> Bounds {
+    let [a, b, c] = *corners;
+    Bounds { low: a.min(b).min(c).to_array(), high: a.max(b).max(c).to_array() }
+}
