@@ -1,4 +1,4 @@
-//! Bakes an entity's mesh to a distance field, off the main thread.
+//! Bakes an entity's mesh to a distance field, or gives its surface a thickness, off the main thread.
 
 use bevy::prelude::*;
 use bevy::tasks::futures_lite::future::poll_once;
@@ -9,12 +9,13 @@ use crate::collider::shape::SdfShape;
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::source::MeshSource;
+use crate::sdf::shapes::Shell;
 use crate::sdf::{BakeError, BakeSettings, DistanceField};
 
 /// Makes the entity an [`SdfCollider`] of its own mesh, or of another, by baking it to a
 /// [`DistanceField`] in a background task.
 ///
-/// The mesh must be closed. It may still be loading. Where the entity has an `SdfCollider` already,
+/// The mesh must be closed, unless it is given a [`thickness`](Self::thickness). It may still be loading. Where the entity has an `SdfCollider` already,
 /// its shape alone is replaced. Changing the component bakes anew; the old field serves until then.
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
@@ -24,6 +25,9 @@ pub struct BakeSdf {
     pub mesh: Option<Handle<Mesh>>,
     /// How fine the field is.
     pub cells: SdfCells,
+    /// Thickness of the mesh's surface \[m\]. With it the mesh may be open, as the ground of a level, a wall or a bowl, and becomes a
+    /// [`Shell`](crate::sdf::shapes::Shell) in place of a field. Thicker holds back what is faster. 0: none.
+    pub thickness: f32,
 }
 
 /// How fine a baked field is, and how far it reaches.
@@ -52,12 +56,17 @@ impl Default for SdfCells {
 impl BakeSdf {
     /// Bakes the entity's own mesh with so many cells along its longest side.
     pub fn with_cells(count: u32) -> Self {
-        Self { mesh: None, cells: SdfCells::Count(count) }
+        Self { cells: SdfCells::Count(count), ..default() }
     }
 
     /// Bakes the entity's own mesh with cells of `cell_size` \[m\], `margin` \[m\] beyond it.
     pub fn with_cell_size(cell_size: f32, margin: f32) -> Self {
-        Self { mesh: None, cells: SdfCells::Size { cell_size, margin } }
+        Self { cells: SdfCells::Size { cell_size, margin }, ..default() }
+    }
+
+    /// Makes the entity's own mesh solid up to half of `thickness` \[m\] on both sides of its triangles.
+    pub fn with_thickness(thickness: f32) -> Self {
+        Self { thickness, ..default() }
     }
 
     /// Bakes another mesh than the entity's own.
@@ -68,7 +77,13 @@ impl BakeSdf {
 
 /// A bake under way.
 #[derive(Component)]
-pub(crate) struct Baking(Task<Result<DistanceField, BakeError>>);
+pub(crate) struct Baking(Task<Result<Solid, ClothErrorKind>>);
+
+/// What is made of a mesh.
+enum Solid {
+    Field(DistanceField),
+    Shell(Shell),
+}
 
 /// A bake that is finished, well or not, for this mesh.
 #[derive(Component)]
@@ -96,9 +111,9 @@ pub(crate) fn start_bakes(
         }
         match meshes.triangles(handle) {
             Ok(Some((positions, indices))) => {
-                let cells = bake.cells;
+                let BakeSdf { cells, thickness, .. } = *bake;
                 let task = AsyncComputeTaskPool::get_or_init(TaskPool::default)
-                    .spawn(async move { bake_mesh(&positions, &indices, cells) });
+                    .spawn(async move { make(&positions, &indices, cells, thickness) });
                 commands.entity(entity).try_insert(Baking(task)).try_remove::<Baked>();
                 failures.clear(entity, Blame::Unseen);
             }
@@ -108,6 +123,21 @@ pub(crate) fn start_bakes(
             }
             Err(problem) => failures.report(entity, ClothErrorKind::ColliderMesh(problem)),
         }
+    }
+}
+
+fn make(
+    positions: &[Vec3],
+    indices: &[u32],
+    cells: SdfCells,
+    thickness: f32,
+) -> Result<Solid, ClothErrorKind> {
+    if thickness == 0.0 {
+        let field = bake_mesh(positions, indices, cells);
+        field.map(Solid::Field).map_err(ClothErrorKind::Bake)
+    } else {
+        let shell = Shell::new(positions, indices, 0.5 * thickness);
+        shell.map(Solid::Shell).map_err(ClothErrorKind::Shell)
     }
 }
 
@@ -123,7 +153,7 @@ pub(crate) fn bake_mesh(
     DistanceField::bake(positions, indices, &settings)
 }
 
-/// Gives finished fields to their colliders.
+/// Gives finished fields and shells to their colliders.
 pub(crate) fn finish_bakes(
     mut bakes: Query<(Entity, &mut Baking, Option<&mut SdfCollider>)>,
     mut fields: ResMut<Assets<DistanceField>>,
@@ -136,9 +166,12 @@ pub(crate) fn finish_bakes(
         };
         commands.entity(entity).try_remove::<Baking>().try_insert(Baked);
         match result {
-            Ok(field) => {
+            Ok(solid) => {
                 failures.clear(entity, Blame::Bake);
-                let shape = SdfShape::Field(fields.add(field));
+                let shape = match solid {
+                    Solid::Field(field) => SdfShape::Field(fields.add(field)),
+                    Solid::Shell(shell) => shell.into(),
+                };
                 match collider {
                     Some(mut collider) => collider.shape = shape,
                     None => {
@@ -146,7 +179,7 @@ pub(crate) fn finish_bakes(
                     }
                 }
             }
-            Err(problem) => failures.report(entity, ClothErrorKind::Bake(problem)),
+            Err(problem) => failures.report(entity, problem),
         }
     }
 }

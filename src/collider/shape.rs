@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::math::primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere, Torus};
 use bevy::prelude::*;
 
-use crate::sdf::shapes::{CapsuleBetween, Compound, HeightField, Rounded};
+use crate::sdf::shapes::{CapsuleBetween, Compound, HeightField, Rounded, Shell};
 use crate::sdf::{DistanceField, SignedDistance};
 
 /// The solid of an [`SdfCollider`](crate::SdfCollider), in its entity's frame.
@@ -159,4 +159,4 @@ macro_rules! from_custom_shapes {
     };
 }
 
-from_custom_shapes!(Rounded, Compound, HeightField);
+from_custom_shapes!(Rounded, Compound, HeightField, Shell);

@@ -207,7 +207,7 @@ impl ClothErrorKind {
             Self::Pin { .. } => Blame::Pins,
             Self::Solver(_) => Blame::Motion,
             Self::VariableStep => Blame::Schedule,
-            Self::Bake(_) | Self::ColliderMesh(_) => Blame::Bake,
+            Self::Bake(_) | Self::Shell(_) | Self::ColliderMesh(_) => Blame::Bake,
             Self::Engine(_) => Blame::Engine,
         }
     }

@@ -17,6 +17,7 @@ use crate::error::problems::{
 use crate::error::proxy::ProxyProblem;
 use crate::error::skin::SkinProblem;
 use crate::sdf::BakeError;
+use crate::sdf::shapes::ShellError;
 use crate::solver::{GraphError, LatticeError, ParameterError, SolverError, StateError};
 
 /// Something that is wrong with a cloth, a collider or a wind zone, and what to do about it.
@@ -115,6 +116,9 @@ pub enum ClothErrorKind {
     /// The mesh cannot become a distance field, or not with these settings.
     #[error(transparent)]
     Bake(BakeError),
+    /// The mesh's surface cannot have this thickness.
+    #[error(transparent)]
+    Shell(ShellError),
     /// The collider's mesh cannot be read.
     #[error(transparent)]
     ColliderMesh(MeshProblem),
@@ -164,7 +168,11 @@ impl ClothErrorKind {
     fn subject(&self) -> &'static str {
         match self {
             Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
-            Self::Bake(_) | Self::ColliderMesh(_) | Self::Field(_) | Self::Engine(_) => "collider ",
+            Self::Bake(_)
+            | Self::Shell(_)
+            | Self::ColliderMesh(_)
+            | Self::Field(_)
+            | Self::Engine(_) => "collider ",
             Self::Body(_) => "body ",
             _ => "cloth ",
         }

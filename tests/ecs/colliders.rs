@@ -5,7 +5,7 @@ use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem, SdfColliderDisabled,
     prelude::*,
-    sdf::{BakeError, SdfSample, SignedDistance},
+    sdf::{BakeError, SdfSample, SignedDistance, shapes::ShellError},
 };
 
 fn lowest(app: &App, cloth: Entity) -> f32 {
@@ -258,6 +258,33 @@ fn meshes_that_are_no_solid_are_told_so() {
     app.world_mut().entity_mut(open).insert(mended);
     wait(&mut app, |app| app.world().get::<SdfCollider>(open).is_some());
     assert_eq!(failure(&app, open), None);
+}
+
+/// The ground of a level: an open mesh, told of before it has a thickness.
+#[test]
+fn an_open_mesh_with_a_thickness_carries() {
+    let mut app = app();
+    let ground = grid_mesh(3, 3, |v| v, |r, c| Vec3::new(c as f32 - 1.0, 0.0, r as f32 - 1.0));
+    let ground = Mesh3d(add_mesh(&mut app, ground));
+    let solid = spawn(&mut app, (BakeSdf::default(), ground));
+    wait(&mut app, |app| failure(app, solid).is_some());
+    app.world_mut().entity_mut(solid).insert(BakeSdf::with_thickness(0.04));
+    wait(&mut app, |app| app.world().get::<SdfCollider>(solid).is_some());
+    assert_eq!(failure(&app, solid), None);
+    // Either side carries, and its border is held out of the cloth as any other.
+    let cloth = above(&mut app, 0.1);
+    updates(&mut app, 60);
+    assert!((lowest(&app, cloth) - 0.025).abs() < 1e-3, "{}", lowest(&app, cloth));
+    for thickness in [-0.1, f32::NAN, f32::INFINITY] {
+        app.world_mut().entity_mut(solid).insert(BakeSdf::with_thickness(thickness));
+        wait(&mut app, |app| failure(app, solid).is_some());
+        let error = failure(&app, solid).unwrap();
+        let ClothErrorKind::Shell(ShellError::Radius { .. }) = error.kind else {
+            panic!("{error}");
+        };
+        app.world_mut().entity_mut(solid).insert(BakeSdf::with_thickness(0.04));
+        wait(&mut app, |app| failure(app, solid).is_none());
+    }
 }
 
 #[test]

@@ -72,10 +72,8 @@ fn open_meshes_are_refused() {
 #[test]
 fn too_long_lines_are_not_thickened() {
     let points: Vec<Vec3> = (0..70_001).map(|i| Vec3::X * i as f32).collect();
-    let problem = refused(
-        Collider::polyline(points, None),
-        ClothCollider { thickness: 0.1, ..default() },
-    );
+    let problem =
+        refused(Collider::polyline(points, None), ClothCollider { thickness: 0.1, ..default() });
     let expected = EngineProblem::TooMany { shape: "polyline", count: 70_000, most: 65_536 };
     assert_eq!(problem, expected);
 }

@@ -62,7 +62,7 @@ fn truth(triangles: &Triangles, radius: f32) -> impl Fn(DVec3) -> f64 {
 fn shells_are_all_that_is_near_their_triangles() {
     let mut dice = Dice(80);
     for (seed, triangles, radius) in [
-        (1, soup(1, &mut dice), 0.3),
+        (1, soup(1, &mut dice), 0.5),
         (2, soup(3, &mut dice), 0.1),
         (3, soup(200, &mut dice), 0.05),
         (4, hills(24), 0.04),
@@ -70,7 +70,10 @@ fn shells_are_all_that_is_near_their_triangles() {
         let solid = shell(&triangles, radius);
         assert_eq!(solid.triangle_count(), triangles.len());
         hold_to(&solid, 1.0, seed, truth(&triangles, radius), |_| true);
-        assert_eq!((solid.least_radius(), solid.core_depth(), solid.overestimate()), (radius, 0.0, 0.0));
+        assert_eq!(
+            (solid.least_radius(), solid.core_depth(), solid.overestimate()),
+            (radius, 0.0, 0.0)
+        );
 
         let bounds = solid.bounds().unwrap();
         let corners = || triangles.iter().flatten();

@@ -21,6 +21,7 @@ mod graph_refusals;
 mod hanging;
 mod integrators;
 mod inter_collision;
+mod levels;
 mod limit;
 mod loads;
 mod momentum;

@@ -199,6 +199,8 @@ pub enum KnownShape<'a> {
     Cuboid(&'a Cuboid),
     /// [`field_block`].
     Field(&'a DistanceField),
+    /// [`shapes::shell_block`].
+    Shell(&'a shapes::Shell),
 }
 
 impl KnownShape<'_> {
@@ -212,6 +214,7 @@ impl KnownShape<'_> {
             Self::CapsuleBetween(s) => shapes::capsule_between_block(s, points, out),
             Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
             Self::Field(field) => field_block(field, points, out),
+            Self::Shell(shell) => shapes::shell_block(shell, points, out),
         }
     }
 }

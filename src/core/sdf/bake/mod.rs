@@ -93,7 +93,7 @@ pub enum BakeError {
     },
     /// Some edges have a triangle on one side only.
     #[error(
-        "the mesh is not closed, {open_edges} edges have one triangle only: fill its holes, or give its sheets a thickness"
+        "the mesh is not closed, {open_edges} edges have one triangle only: fill its holes, or give its surface a thickness (`BakeSdf::thickness`, or `Shell`)"
     )]
     NotClosed {
         /// Number of such edges.

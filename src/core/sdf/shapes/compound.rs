@@ -1,7 +1,7 @@
 //! Several solids as one.
 
 use super::larger;
-use super::tree::{Bounds, BoxTree};
+use super::tree::{Bounds, BoxTree, Walk};
 use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy_math::{Mat3, Quat, Vec3, Vec3A, bounding::Aabb3d};
 use std::sync::Arc;
@@ -109,15 +109,17 @@ impl Compound {
         measure: impl Fn(&Placed, Vec3) -> (f32, T),
     ) -> (f32, T, usize) {
         let (mut least, mut found, mut nearest) = (f32::INFINITY, T::default(), 0);
-        self.tree.search(point.to_array(), &mut { f32::INFINITY }, |place, limit| {
-            let index = self.tree.order()[place] as usize;
-            let part = &self.parts[index];
-            let (distance, other) = measure(part, part.local(point));
-            if distance < least || distance == least && index < nearest {
-                (least, found, nearest) = (distance, other, index);
-                *limit = limit_of(least);
+        let mut walk = Walk::to_point(point.to_array());
+        while let Some(places) = walk.next(&self.tree, limit_of(least)) {
+            for &index in &self.tree.order()[places] {
+                let index = index as usize;
+                let part = &self.parts[index];
+                let (distance, other) = measure(part, part.local(point));
+                if distance < least || distance == least && index < nearest {
+                    (least, found, nearest) = (distance, other, index);
+                }
             }
-        });
+        }
         (least, found, nearest)
     }
 
@@ -128,12 +130,16 @@ impl Compound {
         mut measure: impl FnMut(&Placed, &PointBlock, &mut Known),
     ) -> Known {
         let mut known = Known { index: 0, least: [f32::INFINITY; LANES], nearest: [0; LANES] };
-        self.tree.search_block(points, &mut [f32::INFINITY; LANES], |place, limits| {
-            known.index = self.tree.order()[place];
-            let part = &self.parts[known.index as usize];
-            measure(part, &part.local_block(points), &mut known);
-            *limits = known.least.map(limit_of);
-        });
+        let mut walk = Walk::to_block(points);
+        let mut limits = [f32::INFINITY; LANES];
+        while let Some(places) = walk.next_of_block(&self.tree, points, &limits) {
+            for &index in &self.tree.order()[places] {
+                known.index = index;
+                let part = &self.parts[index as usize];
+                measure(part, &part.local_block(points), &mut known);
+                limits = known.least.map(limit_of);
+            }
+        }
         known
     }
 }

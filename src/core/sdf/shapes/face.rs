@@ -102,9 +102,7 @@ impl NearestFaces {
     }
 
     /// Takes a triangle where it is nearer, or as near and of a lower number.
-    ///
-    /// Not inlined, so that it is known here that nothing overlaps, and lanes are vectorised.
-    #[inline(never)]
+    #[inline(always)]
     pub fn take(&mut self, face: &Face, number: i32, points: &PointBlock) {
         let face = *face;
         let (mut squared, mut way) = ([0.0; LANES], PointBlock::default());

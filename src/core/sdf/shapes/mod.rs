@@ -36,7 +36,7 @@ pub use round::{
     half_space_distance_block, sphere_block, sphere_distance_block,
 };
 pub use rounded::Rounded;
-pub use shell::{Shell, ShellError};
+pub use shell::{Shell, ShellError, shell_block};
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};

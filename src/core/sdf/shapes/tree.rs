@@ -44,20 +44,21 @@ impl Bounds {
     /// is in it.
     #[inline(always)]
     fn squared_gap(&self, [x, y, z]: [f32; 3]) -> f32 {
-        let beside = |axis: usize, at: f32| {
-            larger(larger(self.low[axis] - at, at - self.high[axis]), 0.0)
-        };
+        let beside =
+            |axis: usize, at: f32| larger(larger(self.low[axis] - at, at - self.high[axis]), 0.0);
         let [x, y, z] = [beside(0, x), beside(1, y), beside(2, z)];
         (x * x + y * y + z * z) * (1.0 - 1e-5)
     }
 
+    /// Whether any of the points is near enough, each within its own limit.
     #[inline(always)]
-    fn squared_gaps(&self, points: &PointBlock) -> [f32; LANES] {
-        let mut gaps = [0.0; LANES];
-        for (lane, gap) in gaps.iter_mut().enumerate() {
-            *gap = self.squared_gap([points.x[lane], points.y[lane], points.z[lane]]);
+    fn is_near_any(&self, points: &PointBlock, limits: &[f32; LANES]) -> bool {
+        let mut near = 0;
+        for lane in 0..LANES {
+            let gap = self.squared_gap([points.x[lane], points.y[lane], points.z[lane]]);
+            near |= i32::from(gap <= limits[lane]);
         }
-        gaps
+        near != 0
     }
 }
 
@@ -70,6 +71,8 @@ pub(super) struct BoxTree {
     first_leaf: usize,
     /// The parts' numbers, leaf by leaf.
     parts: Box<[u32]>,
+    /// Where the parts of each leaf begin, and where those of the last end.
+    starts: Box<[u32]>,
 }
 
 impl BoxTree {
@@ -80,6 +83,7 @@ impl BoxTree {
             boxes: vec![Bounds::EMPTY; 2 * leaves - 1].into(),
             first_leaf: leaves - 1,
             parts: (0..bounds.len() as u32).collect(),
+            starts: vec![bounds.len() as u32; leaves + 1].into(),
         };
         tree.build(bounds, 0, 0..bounds.len());
         tree
@@ -97,7 +101,9 @@ impl BoxTree {
 
     /// Memory that the tree takes beside itself \[B\].
     pub fn memory_bytes(&self) -> usize {
-        size_of_val::<[Bounds]>(&self.boxes) + size_of_val::<[u32]>(&self.parts)
+        let numbers = [&self.parts, &self.starts];
+        size_of_val::<[Bounds]>(&self.boxes)
+            + numbers.map(|it| size_of_val::<[u32]>(it)).iter().sum::<usize>()
     }
 
     /// Encloses some of the parts, and halves them along the longest side of their box.
@@ -106,108 +112,110 @@ impl BoxTree {
         let of = |part: &u32| bounds[*part as usize];
         let around = parts.iter().fold(Bounds::EMPTY, |sum, part| sum.union(&of(part)));
         self.boxes[node] = around;
-        if node >= self.first_leaf || parts.is_empty() {
+        if let Some(leaf) = node.checked_sub(self.first_leaf) {
+            self.starts[leaf] = range.start as u32;
             return;
         }
-        let axis = around.longest_axis();
-        let [first, second] = halves(range);
-        parts.select_nth_unstable_by(first.len(), |a, b| {
-            of(a).middle(axis).total_cmp(&of(b).middle(axis)).then(a.cmp(b))
-        });
-        self.build(bounds, 2 * node + 1, first);
-        self.build(bounds, 2 * node + 2, second);
+        let middle = usize::midpoint(range.start, range.end);
+        if !parts.is_empty() {
+            let axis = around.longest_axis();
+            parts.select_nth_unstable_by(middle - range.start, |a, b| {
+                of(a).middle(axis).total_cmp(&of(b).middle(axis)).then(a.cmp(b))
+            });
+        }
+        self.build(bounds, 2 * node + 1, range.start..middle);
+        self.build(bounds, 2 * node + 2, middle..range.end);
     }
 
-    /// Calls `look` with places in [`order`](Self::order), at least with those of the parts whose boxes are no further than
-    /// `limit`: the square of the distance up to which parts are looked for \[m2\], which `look` may lower.
-    ///
-    /// In which order is not said: of parts that tie, take the one of the least number.
-    pub fn search(&self, point: [f32; 3], limit: &mut f32, mut look: impl FnMut(usize, &mut f32)) {
-        let gap = self.boxes[0].squared_gap(point);
-        self.descend(0, 0..self.parts.len(), gap, point, limit, &mut look);
+    /// The places in [`order`](Self::order) of a leaf's parts.
+    #[inline(always)]
+    fn leaf(&self, leaf: usize) -> Range<usize> {
+        self.starts[leaf] as usize..self.starts[leaf + 1] as usize
+    }
+}
+
+/// Most nodes that wait: one for each level, of which there are fewer than bits in a part's number.
+const DEEPEST: usize = 33;
+
+/// A way through a tree, which goes to what is near first.
+///
+/// It comes to all parts whose boxes are no further than a limit, and to others as well. In which order is not
+/// said: of parts that tie, take the one of the least number.
+pub(super) struct Walk {
+    waiting: [u32; DEEPEST],
+    count: usize,
+    /// What is gone to first is what is nearest to this place.
+    towards: [f32; 3],
+}
+
+impl Walk {
+    /// A way from the root, for one point.
+    #[inline(always)]
+    pub fn to_point(point: [f32; 3]) -> Self {
+        Self { waiting: [0; DEEPEST], count: 1, towards: point }
     }
 
-    fn descend(
-        &self,
-        node: usize,
-        range: Range<usize>,
-        gap: f32,
-        point: [f32; 3],
-        limit: &mut f32,
-        look: &mut impl FnMut(usize, &mut f32),
-    ) {
-        // Of a point that is no number, nothing is near.
-        let is_near = gap <= *limit;
-        if !is_near {
-            return;
-        }
-        if node >= self.first_leaf {
-            range.for_each(|place| look(place, limit));
-            return;
-        }
-        let gaps = [1, 2].map(|child| self.boxes[2 * node + child].squared_gap(point));
-        let ranges = halves(range);
-        let nearer = usize::from(gaps[1] < gaps[0]);
-        for child in [nearer, 1 - nearer] {
-            let (below, range) = (2 * node + 1 + child, ranges[child].clone());
-            self.descend(below, range, gaps[child], point, limit, look);
-        }
+    /// A way from the root, for a block of points.
+    #[inline(always)]
+    pub fn to_block(points: &PointBlock) -> Self {
+        let middle = |along: &[f32; LANES]| {
+            let mut sum = 0.0;
+            for at in along {
+                sum += at;
+            }
+            sum * (1.0 / LANES as f32)
+        };
+        Self::to_point([middle(&points.x), middle(&points.y), middle(&points.z)])
     }
 
-    /// [`search`](Self::search) for a block of points, each with its limit. `look` may be called for what no lane asks for.
-    pub fn search_block(
-        &self,
+    /// Places of parts within a limit, the square of a distance \[m2\]; `None` at the end.
+    #[inline(always)]
+    pub fn next(&mut self, tree: &BoxTree, limit: f32) -> Option<Range<usize>> {
+        while let Some(node) = self.pop() {
+            // Of a point that is no number, nothing is near.
+            let is_near = tree.boxes[node].squared_gap(self.towards) <= limit;
+            if is_near && let Some(leaf) = self.enter(tree, node) {
+                return Some(tree.leaf(leaf));
+            }
+        }
+        None
+    }
+
+    /// [`next`](Self::next) for a block of points, each with its limit.
+    #[inline(always)]
+    pub fn next_of_block(
+        &mut self,
+        tree: &BoxTree,
         points: &PointBlock,
-        limits: &mut [f32; LANES],
-        mut look: impl FnMut(usize, &mut [f32; LANES]),
-    ) {
-        let gaps = self.boxes[0].squared_gaps(points);
-        self.descend_block(0, 0..self.parts.len(), &gaps, points, limits, &mut look);
+        limits: &[f32; LANES],
+    ) -> Option<Range<usize>> {
+        while let Some(node) = self.pop() {
+            let is_near = tree.boxes[node].is_near_any(points, limits);
+            if is_near && let Some(leaf) = self.enter(tree, node) {
+                return Some(tree.leaf(leaf));
+            }
+        }
+        None
     }
 
-    fn descend_block(
-        &self,
-        node: usize,
-        range: Range<usize>,
-        gaps: &[f32; LANES],
-        points: &PointBlock,
-        limits: &mut [f32; LANES],
-        look: &mut impl FnMut(usize, &mut [f32; LANES]),
-    ) {
-        if !any_near(gaps, limits) {
-            return;
-        }
-        if node >= self.first_leaf {
-            range.for_each(|place| look(place, limits));
-            return;
-        }
-        let gaps = [1, 2].map(|child| self.boxes[2 * node + child].squared_gaps(points));
-        let ranges = halves(range);
-        let nearer = usize::from(sum(&gaps[1]) < sum(&gaps[0]));
-        for child in [nearer, 1 - nearer] {
-            let (below, range) = (2 * node + 1 + child, ranges[child].clone());
-            self.descend_block(below, range, &gaps[child], points, limits, look);
-        }
+    #[inline(always)]
+    fn pop(&mut self) -> Option<usize> {
+        self.count = self.count.checked_sub(1)?;
+        Some(self.waiting[self.count] as usize)
     }
-}
 
-/// The halves of what a node has; empty ones where there is nothing more to halve.
-fn halves(range: Range<usize>) -> [Range<usize>; 2] {
-    let middle = usize::midpoint(range.start, range.end);
-    [range.start..middle, middle..range.end]
-}
-
-#[inline(always)]
-fn any_near(gaps: &[f32; LANES], limits: &[f32; LANES]) -> bool {
-    let mut near = 0;
-    for lane in 0..LANES {
-        near |= u32::from(gaps[lane] <= limits[lane]);
+    /// A leaf's number; below any other node, its children wait.
+    #[inline(always)]
+    fn enter(&mut self, tree: &BoxTree, node: usize) -> Option<usize> {
+        if node >= tree.first_leaf {
+            return Some(node - tree.first_leaf);
+        }
+        let [first, second] = [2 * node + 1, 2 * node + 2];
+        let gap = |node: usize| tree.boxes[node].squared_gap(self.towards);
+        let (near, far) = if gap(second) < gap(first) { (second, first) } else { (first, second) };
+        self.waiting[self.count] = far as u32;
+        self.waiting[self.count + 1] = near as u32;
+        self.count += 2;
+        None
     }
-    near != 0
-}
-
-/// Which of two is nearer to a whole block: a guess, that only decides what is looked at first.
-#[inline(always)]
-fn sum(gaps: &[f32; LANES]) -> f32 {
-    gaps.iter().sum()
 }
