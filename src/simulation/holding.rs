@@ -35,6 +35,9 @@ impl Holding {
         let seen = |end: Vec3| back.map_or(end, |back| back.apply(end));
         motions.clear();
         pulls.clear();
+        let pull = |at: usize, anchor: Entity| {
+            body(anchor).map(|body| PinPull { pin: at as u32, body: body.to_bits() })
+        };
         let motion = |(_, start, end): (u32, Vec3, Vec3)| PinMotion { start, end: seen(end) };
         let mut on_skin = skin.into_iter().flat_map(|skin| skin.ways(solver)).peekable();
         for pin in attached {
@@ -42,9 +45,7 @@ impl Holding {
                 motions.push(motion(way));
             }
             let Anchor { entity, pose: anchor, .. } = &anchors[pin.anchor as usize];
-            if let Some(body) = body(*entity) {
-                pulls.push(PinPull { pin: motions.len() as u32, body: body.to_bits() });
-            }
+            pulls.extend(pull(motions.len(), *entity));
             let start = if pin.fresh {
                 solver.position(pin.particle as usize)
             } else {
@@ -59,7 +60,8 @@ impl Holding {
             while let Some(way) = grabbed.next_if(|(particle, ..)| *particle < at.particle) {
                 motions.push(motion(way));
             }
-            let anchor = &anchors[at.anchor as usize].pose;
+            let Anchor { entity, pose: anchor, .. } = &anchors[at.anchor as usize];
+            pulls.extend(pull(motions.len(), *entity));
             let end = seen(to_world(&anchor.end(), at.local));
             // What pulls for the first time has not come from anywhere.
             let start = if at.fresh { end } else { to_world(&anchor.start(), at.local) };
@@ -94,7 +96,7 @@ pub(crate) fn hold(cloth: &mut ClothSimulation, attachments: Attachments) {
     cloth.tick.motions.pins.clear();
     cloth.tick.motions.pins.reserve_exact(particles.len() + springs.len());
     cloth.tick.motions.pulls.clear();
-    cloth.tick.motions.pulls.reserve_exact(particles.len());
+    cloth.tick.motions.pulls.reserve_exact(particles.len() + attachments.pulled.len());
     // The particles come from the cloth's own lattice, and the numbers have been looked at: the solver
     // has no reason to refuse them.
     if cloth.solver.set_pins(&particles).is_ok() && cloth.solver.set_soft_pins(&springs).is_ok() {

@@ -270,6 +270,26 @@ fn pins_pull_at_what_they_are_on() {
     }
 }
 
+/// A crate on springs hangs lower by what they give.
+#[test]
+fn soft_pins_pull_at_what_they_are_on() {
+    let lowest = |spring: Option<(f32, f32)>| {
+        let mut app = engine();
+        let (cloth, body) = hung(&mut app, 2.0, false, false);
+        if let Some((stiffness, damping)) = spring {
+            let lower = ClothPins::vertices(600..625).softly(stiffness, damping).anchored_to(body);
+            insert(&mut app, cloth, ClothPins::vertices(0..25).and(lower));
+        }
+        updates(&mut app, 9 * 64);
+        assert!(swing(&mut app, body) < 5e-3, "{spring:?}");
+        assert_eq!((failure(&app, cloth), failure(&app, body)), (None, None), "{spring:?}");
+        place(&app, body).y
+    };
+    let gives = lowest(None) - lowest(Some((500.0, 25.0)));
+    let expected = 2.0 * GRAVITY / 500.0;
+    assert!((gives - expected).abs() < 1e-3, "{gives} m, not {expected}");
+}
+
 #[test]
 fn a_crate_that_is_let_go_falls() {
     let mut app = engine();

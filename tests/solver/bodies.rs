@@ -7,7 +7,7 @@ use bevy::math::{
 };
 use bevy_drape::sdf::SignedDistance;
 use bevy_drape::solver::{
-    ClothSolver, Collider, Isa, Mobility, PinMotion, PinPull, Pose, Settings, StepInput,
+    ClothSolver, Collider, Isa, Mobility, PinMotion, PinPull, Pose, Settings, SoftPin, StepInput,
 };
 
 use crate::support::solver::*;
@@ -366,58 +366,136 @@ fn what_strikes_or_weighs_nothing_makes_no_energy() {
     }
 }
 
-#[test]
-fn a_body_hangs_in_a_strap_that_is_pinned_within_it() {
-    // From its middle, and from its surface.
-    for length in [1.2_f32, 1.06] {
+/// A strap of 144 particles, and a ball that its lower end is pinned to, within it.
+struct Strap {
+    cloth: ClothSolver,
+    ball: Body,
+    places: Vec<Vec3>,
+    /// How many of its upper particles are held where they are.
+    held: u32,
+    gravity: Vec3,
+}
+
+impl Strap {
+    fn new(length: f32, held: u32, spring: Option<(f32, f32)>) -> Self {
         let lattice = sheet(Vec2::new(0.1, length), 36, 4, Settings::default().lumping);
         let place = |i: usize| {
             Vec3::new((i % 4) as f32 / 30.0 - 0.05, -((i / 4) as f32) / 35.0 * length, 0.0)
         };
         let places: Vec<_> = (0..144).map(place).collect();
-        let material = bevy_drape::solver::Material { thread_stiffness: 2e4, ..Default::default() };
+        let material =
+            bevy_drape::solver::Material { thread_stiffness: 2e4, drag: 0.0, ..Default::default() };
         let mut cloth = ClothSolver::new(lattice, &places, material, Settings::default()).unwrap();
-        let held: Vec<u32> = (0..4).chain(140..144).collect();
-        cloth.set_pins(&held).unwrap();
-        let gravity = Vec3::NEG_Y * GRAVITY;
-        let mut ball = Body::ball(2.0, Vec3::Y * -1.21);
-        let local: Vec<_> = (140..144).map(|i| places[i] - ball.place).collect();
+        match spring {
+            None => cloth.set_pins(&(0..held).chain(140..144).collect::<Vec<_>>()).unwrap(),
+            Some((stiffness, damping)) => {
+                cloth.set_pins(&(0..held).collect::<Vec<_>>()).unwrap();
+                let soft = (140..144).map(|particle| SoftPin { particle, stiffness, damping });
+                cloth.set_soft_pins(&soft.collect::<Vec<_>>()).unwrap();
+            }
+        }
+        let ball = Body::ball(2.0, Vec3::Y * -1.21);
+        Self { cloth, ball, places, held, gravity: Vec3::NEG_Y * GRAVITY }
+    }
+
+    fn tick(&mut self) {
+        let Self { cloth, ball, places, held, gravity } = self;
+        let local = |i: usize| places[i] - Vec3::Y * -1.21;
+        let from = ball.pose();
+        ball.velocity += *gravity / 64.0;
+        ball.place += ball.velocity / 64.0;
+        ball.turn = (Quat::from_scaled_axis(ball.spin / 64.0) * ball.turn).normalize();
+        let to = ball.pose();
+        let at = |pose: &Pose, i: usize| pose.translation + pose.rotation * local(i);
+        let still = (0..*held as usize).map(|i| PinMotion::still(places[i]));
+        let led = (140..144).map(|i| PinMotion { start: at(&from, i), end: at(&to, i) });
+        let pins: Vec<_> = still.chain(led).collect();
+        let pulls: Vec<_> = (*held..*held + 4).map(|pin| PinPull { pin, body: 7 }).collect();
+        let mobility = Mobility {
+            inverse_mass: 1.0 / ball.mass,
+            inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / ball.inertia)),
+            informed: true,
+        };
         let shape = Sphere::new(RADIUS);
+        let collider = Collider::new(&shape, from).moving_to(to);
+        let collider = Collider { key: 1, body: 7, ..collider.moved_by(mobility, Vec3::ZERO) };
+        let colliders = [collider];
+        let input = StepInput {
+            dt: 1.0 / 64.0,
+            gravity: *gravity,
+            pins: &pins,
+            pulls: &pulls,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
+        cloth.tick(&input).unwrap();
+        let given = cloth.body_impulse(0);
+        ball.velocity += given.linear / ball.mass;
+        ball.spin += given.angular / ball.inertia;
+    }
+}
+
+#[test]
+fn a_body_hangs_in_a_strap_that_is_pinned_within_it() {
+    // From its middle, which the strap passes through, and from its surface, where stiff springs would hold it in the ball; hard, or
+    // on springs from loose to hardly any.
+    for (length, spring) in [
+        (1.2_f32, None),
+        (1.06, None),
+        (1.06, Some((500.0, 2.0))),
+        (1.2, Some((500.0, 2.0))),
+        (1.2, Some((2e3, 0.0))),
+        (1.2, Some((2e3, 10.0))),
+        (1.2, Some((500.0, 100.0))),
+        (1.2, Some((1e5, 0.0))),
+        (1.2, Some((1e5, 1e4))),
+        (1.2, Some((1e9, 0.0))),
+    ] {
+        let mut strap = Strap::new(length, 4, spring);
+        let at_first = strap.ball.place;
         let mut farthest = 0.0_f32;
         for _ in 0..640 {
-            let from = ball.pose();
-            ball.velocity += gravity / 64.0;
-            ball.place += ball.velocity / 64.0;
-            ball.turn = (Quat::from_scaled_axis(ball.spin / 64.0) * ball.turn).normalize();
-            let to = ball.pose();
-            let at = |pose: &Pose, i: usize| pose.translation + pose.rotation * local[i];
-            let still = (0..4).map(|i| PinMotion::still(places[i]));
-            let led = (0..4).map(|i| PinMotion { start: at(&from, i), end: at(&to, i) });
-            let pins: Vec<_> = still.chain(led).collect();
-            let pulls: Vec<_> = (4..8).map(|pin| PinPull { pin, body: 7 }).collect();
-            let mobility = Mobility {
-                inverse_mass: 1.0 / ball.mass,
-                inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / ball.inertia)),
-                informed: true,
-            };
-            let collider = Collider::new(&shape, from).moving_to(to);
-            let collider = Collider { key: 1, body: 7, ..collider.moved_by(mobility, Vec3::ZERO) };
-            let colliders = [collider];
-            let input = StepInput {
-                dt: 1.0 / 64.0,
-                gravity,
-                pins: &pins,
-                pulls: &pulls,
-                colliders: &colliders,
-                ..StepInput::default()
-            };
-            cloth.tick(&input).unwrap();
-            let given = cloth.body_impulse(0);
-            ball.velocity += given.linear / ball.mass;
-            ball.spin += given.angular / ball.inertia;
-            farthest = farthest.max(ball.place.distance(Vec3::Y * -1.21));
+            strap.tick();
+            farthest = farthest.max(strap.ball.place.distance(at_first));
         }
-        assert!(farthest < 0.05, "{length} m: it went {farthest} m");
-        assert!(ball.velocity.length() < 0.2, "{length} m: {}", ball.velocity);
+        let Strap { cloth, ball, places, .. } = &strap;
+        println!("{length} m, {spring:?}: {farthest} m, at the end {} m/s", ball.velocity);
+        assert!(farthest < 0.05, "{length} m, {spring:?}: it went {farthest} m");
+        assert!(ball.velocity.length() < 0.2, "{length} m, {spring:?}: {}", ball.velocity);
+        // Springs give as Hooke says.
+        let (stiffness, _) = spring.unwrap_or((f32::INFINITY, 0.0));
+        let lower = |i: usize| {
+            let place = ball.place + ball.turn * (places[i] - at_first);
+            cloth.position(i).y - place.y
+        };
+        let gives = (140..144).map(lower).sum::<f32>() / 4.0;
+        let expected = 2.0 * GRAVITY / (4.0 * stiffness);
+        check(&format!("{spring:?}: gives [m]"), gives.into(), expected.into(), 1e-4);
+    }
+}
+
+/// Nothing else is there: what the springs take from the cloth the ball has.
+#[test]
+fn springs_to_a_body_keep_its_momentum() {
+    for spring in [(50.0, 0.0), (500.0, 2.0), (1e5, 10.0), (1e9, 0.0)] {
+        let mut strap = Strap { gravity: Vec3::ZERO, ..Strap::new(1.06, 0, Some(spring)) };
+        let thrown = Vec3::new(3.0, 2.0, 1.0);
+        for i in 0..144 {
+            strap.cloth.set_velocity(i, thrown).unwrap();
+        }
+        let momentum = |strap: &Strap| {
+            let (velocity, _) = strap.ball.own(&strap.cloth);
+            momenta(&strap.cloth).0 + (velocity * strap.ball.mass).as_dvec3()
+        };
+        let at_first = momentum(&strap);
+        let mut off = 0.0_f64;
+        for _ in 0..128 {
+            strap.tick();
+            off = off.max(momentum(&strap).distance(at_first) / at_first.length());
+        }
+        let own = strap.ball.own(&strap.cloth).0;
+        println!("{spring:?}: off by {off}, the ball goes {own}");
+        check_at_most(&format!("{spring:?}: momentum"), off, 1e-4);
+        assert!(own.length() > 0.01, "{spring:?}: it is not pulled");
     }
 }

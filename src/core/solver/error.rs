@@ -109,7 +109,7 @@ pub enum SolverError {
     NoSuchPin {
         /// Place asked for.
         pin: usize,
-        /// Number of pins that hold.
+        /// Number of pins, hard and soft.
         pins: usize,
     },
     /// A motion of the whole cloth, or a pose to put it in, is not finite, or leads beyond 1e7 m.

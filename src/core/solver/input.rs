@@ -34,7 +34,8 @@ pub struct StepInput<'a> {
 /// A pin that pulls at the body which carries it. Its motion is that of the body as it is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PinPull {
-    /// The pin's place among the [`pins`](crate::solver::ClothSolver::pins).
+    /// The pin's place in [`StepInput::pins`]: among the [`pins`](crate::solver::ClothSolver::pins), or after them among the
+    /// [`soft_pins`](crate::solver::ClothSolver::soft_pins).
     pub pin: u32,
     /// The [`body`](Collider::body) of the collider, of which there is one. It may be in no layer, where nothing is to collide with it.
     pub body: u64,
@@ -78,7 +79,7 @@ impl StepInput<'_> {
         }
     }
 
-    /// Checks which pins pull, of a cloth with so many hard ones.
+    /// Checks which pins pull, of a cloth with so many, hard and soft.
     pub(crate) fn check_pulls(&self, pins: usize) -> Result<(), SolverError> {
         match self.pulls.iter().find(|pull| pull.pin as usize >= pins) {
             Some(pull) => Err(SolverError::NoSuchPin { pin: pull.pin as usize, pins }),

@@ -254,8 +254,9 @@ impl ClothSolver {
     }
 
     fn check_input(&self, input: &StepInput<'_>) -> Result<(), SolverError> {
-        input.check(self.pins.slots.len() + self.soft.len())?;
-        input.check_pulls(self.pins.slots.len())?;
+        let pins = self.pins.slots.len() + self.soft.len();
+        input.check(pins)?;
+        input.check_pulls(pins)?;
         input.check_skin(self.skin.as_deref())?;
         if self.air.is_some() {
             input.wind.validate()?;

@@ -235,9 +235,20 @@ impl Impulses {
     /// Where a place of a body is at part `to` of the tick that is planned to be at `place` then, at the end of a substep of length
     /// `step` \[m\].
     pub fn carried(&self, collider: usize, place: Vec3, to: f32, step: f32) -> Vec3 {
+        self.expected_to_carry(collider, place, [to, to], step)
+    }
+
+    /// [`carried`](Self::carried) by what the cloth is expected to give the body in the substep, which begins at part `from`.
+    pub fn expected_to_carry(
+        &self,
+        collider: usize,
+        place: Vec3,
+        [from, to]: [f32; 2],
+        step: f32,
+    ) -> Vec3 {
         let Some(account) = self.account(collider) else { return place };
         let centre = account.ways[0] + (account.ways[1] - account.ways[0]) * to;
-        let moved = account.deviation.after(&account.velocity(to), step);
+        let moved = account.deviation.after(&account.velocity(from), step);
         account.coupling.ahead_at(to).and(&moved).apply_to(place, centre)
     }
 

@@ -51,6 +51,7 @@ impl ClothSolver {
         if is_woven || self.plan.clamped.thread || self.plan.gives {
             self.pull_tethers();
         }
+        self.give_soft_pulls();
         self.note_unfollowed(true);
         self.unweigh_soft_pins();
     }

@@ -4,12 +4,15 @@
 //! stiffness carry a body of any mass, as what lies on one does (`contact/answer`). What they have moved it by is what they pull
 //! at the body with. Then the body is given that, and the pin goes where the body does.
 //!
+//! Soft pins (`soft_pins`) pull at a body by their springs' forces.
+//!
 //! A cloth that is pinned deep within a body passes through it. Contact would push out of it what the pins hold in it, without end, and
 //! the body would be driven by what is inside of it.
 
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
+use crate::solver::constraints::soft_pins::PulledBody;
 use crate::solver::contact::Share;
 use crate::solver::input::{PinPull, StepInput};
 use crate::solver::state::State;
@@ -40,6 +43,10 @@ impl ClothSolver {
     /// Finds the pins that pull in a tick. Allocates where there are more than ever before.
     pub(crate) fn begin_pulling(&mut self, input: &StepInput<'_>) {
         self.pulling.clear();
+        for spring in &mut self.soft {
+            spring.body = None;
+        }
+        let hard = self.pins.slots.len();
         let impulses = &mut self.state.contacts.impulses;
         for &PinPull { pin, body } in input.pulls {
             let Some(collider) = impulses.of_body(body) else { continue };
@@ -49,6 +56,10 @@ impl ClothSolver {
             let mut of_body = input.colliders.iter().filter(|it| it.body == body && it.layers != 0);
             if of_body.any(|it| it.distance_at_start(place) < -deep) {
                 impulses.pass(collider);
+            }
+            if let Some(soft) = (pin as usize).checked_sub(hard) {
+                self.soft[soft].body = Some(PulledBody::new(collider));
+                continue;
             }
             let slot = self.pins.slots[pin as usize];
             let own = 1.0 / (self.topology.area(slot) * self.material.area_density);

@@ -3,9 +3,11 @@
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
-use crate::solver::constraints::soft_pins::{SoftPin, Spring, shortened};
+use crate::solver::constraints::soft_pins::{PulledBody, SoftPin, Spring, shortened};
+use crate::solver::contact::Share;
 use crate::solver::error::SolverError;
 use crate::solver::input::StepInput;
+use crate::solver::state::State;
 
 impl ClothSolver {
     /// Holds these particles by springs, and no others. Their targets' motions follow those of the
@@ -25,17 +27,7 @@ impl ClothSolver {
         let topology = &self.topology;
         self.soft = pins
             .iter()
-            .map(|&pin| {
-                let slot = topology.slot(pin.particle as usize);
-                Spring {
-                    pin,
-                    slot,
-                    most_force: f32::INFINITY,
-                    slack: false,
-                    inverse_mass: 0.0,
-                    noted: Vec3::ZERO,
-                }
-            })
+            .map(|&pin| Spring::new(pin, topology.slot(pin.particle as usize)))
             .collect();
         self.soft.sort_by_key(|spring| spring.pin.particle);
         self.soft.dedup_by_key(|spring| spring.pin.particle);
@@ -76,17 +68,37 @@ impl ClothSolver {
             }
             let (start, end) = (motion.start - state.origin, motion.end - state.origin);
             let way = end - start;
-            let target = if span.to < 1.0 { start + way * span.to } else { end };
-            let moved = way * (span.to - span.from);
+            let mut target = if span.to < 1.0 { start + way * span.to } else { end };
+            let mut moved = way * (span.to - span.from);
+            if let Some(body) = &mut spring.body {
+                let (impulses, collider) = (&state.contacts.impulses, body.collider);
+                let from = start + way * span.from;
+                let before = impulses.carried(collider, from, span.from, 0.0);
+                let span = [span.from, span.to];
+                target = impulses.expected_to_carry(collider, target, span, h);
+                moved = target - before;
+                body.yields = impulses.yielding(collider, target, 0.0) / w;
+                body.at = target;
+            }
             let (alpha, beta) = spring.gains(w * state.response, h);
             let d = state.d.get(spring.slot);
-            let pulled = d + (target - state.x.get(spring.slot)) * alpha + moved * beta;
-            let pull = pulled / (1.0 + alpha + beta) - d;
+            let away = target - state.x.get(spring.slot);
+            let pulled = d + away * alpha + moved * beta;
+            let pull = match spring.body {
+                None => pulled / (1.0 + alpha + beta) - d,
+                Some(body) => {
+                    // The body comes towards the particle as the particle does towards the body.
+                    (pulled - d * (1.0 + alpha + beta)) / (1.0 + alpha * (1.0 + body.yields) + beta)
+                }
+            };
             let most = spring.most_force * w * state.response;
             spring.slack = pull.dot(pull) > most * most;
             let pulled = shortened(d + shortened(pull, most), longest);
             state.d.set(spring.slot, pulled);
             state.leave_out(spring.slot, pulled - d);
+            if let Some(body) = &mut spring.body {
+                body.given = (d - pulled) * (1.0 / w);
+            }
         }
     }
 
@@ -97,9 +109,16 @@ impl ClothSolver {
         for spring in &mut self.soft {
             let w = held.inverse_mass[spring.slot];
             let (alpha, beta) = spring.gains(w * self.state.response, h);
-            let heavier = if spring.slack { w } else { w / (1.0 + alpha + beta) };
+            let heavier = match spring.yields() {
+                _ if spring.slack => w,
+                0.0 => w / (1.0 + alpha + beta),
+                yields => w / (1.0 + (alpha + beta) / (1.0 + alpha * yields)),
+            };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
             spring.noted = self.state.d.get(spring.slot);
+            if let Some(body) = &mut spring.body {
+                body.before = spring.noted;
+            }
             // What it lies on would bear pulls that its spring bears.
             self.state.contacts.forget(spring.slot);
         }
@@ -115,6 +134,26 @@ impl ClothSolver {
                 self.state.leave_out(spring.slot, (d - spring.noted) * -unfollowed);
             }
             spring.noted = d;
+        }
+    }
+
+    /// Gives bodies what springs pulled at them with, before corrections and in them.
+    pub(crate) fn give_soft_pulls(&mut self) {
+        let step = self.plan.step;
+        let State { d, contacts, .. } = &mut self.state;
+        for spring in &self.soft {
+            let Some(PulledBody { collider, at, before, given, .. }) = spring.body else {
+                continue;
+            };
+            let heavier = self.pins.inverse_mass[spring.slot];
+            // One that is pinned as well is held by its pin.
+            if heavier == 0.0 {
+                continue;
+            }
+            let followed = d.get(spring.slot) - before;
+            let borne = followed * (1.0 / heavier - 1.0 / spring.inverse_mass);
+            let given = given + borne;
+            contacts.impulses.give([Share { collider, at, given, owed: Vec3::ZERO }], step);
         }
     }
 
