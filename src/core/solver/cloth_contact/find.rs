@@ -119,7 +119,7 @@ impl Group {
 
 /// Distance at which two balls touch \[m\].
 #[inline(always)]
-fn reach(a: f32, b: f32) -> f32 {
+pub(super) fn reach(a: f32, b: f32) -> f32 {
     larger(a + b, UNEVEN * larger(a, b))
 }
 

@@ -12,7 +12,7 @@ const MOST_CELLS: f32 = 1022.0;
 /// The key after all cells.
 const END: u32 = u32::MAX;
 /// Coordinates of the padding, from which everything is far \[m\].
-const NOWHERE: f32 = 1e18;
+pub(super) const NOWHERE: f32 = 1e18;
 
 /// Particles in the order of their cells, row by row along x.
 #[derive(Clone, Debug, Default)]

@@ -9,9 +9,10 @@ use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
+use crate::solver::cloth_contact::in_patches::InPatches;
 use crate::solver::cloth_contact::kin::find_kin;
 use crate::solver::cloth_contact::normals::Normals;
-use crate::solver::cloth_contact::patches::{LookAtPatches, Patches};
+use crate::solver::cloth_contact::patches::Patches;
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
@@ -60,14 +61,10 @@ impl SelfCollision {
 pub(in crate::solver) struct SelfContact {
     pub settings: SelfCollision,
     balls: Balls,
-    /// Patches of a sheet, by which smooth parts are passed over.
-    patches: Option<Patches>,
+    /// Largest distance at which two particles touch \[m\].
+    widest: f32,
     layout: Layout,
-    grid: Grid,
-    /// Rest positions by slot \[m\].
-    rest_of: Soa,
-    /// The same by place in the grid.
-    rest: Soa,
+    finding: Finding,
     travel: Travel,
     tangles: Tangles,
     batches: Batches,
@@ -87,6 +84,15 @@ pub(in crate::solver) struct SelfContact {
     kin: Vec<Pair>,
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
+}
+
+/// How pairs of a cloth's own are found.
+#[derive(Clone, Debug)]
+enum Finding {
+    /// Of a sheet, by its patches.
+    Patches(Box<InPatches>),
+    /// Of a mesh, by a grid; with rest positions by slot, and by place in the grid \[m\].
+    Grid { grid: Grid, rest_of: Soa, rest: Soa },
 }
 
 /// A substep of a cloth, as its contact with itself takes it.
@@ -114,13 +120,17 @@ impl SelfContact {
         let slots = layout.slots();
         let kin =
             find_kin(Isa::detect(), &mut grid, (&rest_of, &balls.radius), widest, &faces, slots);
+        let finding = match topology.as_lattice() {
+            Some(lattice) => {
+                let patches = Patches::new(lattice.layout);
+                Finding::Patches(Box::new(InPatches::new(patches, &rest_of, &balls.radius)))
+            }
+            None => Finding::Grid { grid, rest_of, rest: Soa::zeros(room_for(count)) },
+        };
         Self {
             settings,
-            patches: topology.as_lattice().map(|lattice| Patches::new(lattice.layout)),
             layout,
-            grid,
-            rest_of,
-            rest: Soa::zeros(room_for(count)),
+            finding,
             travel: Travel::new(layout),
             tangles: Tangles::new(topology, faces),
             batches: Batches::default(),
@@ -133,6 +143,7 @@ impl SelfContact {
             pairs: Vec::with_capacity(ROOM * count),
             kin,
             margin: widest * MARGIN,
+            widest,
             balls,
         }
     }
@@ -145,7 +156,7 @@ impl SelfContact {
 
     /// Substeps in 1/60 s that it asks for.
     pub fn substeps(&self) -> u32 {
-        substeps_for(self.balls.widest(), self.since_touch)
+        substeps_for(self.widest, self.since_touch)
     }
 
     /// The cloth's faces.
@@ -242,38 +253,36 @@ impl SelfContact {
     /// Finds the pairs of particles that are at `found_at`.
     fn find(&mut self, isa: Isa) {
         let Self {
-            patches,
-            grid,
+            finding,
             travel,
             found_at: at,
             last,
             pairs,
             kin,
             margin,
+            widest,
             balls,
             batches,
             normals,
             ..
         } = self;
-        let reach = balls.widest() + *margin;
+        let reach = *widest + *margin;
         travel.begin(isa, at, *margin, reach);
         last.copy_from(at);
-        grid.begin(reach);
-        match patches {
-            Some(patches) => {
-                isa.run(LookAtPatches { patches, at });
-                patches.find_busy(reach);
-                grid.take(at, patches.busy_slots());
-            }
-            None => grid.take(at, self.layout.slots()),
-        }
-        grid.sort(isa, at, &balls.radius);
-        for (place, &slot) in grid.slots.iter().enumerate() {
-            self.rest.set(place, self.rest_of.get(slot as usize));
-        }
         pairs.clear();
-        let company = OneCloth { rest: &self.rest, radius: &grid.radius, pairs };
-        isa.run(FindPairs { grid, margin: *margin, company });
+        match finding {
+            Finding::Patches(particles) => particles.find(isa, at, *margin, reach, pairs),
+            Finding::Grid { grid, rest_of, rest } => {
+                grid.begin(reach);
+                grid.take(at, self.layout.slots());
+                grid.sort(isa, at, &balls.radius);
+                for (place, &slot) in grid.slots.iter().enumerate() {
+                    rest.set(place, rest_of.get(slot as usize));
+                }
+                let company = OneCloth { rest, radius: &grid.radius, pairs };
+                isa.run(FindPairs { grid, margin: *margin, company });
+            }
+        }
         for pair in kin.iter() {
             let [a, b] = pair.slots.map(|slot| at.get(slot as usize));
             let gap = a.distance(b) - pair.reach;

@@ -4,7 +4,7 @@
 //! So a particle's ball is as large as the triangles around it ask for, with some reserve ([`balls`]). Particles that are near each
 //! other at rest are left alone: a cloth does not push its own neighbours.
 //!
-//! Pairs that may touch are found in a grid a few times a tick, with a margin ([`find`]). A pair sleeps until the cloth has moved by
+//! Pairs that may touch are found a few times a tick, with a margin: of a sheet patch by patch ([`in_patches`]), else in a grid ([`find`]). A pair sleeps until the cloth has moved by
 //! the pair's gap ([`travel`]). Pairs that touch are met in every substep, after the threads and before the strain limit ([`respond`]).
 //! Where they are pressed into each other, they are met once more after the limit, and kept half of their distance apart.
 //! A pair gives one particle what it takes from the other, so momentum is kept.
@@ -16,7 +16,9 @@
 //! | `grid` | particles sorted by the cells of a grid |
 //! | `find` | pairs of particles that may touch before they have moved by the margin |
 //! | `kin` | particles that are near at rest, and share no edge |
-//! | `patches` | smooth parts of a sheet, which are passed over |
+//! | `patches` | parts of a sheet, of which smooth neighbours are passed over |
+//! | `sweep` | boxes that are near each other |
+//! | `in_patches` | pairs of particles of a sheet, found patch by patch |
 //! | `normals` | the direction to push apart, by which layers slide on each other |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
@@ -43,6 +45,7 @@ mod find;
 mod friction;
 mod grains;
 mod grid;
+mod in_patches;
 mod itself;
 mod kin;
 mod many;
@@ -52,6 +55,7 @@ mod parts;
 mod patches;
 mod respond;
 mod side;
+mod sweep;
 mod tangles;
 mod travel;
 

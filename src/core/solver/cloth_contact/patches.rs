@@ -6,16 +6,22 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::cloth_contact::sweep::Sweep;
+use crate::solver::cloth_contact::travel::Extent;
 use crate::solver::simd::block::{Block3, larger, smaller};
-use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 
 /// Rows and columns of a patch. Larger ones are bent more often, smaller ones have more to look at.
-const SIDE: usize = 4;
+pub(super) const SIDE: usize = 4;
+/// Particles of a patch.
+pub(super) const PARTICLES: usize = SIDE * SIDE;
 /// Patches in a block.
 const IN_BLOCK: usize = LANES / SIDE;
+/// Pairs of patches that there is room for from the start, for each patch.
+const ROOM: usize = 8;
 /// Cosine of half the angle of a narrow cone. Seen from its axis, two particles that are not neighbours are at least 1.57 spacings
 /// apart, and do not touch before the cloth has moved by the margin.
 const NARROW: f32 = 0.785;
@@ -24,24 +30,31 @@ const NARROW: f32 = 0.785;
 #[derive(Clone, Copy, Debug)]
 struct Patch {
     /// The box around its particles \[m\].
-    low: Vec3,
-    high: Vec3,
-    /// Axis of the cone that its normals lie in, of length one, and the cosine of half the cone's angle.
+    extent: Extent,
+    /// Axis of the cone that its normals lie in, of length one.
     axis: Vec3,
-    cosine: f32,
+    /// Least cosine of the angle between this axis and that of a narrow cone which holds the cone; infinite where none does, as the
+    /// patch is bent.
+    least_cosine: f32,
 }
 
 impl Patch {
-    /// Whether its cone lies in a narrow one around an axis.
-    fn is_along(&self, axis: Vec3) -> bool {
-        let (a, b) = (self.axis.dot(axis), self.cosine);
-        let sines = ((1.0 - a * a).max(0.0) * (1.0 - b * b).max(0.0)).sqrt();
-        a > 0.0 && b > 0.0 && a * b - sines >= NARROW
+    /// A part in this box, whose normals lie in a cone of which half the angle has this cosine.
+    #[inline(always)]
+    fn new(extent: Extent, axis: Vec3, cosine: f32) -> Self {
+        // The cosine of the difference of both angles.
+        let sines = larger((1.0 - NARROW * NARROW) * (1.0 - cosine * cosine), 0.0).sqrt();
+        let least_cosine = if cosine < NARROW { f32::INFINITY } else { NARROW * cosine + sines };
+        Self { extent, axis, least_cosine }
     }
 
-    fn is_near(&self, other: &Self, reach: f32) -> bool {
-        let gap = (self.low - other.high).max(other.low - self.high);
-        gap.x.max(gap.y).max(gap.z) < reach
+    fn is_bent(&self) -> bool {
+        self.least_cosine == f32::INFINITY
+    }
+
+    /// Whether its cone lies in a narrow one around a vector of this length.
+    fn is_along(&self, along: Vec3, length: f32) -> bool {
+        self.axis.dot(along) >= self.least_cosine * length
     }
 }
 
@@ -51,10 +64,9 @@ pub(super) struct Patches {
     layout: Layout,
     across: usize,
     all: Vec<Patch>,
-    /// Patches by where their boxes begin along x.
-    order: Vec<u32>,
-    /// Whether a patch may meet another or itself.
-    is_busy: Vec<bool>,
+    sweep: Sweep,
+    /// The patches that may meet each other, or themselves.
+    meetings: Vec<[u32; 2]>,
 }
 
 impl Patches {
@@ -65,48 +77,47 @@ impl Patches {
             layout,
             across,
             all: Vec::with_capacity(count),
-            order: Vec::with_capacity(count),
-            is_busy: Vec::with_capacity(count),
+            sweep: Sweep::with_room(count, ROOM * count),
+            meetings: Vec::with_capacity(ROOM * count),
         }
     }
 
-    /// The slots of all particles in patches that may meet another or themselves.
-    pub fn busy_slots(&self) -> impl Iterator<Item = usize> + '_ {
-        let layout = self.layout;
-        let busy = self.is_busy.iter().enumerate().filter(|&(_, &busy)| busy);
-        busy.flat_map(move |(patch, _)| {
-            let (row, column) = (patch / self.across * SIDE, patch % self.across * SIDE);
-            let columns = layout.columns.saturating_sub(column).min(SIDE);
-            let rows = row..layout.rows.min(row + SIDE);
-            rows.flat_map(move |row| {
-                let first = layout.slot(row, column);
-                first..first + columns
-            })
-        })
+    /// Number of patches, with those beside the sheet that fill up blocks.
+    pub fn count(&self) -> usize {
+        self.layout.rows.div_ceil(SIDE) * self.across
     }
 
-    /// Finds the patches that may meet something before the cloth has moved by the margin, where two particles may touch that are
-    /// `reach` apart now.
-    pub fn find_busy(&mut self, reach: f32) {
-        let Self { all, order, is_busy, across, .. } = self;
-        is_busy.clear();
-        is_busy.extend(all.iter().map(|patch| patch.cosine < NARROW));
-        order.clear();
-        order.extend(0..all.len() as u32);
-        let low = |patch: u32| all[patch as usize].low.x;
-        order.sort_unstable_by(|&a, &b| low(a).total_cmp(&low(b)).then(a.cmp(&b)));
-        for (place, &a) in order.iter().enumerate() {
-            let (a, end) = (a as usize, all[a as usize].high.x + reach);
-            for &b in order[place + 1..].iter().take_while(|&&b| low(b) < end) {
-                let b = b as usize;
-                if (!is_busy[a] || !is_busy[b])
-                    && all[a].is_near(&all[b], reach)
-                    && !are_flat_neighbours(all, *across, a, b)
-                {
-                    (is_busy[a], is_busy[b]) = (true, true);
-                }
-            }
-        }
+    /// The slot of a particle: of the patch that is `place` over [`PARTICLES`], the one that is the rest. `None` beside the sheet.
+    pub fn slot(&self, place: usize) -> Option<usize> {
+        let (patch, particle) = (place / PARTICLES, place % PARTICLES);
+        let row = patch / self.across * SIDE + particle / SIDE;
+        let column = patch % self.across * SIDE + particle % SIDE;
+        let is_there = row < self.layout.rows && column < self.layout.columns;
+        is_there.then(|| self.layout.slot(row, column))
+    }
+
+    /// Looks at particles that are at these places.
+    pub fn look(&mut self, isa: Isa, at: &Soa) {
+        isa.run(LookAtPatches { patches: self, at });
+    }
+
+    /// The patches that may meet each other, or themselves.
+    pub fn meetings(&self) -> &[[u32; 2]] {
+        &self.meetings
+    }
+
+    /// Finds the patches that may meet before the cloth has moved by the margin, where two particles may touch that are `reach` apart
+    /// now.
+    pub fn find_meetings(&mut self, isa: Isa, reach: f32) {
+        let Self { all, sweep, meetings, across, .. } = self;
+        meetings.clear();
+        let is_bent = |patch: &u32| all[*patch as usize].is_bent();
+        meetings.extend((0..all.len() as u32).filter(is_bent).map(|patch| [patch; 2]));
+        let extent = |patch: u32| &all[patch as usize].extent;
+        let near = sweep.near(isa, all.len(), extent, reach);
+        let may_meet =
+            |&&[a, b]: &&[u32; 2]| !are_flat_neighbours(all, *across, a as usize, b as usize);
+        meetings.extend(near.iter().filter(may_meet));
     }
 }
 
@@ -119,14 +130,14 @@ fn are_flat_neighbours(all: &[Patch], across: usize, a: usize, b: usize) -> bool
     }
     let around = [a, b, row_a * across + column_b, row_b * across + column_a];
     let sum = around.iter().map(|&patch| all[patch].axis).sum::<Vec3>();
-    let axis = sum.normalize_or_zero();
-    around.iter().all(|&patch| all[patch].is_along(axis))
+    let length = sum.length();
+    length > 0.0 && around.iter().all(|&patch| all[patch].is_along(sum, length))
 }
 
 /// Looks at the patches of a sheet whose particles are at these places.
-pub(super) struct LookAtPatches<'a> {
-    pub patches: &'a mut Patches,
-    pub at: &'a Soa,
+struct LookAtPatches<'a> {
+    patches: &'a mut Patches,
+    at: &'a Soa,
 }
 
 impl Kernel for LookAtPatches<'_> {
@@ -217,6 +228,6 @@ impl Seen {
                 cosine = smaller(along, cosine);
             }
         }
-        Patch { low, high, axis, cosine }
+        Patch::new(Extent { low, high }, axis, cosine)
     }
 }
