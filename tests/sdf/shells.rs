@@ -63,7 +63,7 @@ fn shells_are_all_that_is_near_their_triangles() {
     let mut dice = Dice(80);
     for (seed, triangles, radius) in [
         (1, soup(1, &mut dice), 0.5),
-        (2, soup(3, &mut dice), 0.1),
+        (2, soup(3, &mut dice), 0.3),
         (3, soup(200, &mut dice), 0.05),
         (4, hills(24), 0.04),
     ] {

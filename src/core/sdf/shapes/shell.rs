@@ -16,7 +16,7 @@ const FURTHEST: f32 = 1e7;
 /// may be open, and need not be one piece.
 ///
 /// It is solid on both sides of the triangles and has no inside besides, so that what has come through is pushed away to
-/// the other side. A cloth is held out of it at any speed that is traced (`SignedDistance::core_depth`).
+/// the other side. What is fast is looked at along its whole way, and does not come through.
 ///
 /// Outside, the distance is exact up to the rounding of `f32`. Inside, it is that to the nearest triangle less the radius: where
 /// triangles meet, a point is taken for less deep than it is, never for deeper. A point looks at a few triangles near it through a
