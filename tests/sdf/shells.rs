@@ -52,7 +52,10 @@ fn hills(side: usize) -> Triangles {
 fn truth(triangles: &Triangles, radius: f32) -> impl Fn(DVec3) -> f64 {
     let triangles: Vec<_> = triangles.iter().map(|t| t.map(|corner| corner.as_dvec3())).collect();
     move |point| {
-        let distances = triangles.iter().map(|triangle| to_triangle(point, triangle));
+        // Of a triangle that is a point, `to_triangle` knows nothing.
+        let to =
+            |triangle: &[DVec3; 3]| point.distance(triangle[0]).min(to_triangle(point, triangle));
+        let distances = triangles.iter().map(to);
         distances.fold(f64::INFINITY, f64::min) - f64::from(radius)
     }
 }
