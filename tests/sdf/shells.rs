@@ -28,7 +28,7 @@ fn soup(count: usize, dice: &mut Dice) -> Triangles {
             i if i % 5 == 4 => (ab, 0.5 * ab + 1e-3 * ac),
             _ => (ab, ac),
         };
-        [a, a + ab, a + ac].map(|corner| corner.as_vec3())
+        [a, a + ab, a + ac].map(DVec3::as_vec3)
     };
     (0..count).map(triangle).collect()
 }
@@ -50,7 +50,7 @@ fn hills(side: usize) -> Triangles {
 }
 
 fn truth(triangles: &Triangles, radius: f32) -> impl Fn(DVec3) -> f64 {
-    let triangles: Vec<_> = triangles.iter().map(|t| t.map(|corner| corner.as_dvec3())).collect();
+    let triangles: Vec<_> = triangles.iter().map(|t| t.map(Vec3::as_dvec3)).collect();
     move |point| {
         // Of a triangle that is a point, `to_triangle` knows nothing.
         let to =

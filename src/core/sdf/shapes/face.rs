@@ -106,18 +106,18 @@ impl NearestFaces {
     pub fn take(&mut self, face: &Face, number: i32, points: &PointBlock) {
         let face = *face;
         let (mut squared, mut way) = ([0.0; LANES], PointBlock::default());
-        for lane in 0..LANES {
+        for (lane, squared) in squared.iter_mut().enumerate() {
             let (of_lane, [x, y, z]) = face.away([points.x[lane], points.y[lane], points.z[lane]]);
-            squared[lane] = of_lane;
+            *squared = of_lane;
             (way.x[lane], way.y[lane], way.z[lane]) = (x, y, z);
         }
-        for lane in 0..LANES {
+        for (lane, squared) in squared.into_iter().enumerate() {
             let (least, known) = (self.squared[lane], self.face[lane]);
-            let is_nearer = squared[lane] < least;
-            let ties = (squared[lane] == least) & (number < known);
+            let is_nearer = squared < least;
+            let ties = (squared == least) & (number < known);
             let takes = is_nearer | ties;
             let old = [self.away.x[lane], self.away.y[lane], self.away.z[lane]];
-            self.squared[lane] = if takes { squared[lane] } else { least };
+            self.squared[lane] = if takes { squared } else { least };
             self.face[lane] = if takes { number } else { known };
             self.away.x[lane] = if takes { way.x[lane] } else { old[0] };
             self.away.y[lane] = if takes { way.y[lane] } else { old[1] };

@@ -54,9 +54,9 @@ impl Bounds {
     #[inline(always)]
     fn is_near_any(&self, points: &PointBlock, limits: &[f32; LANES]) -> bool {
         let mut near = 0;
-        for lane in 0..LANES {
+        for (lane, limit) in limits.iter().enumerate() {
             let gap = self.squared_gap([points.x[lane], points.y[lane], points.z[lane]]);
-            near |= i32::from(gap <= limits[lane]);
+            near |= i32::from(gap <= *limit);
         }
         near != 0
     }

@@ -91,8 +91,17 @@ pub(in crate::solver) struct SelfContact {
 enum Finding {
     /// Of a sheet, by its patches.
     Patches(Box<InPatches>),
-    /// Of a mesh, by a grid; with rest positions by slot, and by place in the grid \[m\].
-    Grid { grid: Grid, rest_of: Soa, rest: Soa },
+    /// Of a mesh, by a grid.
+    Grid(Box<InGrid>),
+}
+
+/// The particles of a mesh, in a grid.
+#[derive(Clone, Debug)]
+struct InGrid {
+    grid: Grid,
+    /// Rest positions by slot, and by place in the grid \[m\].
+    rest_of: Soa,
+    rest: Soa,
 }
 
 /// A substep of a cloth, as its contact with itself takes it.
@@ -125,7 +134,10 @@ impl SelfContact {
                 let patches = Patches::new(lattice.layout);
                 Finding::Patches(Box::new(InPatches::new(patches, &rest_of, &balls.radius)))
             }
-            None => Finding::Grid { grid, rest_of, rest: Soa::zeros(room_for(count)) },
+            None => {
+                let rest = Soa::zeros(room_for(count));
+                Finding::Grid(Box::new(InGrid { grid, rest_of, rest }))
+            }
         };
         Self {
             settings,
@@ -272,7 +284,8 @@ impl SelfContact {
         pairs.clear();
         match finding {
             Finding::Patches(particles) => particles.find(isa, at, *margin, reach, pairs),
-            Finding::Grid { grid, rest_of, rest } => {
+            Finding::Grid(particles) => {
+                let InGrid { grid, rest_of, rest } = &mut **particles;
                 grid.begin(reach);
                 grid.take(at, self.layout.slots());
                 grid.sort(isa, at, &balls.radius);
