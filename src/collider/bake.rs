@@ -15,8 +15,8 @@ use crate::sdf::{BakeError, BakeSettings, DistanceField};
 /// Makes the entity an [`SdfCollider`] of its own mesh, or of another, by baking it to a
 /// [`DistanceField`] in a background task.
 ///
-/// The mesh must be closed, unless it is given a [`thickness`](Self::thickness). It may still be loading. Where the entity has an `SdfCollider` already,
-/// its shape alone is replaced. Changing the component bakes anew; the old field serves until then.
+/// The mesh must be closed, unless it is given a [`thickness`](Self::thickness). It may still be loading. Where the entity
+/// has an `SdfCollider` already, its shape alone is replaced. Changing the component bakes anew; the old field serves until then.
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Debug, Clone)]
 #[require(Transform)]
@@ -79,7 +79,7 @@ impl BakeSdf {
 #[derive(Component)]
 pub(crate) struct Baking(Task<Result<Solid, ClothErrorKind>>);
 
-/// What is made of a mesh.
+/// A solid made of a mesh.
 enum Solid {
     Field(DistanceField),
     Shell(Shell),

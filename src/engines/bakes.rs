@@ -26,7 +26,7 @@ pub(crate) trait Triangles: Send + Sync + 'static {
     fn buffers(&self) -> (Vec<Vec3>, Vec<u32>);
 }
 
-/// What is made of triangles.
+/// A solid to be made of triangles.
 #[derive(Clone, Copy)]
 pub(crate) enum Making {
     /// A field of what they enclose.
@@ -51,7 +51,7 @@ impl Bake {
     }
 }
 
-/// What is made, as bits.
+/// A [`Making`], as bits.
 type Kind = [u32; 3];
 /// Two hashes of a mesh, and how many numbers went into them.
 type Content = (u64, u64, usize);

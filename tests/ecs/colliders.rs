@@ -271,7 +271,6 @@ fn an_open_mesh_with_a_thickness_carries() {
     app.world_mut().entity_mut(solid).insert(BakeSdf::with_thickness(0.04));
     wait(&mut app, |app| app.world().get::<SdfCollider>(solid).is_some());
     assert_eq!(failure(&app, solid), None);
-    // Either side carries, and its border is held out of the cloth as any other.
     let cloth = above(&mut app, 0.1);
     updates(&mut app, 60);
     assert!((lowest(&app, cloth) - 0.025).abs() < 1e-3, "{}", lowest(&app, cloth));

@@ -1,6 +1,8 @@
 //! Every shape that Rapier's constructors make, against parry's own projections at random points.
 
-use crate::support::{app::*, checks::check_at_most, distances::largest_difference};
+use crate::support::{
+    app::*, checks::check_at_most, distances::largest_difference, sheets::ground_of_a_level,
+};
 use bevy::math::bounding::{Aabb3d, BoundingVolume};
 use bevy::prelude::*;
 use bevy_drape::{ClothCollider, SdfCollider};
@@ -150,28 +152,13 @@ fn a_round_shape_is_its_inner_one_swollen() {
     }
 }
 
-/// The ground of a level, as a mesh of 20,000 triangles that ends at its border.
-fn level() -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    const SIDE: usize = 100;
-    let vertex = |k: usize| {
-        let [x, z] = [k % (SIDE + 1), k / (SIDE + 1)].map(|i| 0.05 * i as f32);
-        Vec3::new(x, 0.2 * (2.0 * x).sin() * (3.0 * z).cos(), z)
-    };
-    let cell = |k: usize| {
-        let a = (k / SIDE * (SIDE + 1) + k % SIDE) as u32;
-        let c = a + SIDE as u32 + 1;
-        [[a, c, a + 1], [a + 1, c, c + 1]]
-    };
-    ((0..(SIDE + 1).pow(2)).map(vertex).collect(), (0..SIDE * SIDE).flat_map(cell).collect())
-}
-
 #[test]
 fn what_has_no_inside_has_a_thickness() {
     let mut app = physics_app();
     let [a, b, c] = [Vec3::new(0.5, 0.1, 0.0), Vec3::new(-0.4, 0.3, 0.2), Vec3::new(0.0, 0.0, 0.6)];
     let d = Vec3::new(0.1, 0.8, 0.3);
     let faces = vec![[0, 1, 2], [0, 1, 3], [1, 2, 3]];
-    let (hills, cells) = level();
+    let (hills, cells) = ground_of_a_level();
     for (name, collider) in [
         ("segment", Collider::segment(a, b)),
         ("triangle", Collider::triangle(a, b, c)),

@@ -52,7 +52,7 @@ fn hills(side: usize) -> Triangles {
 fn truth(triangles: &Triangles, radius: f32) -> impl Fn(DVec3) -> f64 {
     let triangles: Vec<_> = triangles.iter().map(|t| t.map(Vec3::as_dvec3)).collect();
     move |point| {
-        // Of a triangle that is a point, `to_triangle` knows nothing.
+        // `to_triangle` knows nothing of a triangle that is a point.
         let to =
             |triangle: &[DVec3; 3]| point.distance(triangle[0]).min(to_triangle(point, triangle));
         let distances = triangles.iter().map(to);
@@ -110,7 +110,7 @@ fn points_that_are_no_numbers_are_near_nothing() {
     assert_eq!(distances[2].to_bits(), solid.distance(Vec3::ZERO).to_bits());
 }
 
-/// What is no shell is told.
+/// Errors tell what is no shell.
 #[test]
 fn shells_are_checked() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];

@@ -64,6 +64,15 @@ pub fn jittered(
     (positions, triangles)
 }
 
+/// The ground of a level: hills of five by five metres that end at a border, in 20,000 triangles.
+pub fn ground_of_a_level() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut positions, triangles) = jittered(101, 101, 0.05, 0.3, 81);
+    for p in &mut positions {
+        p.y = 0.2 * (2.0 * p.x).sin() * (3.0 * p.z).cos();
+    }
+    (positions, triangles)
+}
+
 /// A graph of a [`jittered`] sheet, lumped.
 pub fn mesh(rows: usize, columns: usize, cell: f32, jitter: f32) -> Arc<Graph> {
     let (positions, triangles) = jittered(rows, columns, cell, jitter, 7);

@@ -91,7 +91,7 @@ fn squares(side: usize) -> Vec<u32> {
         .collect()
 }
 
-/// What a point of a row of 16 costs that begins near one of these places \[ns\].
+/// The cost of a point in a row of 16 that begins near one of these places \[ns\].
 fn block_cost(solid: &dyn SignedDistance, places: &[Vec3]) -> f64 {
     let mut dice = Dice(73);
     let blocks: Vec<_> = (0..POINTS / LANES)

@@ -151,7 +151,7 @@ fn limit_of(least: f32) -> f32 {
     least * least
 }
 
-/// What is known of a block of points.
+/// The nearest parts of a block of points, as far as they are known.
 struct Known {
     /// The part that is measured.
     index: u32,

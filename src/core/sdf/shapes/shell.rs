@@ -48,9 +48,9 @@ pub enum ShellError {
         "triangle {triangle} of a shell has vertex {index} of {vertices}: let its indices be below that"
     )]
     Index {
-        /// Which triangle, from zero.
+        /// Number of the triangle, from zero.
         triangle: usize,
-        /// Its index.
+        /// The index that it has.
         index: u32,
         /// How many vertices there are.
         vertices: usize,
@@ -58,7 +58,7 @@ pub enum ShellError {
     /// A corner is nowhere.
     #[error("vertex {vertex} of a shell is at {position}: give it finite numbers, within 1e7 m")]
     Position {
-        /// Which vertex, from zero.
+        /// Number of the vertex, from zero.
         vertex: u32,
         /// Where it was put \[m\].
         position: Vec3,
@@ -68,7 +68,7 @@ pub enum ShellError {
         "a shell's radius, half its thickness, is {radius}: give it a number above 0, up to 1e7 m"
     )]
     Radius {
-        /// What was given \[m\].
+        /// The radius that was given \[m\].
         radius: f32,
     },
 }
@@ -158,7 +158,7 @@ impl Shell {
         nearest
     }
 
-    /// Out of the shell, on the side where the point is. On a triangle both its sides are as near.
+    /// The direction out of the shell, on the side where the point is. On a triangle both its sides are as near.
     #[inline(always)]
     fn outward(&self, away: [f32; 3], found: usize) -> [f32; 3] {
         let across = self.faces[found].normal;

@@ -144,7 +144,7 @@ const DEEPEST: usize = 33;
 pub(super) struct Walk {
     waiting: [u32; DEEPEST],
     count: usize,
-    /// What is gone to first is what is nearest to this place.
+    /// The walk goes first to the nodes that are nearest to this place \[m\].
     towards: [f32; 3],
 }
 
@@ -172,7 +172,7 @@ impl Walk {
     #[inline(always)]
     pub fn next(&mut self, tree: &BoxTree, limit: f32) -> Option<Range<usize>> {
         while let Some(node) = self.pop() {
-            // Of a point that is no number, nothing is near.
+            // Nothing is near to a point that is no number.
             let is_near = tree.boxes[node].squared_gap(self.towards) <= limit;
             if is_near && let Some(leaf) = self.enter(tree, node) {
                 return Some(tree.leaf(leaf));

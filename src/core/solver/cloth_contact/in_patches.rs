@@ -90,7 +90,7 @@ struct Others {
 }
 
 impl Others {
-    /// Those that are nearer to a point than `factor` times the distance at which they touch, and something more: a bit each.
+    /// The particles that are nearer to a point than `factor` times the distance at which they touch, and something more: a bit each.
     #[inline(always)]
     fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
         let mut bits = [0_u32; LANES];

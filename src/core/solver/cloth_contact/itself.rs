@@ -89,9 +89,9 @@ pub(in crate::solver) struct SelfContact {
 /// How pairs of a cloth's own are found.
 #[derive(Clone, Debug)]
 enum Finding {
-    /// Of a sheet, by its patches.
+    /// A sheet's are found by its patches.
     Patches(Box<InPatches>),
-    /// Of a mesh, by a grid.
+    /// A mesh's are found in a grid.
     Grid(Box<InGrid>),
 }
 

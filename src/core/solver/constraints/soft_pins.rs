@@ -62,7 +62,7 @@ pub(crate) struct Spring {
     pub inverse_mass: f32,
     /// The particle's displacement when the pull that it does not follow was last noted \[m\].
     pub noted: Vec3,
-    /// What it pulls at, where that is a body which the cloth moves.
+    /// The body that it pulls at, where the cloth moves that.
     pub body: Option<PulledBody>,
 }
 
