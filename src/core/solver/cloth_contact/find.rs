@@ -53,7 +53,7 @@ pub(super) struct OneCloth<'a> {
 impl Company for OneCloth<'_> {
     #[inline(always)]
     fn among(&self, lanes: u32, at: usize, place: usize) -> u32 {
-        let at_rest = Group::load(self.rest, self.radius, at);
+        let at_rest = Group::<WIDE>::load(self.rest, self.radius, at);
         lanes & !at_rest.near(self.rest.get(place), self.radius[place], NEIGHBOURS, 0.0)
     }
 
@@ -92,41 +92,49 @@ impl<C: Company> Kernel for FindPairs<'_, C> {
 }
 
 /// A group of particles whose places follow each other.
-struct Group {
-    x: [[f32; WIDE]; 3],
-    radius: [f32; WIDE],
+pub(super) struct Group<const N: usize> {
+    x: [[f32; N]; 3],
+    radius: [f32; N],
 }
 
-impl Group {
+impl<const N: usize> Group<N> {
     #[inline(always)]
-    fn load(x: &Soa, radius: &[f32], at: usize) -> Self {
+    pub fn load(x: &Soa, radius: &[f32], at: usize) -> Self {
         Self { x: [take(&x.x, at), take(&x.y, at), take(&x.z, at)], radius: take(radius, at) }
     }
 
     /// The particles that are nearer to a point than `factor` times the distance at which they touch, and something more: a bit each.
     #[inline(always)]
-    fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
+    pub fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
         let [x, y, z] = &self.x;
-        let mut bits = [0_u32; WIDE];
-        for i in 0..WIDE {
+        let mut bits = [0_u32; N];
+        for i in 0..N {
             let apart = Vec3::new(x[i], y[i], z[i]) - point;
             let most = reach(self.radius[i], radius) * factor + more;
             bits[i] = if apart.dot(apart) < most * most { 1 << i } else { 0 };
         }
         bits.into_iter().fold(0, |all, bit| all | bit)
     }
+
+    /// The pair of one of the particles, in a lane, with one at a point.
+    #[inline(always)]
+    pub fn pair(&self, lane: usize, point: Vec3, radius: f32, slots: [u32; 2]) -> Pair {
+        let apart = Vec3::from(self.x.map(|along| along[lane])) - point;
+        let reach = reach(self.radius[lane], radius);
+        Pair { slots, reach, gap: apart.dot(apart).sqrt() - reach }
+    }
 }
 
 /// Distance at which two balls touch \[m\].
 #[inline(always)]
-pub(super) fn reach(a: f32, b: f32) -> f32 {
+fn reach(a: f32, b: f32) -> f32 {
     larger(a + b, UNEVEN * larger(a, b))
 }
 
 #[inline(always)]
-fn take(values: &[f32], at: usize) -> [f32; WIDE] {
-    let mut out = [0.0; WIDE];
-    out.copy_from_slice(&values[at..at + WIDE]);
+fn take<const N: usize>(values: &[f32], at: usize) -> [f32; N] {
+    let mut out = [0.0; N];
+    out.copy_from_slice(&values[at..at + N]);
     out
 }
 
@@ -136,7 +144,7 @@ impl<C: Company> FindPairs<'_, C> {
     fn look(&mut self, cell: [usize; 2], first: usize, end: usize, after: bool) {
         let grid = self.grid;
         for at in (first..end).step_by(WIDE) {
-            let others = Group::load(&grid.x, &grid.radius, at);
+            let others = Group::<WIDE>::load(&grid.x, &grid.radius, at);
             // Lanes before the end.
             let inside = if end - at < WIDE { (1 << (end - at)) - 1 } else { (1 << WIDE) - 1 };
             for place in cell[0]..cell[1] {
@@ -153,11 +161,8 @@ impl<C: Company> FindPairs<'_, C> {
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let apart = grid.x.get(at + lane) - p;
-                    let reach = reach(others.radius[lane], r);
-                    let gap = apart.dot(apart).sqrt() - reach;
                     let slots = [grid.slots[place], grid.slots[at + lane]];
-                    self.company.take([place, at + lane], Pair { slots, reach, gap });
+                    self.company.take([place, at + lane], others.pair(lane, p, r, slots));
                 }
             }
         }

@@ -2,12 +2,10 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::find::{NEIGHBOURS, Pair, reach};
+use crate::solver::cloth_contact::find::{Group, NEIGHBOURS, Pair};
 use crate::solver::cloth_contact::grid::NOWHERE;
 use crate::solver::cloth_contact::patches::{PARTICLES, Patches, SIDE};
-use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::{Isa, Kernel};
-use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::{Array, Soa};
 
 /// Places whose slots follow each other: a row of a patch.
@@ -83,26 +81,6 @@ struct Meet<'a> {
     pairs: &'a mut Vec<Pair>,
 }
 
-/// The particles of a patch.
-struct Others {
-    x: Block3,
-    radius: Block,
-}
-
-impl Others {
-    /// The particles that are nearer to a point than `factor` times the distance at which they touch, and something more: a bit each.
-    #[inline(always)]
-    fn near(&self, point: Vec3, radius: f32, factor: f32, more: f32) -> u32 {
-        let mut bits = [0_u32; LANES];
-        for (i, bit) in bits.iter_mut().enumerate() {
-            let apart = self.x.at(i) - point;
-            let most = reach(self.radius.0[i], radius) * factor + more;
-            *bit = if apart.dot(apart) < most * most { 1 << i } else { 0 };
-        }
-        bits.into_iter().fold(0, |all, bit| all | bit)
-    }
-}
-
 impl Kernel for Meet<'_> {
     type Output = ();
 
@@ -112,9 +90,8 @@ impl Kernel for Meet<'_> {
         let InPatches { patches, slots, rest, radius, x } = particles;
         for &[a, b] in patches.meetings() {
             let [first, other] = [a, b].map(|patch| patch as usize * PARTICLES);
-            let radii = Block::load(radius, other);
-            let now = Others { x: Block3::load(x, other), radius: radii };
-            let at_rest = Others { x: Block3::load(rest, other), radius: radii };
+            let now = Group::<PARTICLES>::load(x, radius, other);
+            let at_rest = Group::<PARTICLES>::load(rest, radius, other);
             for i in (0..PARTICLES).filter(|&i| slots[first + i] != NONE) {
                 let (p, r) = (x.get(first + i), radius[first + i]);
                 let mut lanes = now.near(p, r, 1.0, margin);
@@ -128,10 +105,8 @@ impl Kernel for Meet<'_> {
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    let apart = x.get(other + lane) - p;
-                    let reach = reach(radii.0[lane], r);
-                    let gap = apart.dot(apart).sqrt() - reach;
-                    pairs.push(Pair { slots: [slots[first + i], slots[other + lane]], reach, gap });
+                    let slots = [slots[first + i], slots[other + lane]];
+                    pairs.push(now.pair(lane, p, r, slots));
                 }
             }
         }

@@ -83,14 +83,9 @@ impl ClothSolver {
             let (alpha, beta) = spring.gains(w * state.response, h);
             let d = state.d.get(spring.slot);
             let away = target - state.x.get(spring.slot);
-            let pulled = d + away * alpha + moved * beta;
-            let pull = match spring.body {
-                None => pulled / (1.0 + alpha + beta) - d,
-                Some(body) => {
-                    // The body comes towards the particle as the particle does towards the body.
-                    (pulled - d * (1.0 + alpha + beta)) / (1.0 + alpha * (1.0 + body.yields) + beta)
-                }
-            };
+            // A body comes towards the particle as the particle does towards the body.
+            let closing = 1.0 + alpha * (1.0 + spring.yields()) + beta;
+            let pull = (away * alpha + moved * beta - d * (alpha + beta)) / closing;
             let most = spring.most_force * w * state.response;
             spring.slack = pull.dot(pull) > most * most;
             let pulled = shortened(d + shortened(pull, most), longest);
@@ -109,11 +104,8 @@ impl ClothSolver {
         for spring in &mut self.soft {
             let w = held.inverse_mass[spring.slot];
             let (alpha, beta) = spring.gains(w * self.state.response, h);
-            let heavier = match spring.yields() {
-                _ if spring.slack => w,
-                0.0 => w / (1.0 + alpha + beta),
-                yields => w / (1.0 + (alpha + beta) / (1.0 + alpha * yields)),
-            };
+            let borne = (alpha + beta) / (1.0 + alpha * spring.yields());
+            let heavier = if spring.slack { w } else { w / (1.0 + borne) };
             spring.inverse_mass = held.set_inverse_mass(&self.topology, spring.slot, heavier);
             spring.noted = self.state.d.get(spring.slot);
             if let Some(body) = &mut spring.body {
