@@ -1,7 +1,7 @@
 //! Fields are baked once a shape.
 
 use crate::falls::physics_app;
-use crate::support::{app::*, dice::Dice};
+use crate::support::{app::*, dice::Dice, sheets::ground_of_a_level};
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use bevy_drape::{AvianClothPlugin, ClothCollider, CustomSdf, SdfCells, SdfShape, prelude::*};
@@ -50,6 +50,24 @@ fn a_thousand_hulls_of_ten_shapes_are_ten_bakes() {
     let start = Instant::now();
     app.update();
     println!("a frame with 1000 hulls: {:?}", start.elapsed());
+}
+
+/// A level that is there twice is one shell; of another thickness it is another.
+#[test]
+fn a_surface_is_made_once_a_thickness() {
+    let mut app = physics_app();
+    let level = || {
+        let (vertices, triangles) = ground_of_a_level();
+        Collider::trimesh(vertices, triangles)
+    };
+    let shared = level();
+    let wish = |thickness| ClothCollider { thickness, ..default() };
+    let entities = [(shared.clone(), 0.04), (shared, 0.04), (level(), 0.04), (level(), 0.06)]
+        .map(|(collider, thickness)| spawn(&mut app, (collider, wish(thickness))));
+    wait(&mut app, |app| are_baked(app, &entities));
+    let [a, b, equal, thicker] = entities.map(|entity| field(&app, entity));
+    assert_eq!((a, a), (b, equal));
+    assert_ne!(a, thicker);
 }
 
 #[test]

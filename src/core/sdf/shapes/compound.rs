@@ -64,6 +64,7 @@ pub enum CompoundError {
 /// parts, a point looks at a few.
 #[derive(Clone, Debug)]
 pub struct Compound {
+    /// In the order of the tree's leaves.
     parts: Box<[Placed]>,
     tree: BoxTree,
     bounds: Option<Aabb3d>,
@@ -88,12 +89,13 @@ impl Compound {
         let boxes = parts.iter().map(|part| part.bounds).collect::<Option<Vec<_>>>();
         let solids = || parts.iter().map(|part| &part.solid);
         let roomy: Vec<Bounds> = parts.iter().map(Placed::roomy_bounds).collect();
+        let (tree, order) = BoxTree::new(&roomy, 1);
         Ok(Self {
-            tree: BoxTree::new(&roomy, 1),
+            tree,
             bounds: boxes.and_then(|boxes| boxes.into_iter().reduce(union)),
             least_radius: solids().map(|s| s.least_radius()).fold(f32::INFINITY, f32::min),
             overestimate: solids().map(|s| s.overestimate()).fold(0.0, f32::max),
-            parts,
+            parts: order.iter().map(|&part| parts[part as usize].clone()).collect(),
         })
     }
 
@@ -111,8 +113,7 @@ impl Compound {
         let (mut least, mut found, mut nearest) = (f32::INFINITY, T::default(), 0);
         let mut walk = Walk::to_point(point.to_array());
         while let Some(places) = walk.next(&self.tree, limit_of(least)) {
-            for &index in &self.tree.order()[places] {
-                let index = index as usize;
+            for index in places {
                 let part = &self.parts[index];
                 let (distance, other) = measure(part, part.local(point));
                 if distance < least || distance == least && index < nearest {
@@ -133,9 +134,9 @@ impl Compound {
         let mut walk = Walk::to_block(points);
         let mut limits = [f32::INFINITY; LANES];
         while let Some(places) = walk.next_of_block(&self.tree, points, &limits) {
-            for &index in &self.tree.order()[places] {
-                known.index = index;
-                let part = &self.parts[index as usize];
+            for index in places {
+                known.index = index as u32;
+                let part = &self.parts[index];
                 measure(part, &part.local_block(points), &mut known);
                 limits = known.least.map(limit_of);
             }

@@ -104,12 +104,12 @@ impl Shell {
             corners.push([corner(triangle, a)?, corner(triangle, b)?, corner(triangle, c)?]);
         }
         let boxes: Vec<Bounds> = corners.iter().map(bounds_of).collect();
-        let tree = BoxTree::new(&boxes, LEAF);
+        let (tree, order) = BoxTree::new(&boxes, LEAF);
         let face = |&number: &u32| Face::new(corners[number as usize].map(|at| at.to_array()));
         let whole = tree.bounds();
         let (low, high) = (Vec3::from(whole.low) - radius, Vec3::from(whole.high) + radius);
         Ok(Self {
-            faces: tree.order().iter().map(face).collect(),
+            faces: order.iter().map(face).collect(),
             tree,
             radius,
             bounds: Aabb3d { min: low.into(), max: high.into() },

@@ -69,29 +69,23 @@ impl Bounds {
 pub(super) struct BoxTree {
     boxes: Box<[Bounds]>,
     first_leaf: usize,
-    /// The parts' numbers, leaf by leaf.
-    parts: Box<[u32]>,
     /// Where the parts of each leaf begin, and where those of the last end.
     starts: Box<[u32]>,
 }
 
 impl BoxTree {
-    /// A tree of parts in these boxes, at most so many in a leaf.
-    pub fn new(bounds: &[Bounds], leaf: usize) -> Self {
+    /// A tree of parts in these boxes, at most so many in a leaf; and the parts' numbers, leaf by leaf: the order that the tree
+    /// takes them to be kept in.
+    pub fn new(bounds: &[Bounds], leaf: usize) -> (Self, Vec<u32>) {
         let leaves = bounds.len().div_ceil(leaf).next_power_of_two();
         let mut tree = Self {
             boxes: vec![Bounds::EMPTY; 2 * leaves - 1].into(),
             first_leaf: leaves - 1,
-            parts: (0..bounds.len() as u32).collect(),
             starts: vec![bounds.len() as u32; leaves + 1].into(),
         };
-        tree.build(bounds, 0, 0..bounds.len());
-        tree
-    }
-
-    /// The parts' numbers, leaf by leaf: in this order those that are near to each other in space are so in the list.
-    pub fn order(&self) -> &[u32] {
-        &self.parts
+        let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
+        tree.build(bounds, &mut order, 0, 0..bounds.len());
+        (tree, order)
     }
 
     /// A box around all parts.
@@ -101,14 +95,12 @@ impl BoxTree {
 
     /// Memory that the tree takes beside itself \[B\].
     pub fn memory_bytes(&self) -> usize {
-        let numbers = [&self.parts, &self.starts];
-        size_of_val::<[Bounds]>(&self.boxes)
-            + numbers.map(|it| size_of_val::<[u32]>(it)).iter().sum::<usize>()
+        size_of_val::<[Bounds]>(&self.boxes) + size_of_val::<[u32]>(&self.starts)
     }
 
     /// Encloses some of the parts, and halves them along the longest side of their box.
-    fn build(&mut self, bounds: &[Bounds], node: usize, range: Range<usize>) {
-        let parts = &mut self.parts[range.clone()];
+    fn build(&mut self, bounds: &[Bounds], order: &mut [u32], node: usize, range: Range<usize>) {
+        let parts = &mut order[range.clone()];
         let of = |part: &u32| bounds[*part as usize];
         let around = parts.iter().fold(Bounds::EMPTY, |sum, part| sum.union(&of(part)));
         self.boxes[node] = around;
@@ -123,11 +115,11 @@ impl BoxTree {
                 of(a).middle(axis).total_cmp(&of(b).middle(axis)).then(a.cmp(b))
             });
         }
-        self.build(bounds, 2 * node + 1, range.start..middle);
-        self.build(bounds, 2 * node + 2, middle..range.end);
+        self.build(bounds, order, 2 * node + 1, range.start..middle);
+        self.build(bounds, order, 2 * node + 2, middle..range.end);
     }
 
-    /// The places in [`order`](Self::order) of a leaf's parts.
+    /// The places of a leaf's parts.
     #[inline(always)]
     fn leaf(&self, leaf: usize) -> Range<usize> {
         self.starts[leaf] as usize..self.starts[leaf + 1] as usize
@@ -140,7 +132,7 @@ const DEEPEST: usize = 33;
 /// A way through a tree, which goes to what is near first.
 ///
 /// It comes to all parts whose boxes are no further than a limit, and to others as well. In which order is not
-/// said: of parts that tie, take the one of the least number.
+/// said: of parts that tie, take the one of the first place.
 pub(super) struct Walk {
     waiting: [u32; DEEPEST],
     count: usize,
