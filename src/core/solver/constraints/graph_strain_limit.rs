@@ -1,7 +1,7 @@
 //! Springs of a triangle mesh, corrected batch by batch: shear, and Provot's limit of strain.
 
 use crate::solver::constraints::strain_limit::{
-    LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
+    CLOSE, LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
 };
 use crate::solver::contact::divide;
 use crate::solver::simd::block::{Block, Block3, larger};
@@ -14,7 +14,7 @@ use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::coloring::Pairs;
 use crate::solver::topology::graph::domains::{Domain, DomainBand, cut_between_domains};
 
-/// Moves the ends of springs towards their target lengths.
+/// Moves the ends of springs towards their target lengths. Tells whether any was more than [`CLOSE`] away.
 pub(crate) struct CorrectPairs<'a> {
     pub band: DomainBand,
     pub domains: &'a [Domain<Pairs>],
@@ -27,26 +27,32 @@ pub(crate) struct CorrectPairs<'a> {
 cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; places);
 
 impl TransposingKernel for CorrectPairs<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run(mut self, t: impl Transpose) {
+    fn run(mut self, t: impl Transpose) -> bool {
+        let mut is_beyond = false;
         for Domain { slots, work: pairs } in self.domains {
             let (touches, places) = (self.touches, self.places.within(slots));
             match self.rule {
-                Rule::Shear { compliance, limit } => correct(t, pairs, touches, places, |spring| {
-                    let elastic = (spring.length - spring.rest)
-                        / (spring.inverse_masses + spring.factor * compliance);
-                    larger(elastic, spring.pull_to(limit))
-                }),
+                Rule::Shear { compliance, limit } => {
+                    correct(t, pairs, touches, places, |spring| {
+                        let elastic = (spring.length - spring.rest)
+                            / (spring.inverse_masses + spring.factor * compliance);
+                        larger(elastic, spring.pull_to(limit))
+                    });
+                }
                 Rule::Limit { limit, .. } => {
-                    correct(t, pairs, touches, places, |spring| larger(spring.pull_to(limit), 0.0));
+                    let law = |spring: Spring| larger(spring.pull_to(limit), 0.0);
+                    is_beyond |= correct(t, pairs, touches, places, law);
                 }
             }
         }
+        is_beyond
     }
 }
 
+/// Corrects springs by a law. Tells whether any is moved by more than [`CLOSE`] of its rest length.
 #[inline(always)]
 fn correct(
     t: impl Transpose,
@@ -54,7 +60,8 @@ fn correct(
     touches: bool,
     mut places: PlacesMut<'_>,
     law: impl Fn(Spring) -> f32 + Copy,
-) {
+) -> bool {
+    let mut farthest = Block::ZERO;
     for at in (0..pairs.first.len()).step_by(LANES) {
         let (first, second) = (&pairs.first, &pairs.second);
         let rest = Block::load(&pairs.rest, at);
@@ -85,6 +92,8 @@ fn correct(
             let spring = Spring { length, rest: rest.0[i], factor: factor.0[i], inverse_masses };
             let strength = law(spring);
             strongest.0[i] = strength.abs();
+            // What is held at both ends does not move.
+            farthest.0[i] = larger(farthest.0[i], strength * both - CLOSE * rest.0[i]);
             pulls.set(i, way * (strength / length));
         }
         // Few springs are beyond their limit, and to put back what has not moved is dear.
@@ -106,6 +115,7 @@ fn correct(
         places.scatter(t, first, at, dp);
         places.scatter(t, second, at, dq);
     }
+    farthest.largest() > 0.0
 }
 
 /// The largest strain of springs.

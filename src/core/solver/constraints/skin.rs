@@ -87,21 +87,36 @@ impl Skin {
 
     /// Begins a tick, with motions that have been checked, relative to an origin.
     pub fn begin_tick(&mut self, topology: &Topology, motions: &[SkinMotion], origin: Vec3) {
-        for (particle, motion) in motions.iter().enumerate() {
-            let slot = topology.slot(particle);
-            let [start, end] = motion.place.map(|place| place - origin);
-            self.place.set(slot, start);
-            self.way.set(slot, end - start);
-            if self.has_backstops {
-                let [start, end] = motion.normal.map(about_unit);
-                self.normal.set(slot, start);
-                self.turn.set(slot, end - start);
+        match topology {
+            Topology::Lattice(lattice) => {
+                let slots = lattice.layout.slots();
+                motions.iter().zip(slots).for_each(|it| self.take(it, origin));
             }
+            Topology::Graph(graph) => {
+                let slots = graph.slot_of.iter().map(|slot| *slot as usize);
+                motions.iter().zip(slots).for_each(|it| self.take(it, origin));
+            }
+        }
+    }
+
+    /// Takes the motion of the particle of a slot.
+    #[inline(always)]
+    fn take(&mut self, (motion, slot): (&SkinMotion, usize), origin: Vec3) {
+        let [start, end] = motion.place.map(|place| place - origin);
+        self.place.set(slot, start);
+        self.way.set(slot, end - start);
+        if self.has_backstops {
+            let [start, end] = motion.normal.map(about_unit);
+            self.normal.set(slot, start);
+            self.turn.set(slot, end - start);
         }
     }
 
     /// The first particle that has a backstop and whose skin has no normal.
     pub fn without_normal(&self, motions: &[SkinMotion]) -> Option<usize> {
+        if !self.has_backstops {
+            return None;
+        }
         let lacks = |motion: &SkinMotion| {
             motion.normal.iter().any(|n| !is_about_unit(*n) && n.try_normalize().is_none())
         };

@@ -108,8 +108,8 @@ pub(crate) trait Stages {
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
     /// Whether any spring may be beyond the limit.
     fn exceeds_limit(&self, on: Particles<'_>, limit: f32, shear: bool) -> bool;
-    /// Third stage: one pass over the springs.
-    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule);
+    /// Third stage: one pass over the springs. Tells whether any may have come beyond its limit.
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool;
     /// Ends the third stage's part that differs.
     fn end_corrections(&mut self, on: Particles<'_>);
 

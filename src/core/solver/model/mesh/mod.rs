@@ -183,7 +183,7 @@ impl Stages for Mesh {
     }
 
     /// One batch of springs after the other.
-    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) {
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool {
         let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
         let (structural, shear) = match rule {
             Rule::Shear { .. } => (false, true),
@@ -192,11 +192,14 @@ impl Stages for Mesh {
         let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
         let families = [(structural, structural_pairs), (shear, shear_pairs)];
         let wanted = families.into_iter().filter(|&(wanted, _)| wanted);
+        let mut is_beyond = false;
         for domains in wanted.flat_map(|(_, pairs)| &pairs.0) {
             let band = DomainBand::all(domains, shared);
             let places = self.workspace.places.part_mut();
-            parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places });
+            is_beyond |=
+                parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places });
         }
+        is_beyond
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {

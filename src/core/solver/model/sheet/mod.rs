@@ -142,7 +142,8 @@ impl Stages for Sheet {
         parallel::run(on.isa, ExceedsLimit { band, lattice, limit, shear, x, d })
     }
 
-    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) {
+    /// A look before the pass is cheaper than one in it, and tells.
+    fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool {
         let State { x, d, contacts, .. } = on.state;
         let springs = CorrectSprings {
             band: on.bands.rows.clone(),
@@ -154,6 +155,7 @@ impl Stages for Sheet {
             contacts: contacts.contacts(),
         };
         springs.run(on.isa);
+        true
     }
 
     fn end_corrections(&mut self, _: Particles<'_>) {}
