@@ -5,8 +5,9 @@ use crate::solver::constraints::skin::HoldToSkin;
 use crate::solver::simd::parallel;
 use crate::solver::state::State;
 
-/// How often the skin holds in a tick. Bodies are much slower than threads, and what holds at the tick's end is within its bounds there.
-const TIMES: u32 = 10;
+/// How often the skin holds in a tick at most. Bodies are much slower than threads, and what holds at the tick's end is within its
+/// bounds there. Measured on a skirt that is dashed in 12 directions: at 10 and at 5 times single springs stay further beyond the strain limit.
+const TIMES: u32 = 7;
 
 impl ClothSolver {
     /// Draws particles to the skin and holds them to its bounds, where the cloth has one: in every substep of a few, and in the last.
