@@ -110,6 +110,8 @@ pub(crate) trait Stages {
     fn exceeds_limit(&self, on: Particles<'_>, limit: f32, shear: bool) -> bool;
     /// Third stage: one pass over the springs. Tells whether any may have come beyond its limit.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool;
+    /// Passes over the springs at a tick's end at most, for each one of a substep.
+    fn passes_at_end(&self) -> u32;
     /// Ends the third stage's part that differs.
     fn end_corrections(&mut self, on: Particles<'_>);
 

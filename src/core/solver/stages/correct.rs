@@ -10,10 +10,6 @@ use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
 use crate::solver::state::State;
 
-/// Passes of the strain limit at a tick's end at most, for each of a substep. Within a tick the next substep goes on where one ended;
-/// what is drawn is to be within the limit.
-const LAST: u32 = 10;
-
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers, then the skin.
     pub fn correct(&mut self) {
@@ -106,9 +102,8 @@ impl ClothSolver {
         let shear = self.plan.stretching == Stretching::ExplicitSprings
             && self.material.shear_stiffness > 0.0;
         let limit = self.limit();
-        let usual = self.settings.provot_passes;
-        let most = if self.goes_on() { LAST * usual } else { usual };
-        for _ in 0..most {
+        let more = if self.goes_on() { self.model.stages().passes_at_end() } else { 1 };
+        for _ in 0..more * self.settings.provot_passes {
             let (model, on) = self.model_and_particles();
             if !model.exceeds_limit(on, limit, shear) {
                 return;
@@ -127,16 +122,14 @@ impl ClothSolver {
         }
     }
 
-    /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a mesh of threads, as a
-    /// sheet's threads leave next to nothing to do.
+    /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a tick of threads. Within a
+    /// tick the next substep goes on where one ended; what is drawn is to be within the limit.
     ///
     /// Passes that cannot succeed would shake the cloth. So there are none where pins are further apart than the cloth between them
     /// reaches, nor for explicit springs, which are softer than asked for; nor on colliders, where a cloth would not come to rest,
     /// unless it is worn: a body that moves leaves it none.
     fn goes_on(&self) -> bool {
-        let is_mesh = self.topology.as_graph().is_some();
         self.done + 1 == self.plan.substeps
-            && is_mesh
             && self.plan.stretching == Stretching::ImplicitThreads
             && self.tether_ease == 1.0
             && (!self.state.contacts.now.any || self.skin.is_some())

@@ -202,6 +202,10 @@ impl Stages for Mesh {
         is_beyond
     }
 
+    fn passes_at_end(&self) -> u32 {
+        10
+    }
+
     fn end_corrections(&mut self, on: Particles<'_>) {
         self.workspace.empty(on);
     }

@@ -158,6 +158,11 @@ impl Stages for Sheet {
         true
     }
 
+    /// Its threads leave next to nothing to do.
+    fn passes_at_end(&self) -> u32 {
+        1
+    }
+
     fn end_corrections(&mut self, _: Particles<'_>) {}
 
     fn survey(&self, isa: Isa, bands: &Bands, state: &State) -> Survey {
