@@ -11,8 +11,9 @@ use crate::sdf::shapes::CapsuleBetween;
 const COVER: f32 = 6.0;
 /// Most points that a fit looks at: of more, every second, third...
 const MOST_POINTS: usize = 192;
-/// Steps to the least error at most.
+/// Steps to the least error at most, and how many of them are taken from each axis.
 const STEPS: usize = 12;
+const FIRST_STEPS: usize = 3;
 /// Part of the error that a step has to save to go on.
 const CONVERGED: f32 = 1e-3;
 
@@ -32,9 +33,11 @@ impl Fit {
         let points = thinned(points);
         let cloud = Cloud::of(&points)?;
         let points = Columns::new(&points);
-        let fits =
-            cloud.axes.iter().map(|axis| refined(guess(&points, cloud.mean, *axis), &points));
-        let (capsule, error) = fits.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let guesses = cloud.axes.iter().map(|axis| guess(&points, cloud.mean, *axis));
+        // A few steps tell which axis is best; it alone is worth the others.
+        let begun = guesses.map(|guess| Descent::new(guess, &points).after(FIRST_STEPS, &points));
+        let best = begun.min_by(|a, b| a.error.total_cmp(&b.error))?;
+        let Descent { capsule, error, .. } = best.after(STEPS - FIRST_STEPS, &points);
         Some(Self { capsule, error, area: points.area })
     }
 
@@ -79,26 +82,47 @@ fn trimmed(capsule: CapsuleBetween, points: &Columns) -> CapsuleBetween {
     CapsuleBetween { from: capsule.from + axis * from, to: capsule.from + axis * to, ..capsule }
 }
 
-/// The capsule of least error near another, and its error.
-fn refined(from: CapsuleBetween, points: &Columns) -> (CapsuleBetween, f32) {
-    let mut best = (from, points.error(&from, COVER));
-    let mut damping = 1e-2;
-    for _ in 0..STEPS {
-        let Some(next) = step(&best.0, points, damping) else { break };
-        let next = trimmed(next, points);
-        let found = points.error(&next, COVER);
-        if found < best.1 {
-            let is_near = found > (1.0 - CONVERGED) * best.1;
-            best = (next, found);
-            damping *= 0.2;
-            if is_near {
+/// On the way to the capsule of least error near another.
+struct Descent {
+    capsule: CapsuleBetween,
+    error: f32,
+    damping: f64,
+    /// No step saves enough to be worth another.
+    is_over: bool,
+}
+
+impl Descent {
+    fn new(from: CapsuleBetween, points: &Columns) -> Self {
+        let error = points.error(&from, COVER);
+        Self { capsule: from, error, damping: 1e-2, is_over: false }
+    }
+
+    /// So many steps further, unless it is over before.
+    fn after(mut self, steps: usize, points: &Columns) -> Self {
+        for _ in 0..steps {
+            if self.is_over {
                 break;
             }
+            self.step(points);
+        }
+        self
+    }
+
+    fn step(&mut self, points: &Columns) {
+        let Some(next) = step(&self.capsule, points, self.damping) else {
+            self.is_over = true;
+            return;
+        };
+        let next = trimmed(next, points);
+        let error = points.error(&next, COVER);
+        if error < self.error {
+            self.is_over = error > (1.0 - CONVERGED) * self.error;
+            (self.capsule, self.error) = (next, error);
+            self.damping *= 0.2;
         } else {
-            damping *= 8.0;
+            self.damping *= 8.0;
         }
     }
-    best
 }
 
 /// A damped step of Gauss and Newton towards less error.
