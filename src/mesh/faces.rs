@@ -1,7 +1,7 @@
 //! A rest shape as points, triangles and normals.
 
 use bevy::math::{UVec2, Vec3};
-use bevy_drape_core::surface::{GridNormals, NormalGroups};
+use bevy_drape_core::surface::{Binding, GridNormals, NormalGroups};
 
 use crate::error::problems::GridProblem;
 use crate::mesh::intake::{Connection, MeshShape};
@@ -60,6 +60,12 @@ impl Faces {
                 groups.write(points, &mut Vec::new(), normals);
             }
         }
+    }
+
+    /// Its points on the triangles of another.
+    pub fn onto(&self, carrier: &Self) -> Binding {
+        let Self { triangles, points, normals, .. } = carrier;
+        Binding::new(&self.points, &self.normals, triangles, points, normals)
     }
 
     /// The longest side \[m\].

@@ -22,6 +22,8 @@ pub(crate) struct Proxy {
     pub simulated: Arc<MeshShape>,
     /// The particles of `drawn` on the triangles of `simulated`.
     pub binding: Binding,
+    /// The particles of `simulated` on the triangles of `drawn`.
+    back: Binding,
 }
 
 /// How a coarse shape is made.
@@ -104,10 +106,7 @@ impl Proxy {
             }
         }
         let faces = Faces::of_mesh(&simulated);
-        let onto = |a: &Faces, b: &Faces| {
-            Binding::new(&a.points, &a.normals, &b.triangles, &b.points, &b.normals)
-        };
-        let binding = onto(&fine, &faces);
+        let binding = fine.onto(&faces);
         let (size, (particle, distance)) = (fine.size(), binding.furthest());
         if distance > FURTHEST * size {
             return Err(match simplified {
@@ -116,9 +115,21 @@ impl Proxy {
             });
         }
         let stand_ins: Vec<_> = binding.bonds().iter().map(strongest).collect();
-        let sources: Vec<_> = onto(&faces, &fine).bonds().iter().map(strongest).collect();
+        let back = faces.onto(&fine);
+        let sources: Vec<_> = back.bonds().iter().map(strongest).collect();
         let simulated = Arc::new(standing_for(simulated, &drawn, &stand_ins, &sources));
-        Ok(Self { drawn, simulated, binding })
+        Ok(Self { drawn, simulated, binding, back })
+    }
+
+    /// The particles of one of its two shapes on the triangles of the other.
+    pub fn between(&self, new: &RestShape, old: &RestShape) -> Option<&Binding> {
+        let is_simulated =
+            |it: &RestShape| matches!(it, RestShape::Mesh(it) if Arc::ptr_eq(it, &self.simulated));
+        if new.is(&self.drawn) && is_simulated(old) {
+            Some(&self.binding)
+        } else {
+            (is_simulated(new) && old.is(&self.drawn)).then_some(&self.back)
+        }
     }
 }
 
@@ -242,4 +253,26 @@ fn used_only(points: &[Vec3], triangles: &[[u32; 3]]) -> RawMesh {
     };
     let triangles = triangles.iter().map(|it| it.map(&mut renumbered)).collect();
     RawMesh { positions, triangles, normals: None, colors: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::Vec2;
+
+    #[test]
+    fn both_ways_between_its_shapes_are_as_if_made_for_them() {
+        let sheet = |side| RestShape::Sheet { size: Vec2::ONE, particles: UVec2::splat(side) };
+        let coarse = || Coarse::Grid(UVec2::splat(5));
+        let drawn = sheet(9);
+        let key = ProxyKey::new(&drawn, &coarse());
+        let proxy = Proxy::new(drawn.clone(), coarse(), key).unwrap();
+        let simulated = RestShape::Mesh(proxy.simulated.clone());
+        for (new, old) in [(&drawn, &simulated), (&simulated, &drawn)] {
+            let kept = proxy.between(new, old).unwrap().bonds();
+            assert_eq!(kept, Faces::of(new).onto(&Faces::of(old)).bonds());
+        }
+        assert!(proxy.between(&drawn, &drawn).is_none());
+        assert!(proxy.between(&simulated, &sheet(8)).is_none());
+    }
 }

@@ -1,9 +1,10 @@
 //! The data that a cloth or a collider reads of a mesh asset: the door, where they are checked.
 
-use std::hash::{DefaultHasher, Hasher};
+use std::hash::{BuildHasher, Hasher};
 
 use bevy::math::Vec3;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology, VertexAttributeValues};
+use bevy::platform::hash::FixedHasher;
 
 use crate::error::problems::MeshProblem;
 
@@ -54,7 +55,8 @@ impl RawMesh {
 
 /// A hash of all that [`RawMesh::read`] reads: meshes of the same hash make the same cloth.
 pub(crate) fn fingerprint(mesh: &Mesh) -> Result<u64, MeshProblem> {
-    let mut hasher = DefaultHasher::new();
+    // Fast on long data: a mesh is looked at in each tick until what is made of it is there.
+    let mut hasher = FixedHasher.build_hasher();
     for which in [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL, Mesh::ATTRIBUTE_COLOR] {
         if let Some(values) = mesh.try_attribute_option(which)? {
             hasher.write_u64(values.len() as u64);

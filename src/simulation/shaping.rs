@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bevy::math::Mat3;
 use bevy::prelude::*;
-use bevy_drape_core::surface::{Binding, Placing};
+use bevy_drape_core::surface::Placing;
 
 use crate::cloth::proxy::ClothProxy;
 use crate::cloth::{Cloth, ClothShape};
@@ -99,23 +99,31 @@ impl ClothSimulation {
     pub(crate) fn go_on_from(&mut self, before: &Self) -> Result<(), SolverError> {
         let scale = self.in_force.placed.scale;
         let (new, old) = (&self.in_force.rest_shape, &before.in_force.rest_shape);
-        let (new, mut old) = (Faces::of(new), Faces::of(old));
-        let binding =
-            Binding::new(&new.points, &new.normals, &old.triangles, &old.points, &old.normals);
+        let mut old_faces = Faces::of(old);
+        // Cloths of one proxy share it; from one proxy to another it is made.
+        let mut proxies = [&self.in_force.proxy, &before.in_force.proxy].into_iter().flatten();
+        let made;
+        let binding = match proxies.find_map(|proxy| proxy.between(new, old)) {
+            Some(shared) => shared,
+            None => {
+                made = Faces::of(new).onto(&old_faces);
+                &made
+            }
+        };
         // At the start of the last tick, from where it is drawn, and at its end.
         let mut at = |blend| {
             // Near the cloth's own origin: far from the world's, places are coarse.
             let from_origin = Placing { blend, turn: Mat3::IDENTITY, shift: Vec3::ZERO };
-            from_origin.write(&before.solver, &mut old.points);
-            old.points.iter_mut().for_each(|place| *place /= scale);
-            old.update_normals();
-            let mut places = vec![Vec3::ZERO; new.points.len()];
-            binding.write(&old.points, &old.normals, 1.0, &mut places);
+            from_origin.write(&before.solver, &mut old_faces.points);
+            old_faces.points.iter_mut().for_each(|place| *place /= scale);
+            old_faces.update_normals();
+            let mut places = vec![Vec3::ZERO; new.particle_count()];
+            binding.write(&old_faces.points, &old_faces.normals, 1.0, &mut places);
             let is_held = |particle: u32| before.pinned().binary_search(&particle).is_ok();
             for (particle, bond) in binding.bonds().iter().enumerate() {
                 let share = bond.held(is_held);
                 if share > 0.0 {
-                    let rigid = binding.rigid(particle, &old.points, 1.0);
+                    let rigid = binding.rigid(particle, &old_faces.points, 1.0);
                     places[particle] = places[particle].lerp(rigid, share);
                 }
             }
