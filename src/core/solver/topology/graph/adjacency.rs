@@ -3,6 +3,7 @@
 
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
+use crate::solver::topology::graph::buckets::Buckets;
 
 /// Entries by particle. The constants of the entries are kept apart, in arrays of the same order.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,21 +18,12 @@ pub(crate) struct Table {
 
 impl Table {
     /// Sorts entries `(slot, to, source)` by slot; they keep their order there.
-    pub fn new(
-        slots: usize,
-        mut entries: Vec<(u32, u32, u32)>,
-        empty: impl Fn(u32) -> u32,
-    ) -> Self {
-        entries.sort_by_key(|&(slot, ..)| slot);
+    pub fn new(slots: usize, entries: Vec<(u32, u32, u32)>, empty: impl Fn(u32) -> u32) -> Self {
+        let entries = Buckets::new(slots, entries, |&(slot, ..)| slot);
         let mut table = Self { first: vec![0], to: Vec::new(), source: Vec::new() };
-        let mut rest = &entries[..];
         for block in 0..slots / LANES {
-            let mut lanes: [&[(u32, u32, u32)]; LANES] = [&[]; LANES];
-            for (lane, own) in lanes.iter_mut().enumerate() {
-                let slot = (block * LANES + lane) as u32;
-                let count = rest.partition_point(|&(at, ..)| at == slot);
-                (*own, rest) = rest.split_at(count);
-            }
+            let lanes: [_; LANES] =
+                core::array::from_fn(|lane| entries.of((block * LANES + lane) as u32));
             let rows = lanes.iter().map(|own| own.len()).max().unwrap_or(0);
             for row in 0..rows {
                 for (lane, own) in lanes.iter().enumerate() {

@@ -12,6 +12,7 @@ use bevy_math::DVec3;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::Link;
+use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::graph::coloring::Palette;
 
 /// Springs of a chain at most: longer ones carry further, but leave lanes unused.
@@ -153,15 +154,15 @@ fn extend(path: &mut Chain, links: &[Link], partners: &[[u32; 2]], is_laid: &mut
 /// The spring that each goes on to at its first end, and at its second.
 fn pair(positions: &[DVec3], links: &[Link]) -> Vec<[u32; 2]> {
     // Springs by particle: which, and which of its ends.
-    let mut ends: Vec<(u32, u32, usize)> = links
+    let ends: Vec<(u32, u32, usize)> = links
         .iter()
         .enumerate()
         .flat_map(|(i, link)| [0, 1].map(|end| (link.ends[end], i as u32, end)))
         .collect();
-    ends.sort_unstable();
+    let ends = Buckets::new(positions.len(), ends, |&(slot, ..)| slot);
     let mut partners = vec![[NONE; 2]; links.len()];
     let mut turns = Vec::new();
-    for at_particle in ends.chunk_by(|a, b| a.0 == b.0) {
+    for at_particle in ends.each() {
         let away = |&(slot, link, end): &(u32, u32, usize)| {
             let other = links[link as usize].ends[1 - end];
             (positions[other as usize] - positions[slot as usize]).normalize_or_zero()

@@ -8,6 +8,7 @@
 
 use crate::solver::simd::soa::Array;
 use crate::solver::topology::graph::adjacency::Table;
+use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::graph::hinge::Hinge;
 
 /// No entry: a corner with itself, or without weight.
@@ -24,18 +25,22 @@ pub(crate) struct Couplings {
 impl Couplings {
     /// The couplings of the particles of `slots` slots.
     pub fn new(slots: usize, hinges: &[Hinge]) -> Self {
-        let mut pairs: Vec<(u32, u32)> = hinges.iter().flat_map(pairs).map(|(.., p)| p).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let entries = pairs.iter().zip(0..).map(|(&(slot, to), i)| (slot, to, i)).collect();
+        let near = hinges.iter().flat_map(pairs).map(|(.., pair)| pair).collect();
+        let near = Buckets::neighbours(slots, near);
+        let pairs =
+            near.each().zip(0..).flat_map(|(near, slot)| near.iter().map(move |&to| (slot, to)));
+        let entries = pairs.zip(0..).map(|((slot, to), i)| (slot, to, i)).collect();
         let table = Table::new(slots, entries, |slot| slot);
-        let mut place = vec![NONE; pairs.len()];
+        let mut place = vec![NONE; near.len()];
         for (entry, &pair) in table.source.iter().enumerate() {
             if let Some(place) = place.get_mut(pair as usize) {
                 *place = entry as u32;
             }
         }
-        let entry = |pair| pairs.binary_search(&pair).map_or(NONE, |at| place[at]);
+        let entry = |(slot, to): (u32, u32)| {
+            let at = near.of(slot).binary_search(&to);
+            at.map_or(NONE, |at| place[near.range(slot).start + at])
+        };
         let entries = hinges.iter().map(|hinge| {
             let mut entries = [[NONE; 4]; 4];
             for (a, b, pair) in self::pairs(hinge) {

@@ -2,6 +2,7 @@
 
 use bevy_math::{DVec3, Vec3};
 
+use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::graph::validate::area;
 
 /// Largest cosine of a corner that counts as a right angle: 6 degrees off.
@@ -59,8 +60,9 @@ impl Mesh<'_> {
                 sides.push(([a.min(b), a.max(b)], triangle as u32, opposite));
             }
         }
-        sides.sort_unstable();
-        sides.chunk_by(|a, b| a.0 == b.0).map(|beside| self.edge(beside)).collect()
+        let by_end = Buckets::new(self.positions.len(), sides, |side| side.0[0]).ascending();
+        let same = by_end.each().flat_map(|sides| sides.chunk_by(|a, b| a.0 == b.0));
+        same.map(|beside| self.edge(beside)).collect()
     }
 
     fn edge(&self, beside: &[([u32; 2], u32, u32)]) -> Edge {

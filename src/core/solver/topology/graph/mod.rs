@@ -9,6 +9,7 @@
 //! | `hinges`, `grid_hinges` | bending across edges, and along the threads of cells |
 //! | `couplings` | hinges that are flat at rest, particle by particle |
 //! | `wide_hinges` | hinges over several edges, for friction of bending |
+//! | `buckets` | items by slot |
 //! | `adjacency` | the springs and hinges that each particle gathers |
 //! | `chains` | lines of springs that are solved whole |
 //! | `coloring` | springs in batches that share no particle |
@@ -17,6 +18,7 @@
 //! `constraints::threads::chains`, its stages in `model::mesh`.
 
 pub(crate) mod adjacency;
+mod buckets;
 pub(crate) mod chains;
 pub(crate) mod coloring;
 pub(crate) mod couplings;

@@ -2,9 +2,15 @@
 //! is in the nearest cache (Cuthill and `McKee` 1969: breadth first, neighbours of few edges before
 //! those of many).
 
+use crate::solver::topology::graph::buckets::Buckets;
+
 /// The slot of each particle.
 pub(crate) fn slots_of(particles: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
-    let near = Neighbours::new(particles, triangles);
+    let pairs = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)])
+        .collect();
+    let near = Buckets::neighbours(particles, pairs);
     let mut by_degree: Vec<u32> = (0..particles as u32).collect();
     by_degree.sort_by_key(|&particle| near.of(particle).len());
     let mut slot_of = vec![u32::MAX; particles];
@@ -31,34 +37,4 @@ pub(crate) fn slots_of(particles: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
         }
     }
     slot_of
-}
-
-/// The neighbours of each particle, ascending.
-struct Neighbours {
-    first: Vec<u32>,
-    all: Vec<u32>,
-}
-
-impl Neighbours {
-    fn new(particles: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut pairs: Vec<(u32, u32)> = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)])
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut first = vec![0; particles + 1];
-        for &(from, _) in &pairs {
-            first[from as usize + 1] += 1;
-        }
-        for i in 0..particles {
-            first[i + 1] += first[i];
-        }
-        Self { first, all: pairs.into_iter().map(|(_, to)| to).collect() }
-    }
-
-    fn of(&self, particle: u32) -> &[u32] {
-        let particle = particle as usize;
-        &self.all[self.first[particle] as usize..self.first[particle + 1] as usize]
-    }
 }

@@ -7,6 +7,7 @@ use bevy_math::Vec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::solver::topology::graph::Graph;
+use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::wide_hinges::widths;
 
 /// Wide hinges, in the order in which they are braked: the widest last.
@@ -70,28 +71,22 @@ impl WideHinges {
 /// The particles that each shares a spring with, and where they are at rest.
 struct Neighbours {
     positions: Vec<Vec3>,
-    /// Neighbours of slot i: from `first[i]` to `first[i + 1]`.
-    first: Vec<usize>,
-    slots: Vec<u32>,
+    near: Buckets<u32>,
 }
 
 impl Neighbours {
     fn new(graph: &Graph) -> Self {
         let count = graph.particle_count();
         let links = || graph.structural.iter().chain(&graph.shear).map(|link| link.ends);
-        let mut both: Vec<[u32; 2]> = links().chain(links().map(|[a, b]| [b, a])).collect();
-        both.sort_unstable();
-        both.dedup();
-        let first = |slot| both.partition_point(|&[from, _]| (from as usize) < slot);
+        let both = links().flat_map(|[a, b]| [(a, b), (b, a)]).collect();
         Self {
             positions: (0..count).map(|slot| graph.rest(slot)).collect(),
-            first: (0..=count).map(first).collect(),
-            slots: both.iter().map(|&[_, to]| to).collect(),
+            near: Buckets::neighbours(count, both),
         }
     }
 
     fn of(&self, slot: u32) -> &[u32] {
-        &self.slots[self.first[slot as usize]..self.first[slot as usize + 1]]
+        self.near.of(slot)
     }
 
     fn at(&self, slot: u32) -> Vec3 {
