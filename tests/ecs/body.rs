@@ -11,8 +11,8 @@ use bevy::{
     prelude::*,
 };
 use bevy_drape::{
-    BodyCapsule, BodyProblem, ClothBody, ClothBodyFitted, ClothErrorKind, SdfShape, SkinProblem,
-    prelude::*,
+    BodyCapsule, BodyProblem, ClothBody, ClothBodyFitted, ClothErrorKind, ClothLayers, SdfShape,
+    SkinProblem, prelude::*,
 };
 use std::f32::consts::TAU;
 
@@ -174,6 +174,24 @@ fn a_body_has_the_capsules_that_its_skin_was_made_of_and_they_go_along() {
     assert_eq!(colliders(&mut app), []);
 }
 
+/// A foot that is too small for a capsule of its own goes to the joint above.
+#[test]
+fn small_joints_go_to_the_ones_above() {
+    let mut app = app();
+    let mut all = Vertices::default();
+    tube(BONES[0], 0, &mut all);
+    tube((Vec3::ZERO, Vec3::Z * 0.01, 0.004), 1, &mut all);
+    let joints = VertexAttributeValues::Uint16x4(all.joints);
+    let mesh = triangle_mesh(all.positions, all.indices)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, all.weights);
+    let of = leg(&mut app, mesh);
+    app.world_mut().entity_mut(of.root).insert(ClothBody::default());
+    app.update();
+    let found = capsules(&app, of.root);
+    assert!(!found.is_empty() && found.iter().all(|it| it.joint == of.joints[0]), "{found:?}");
+}
+
 #[test]
 fn a_game_drops_changes_and_adds_capsules() {
     let mut app = app();
@@ -195,15 +213,22 @@ fn a_game_drops_changes_and_adds_capsules() {
     let before = colliders(&mut app);
     body(&mut app, &|body, list| {
         body.friction = 0.1;
+        body.layers = ClothLayers(8);
         list[0].radius += 0.02;
         list.push(BodyCapsule { joint: of.joints[1], from: Vec3::ZERO, to: Vec3::Z, radius: 0.3 });
     });
     let after = colliders(&mut app);
     assert_eq!(after.len(), 2);
     assert!((after[0].2 - before[0].2 - 0.02).abs() < 1e-6);
-    let frictions =
-        |colliders: Query<&SdfCollider>| colliders.iter().map(|it| it.friction).collect::<Vec<_>>();
-    assert_eq!(app.world_mut().run_system_once(frictions).unwrap(), [0.1, 0.1]);
+    let told = |colliders: Query<&SdfCollider>| {
+        colliders.iter().map(|it| (it.friction, it.layers)).collect::<Vec<_>>()
+    };
+    let expected = [(0.1, ClothLayers(8)); 2];
+    assert_eq!(app.world_mut().run_system_once(told).unwrap(), expected);
+    // One that is not listed any more is gone.
+    body(&mut app, &|_, list| list.truncate(1));
+    assert_eq!(colliders(&mut app), [after[0]]);
+    body(&mut app, &|_, list| list.push(list[0]));
     // What cannot be used is told of, and the others stay.
     body(&mut app, &|_, list| list[0].radius = f32::NAN);
     assert!(matches!(problem(&app, of.root), Some(BodyProblem::Capsule { capsule: 0, .. })));

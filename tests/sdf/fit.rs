@@ -95,9 +95,20 @@ fn two_limbs_are_two_capsules_where_two_are_allowed() {
     for expected in [upper, lower] {
         assert!(found.iter().any(|it| is_near(*it, expected, 5e-3)), "{found:?}");
     }
+    assert_eq!(fit_capsules(&points, 1.0, 4).len(), 1, "near enough as it is");
     let [one] = fit_capsules(&points, 0.01, 1)[..] else { panic!("one was allowed") };
     let outside = points.iter().filter(|it| one.sample(it.point).distance > 0.016).count();
     assert!(outside as f32 <= 0.03 * points.len() as f32, "{outside} of {}", points.len());
+}
+
+/// What pokes out is seen, what is too wide is not: a flat limb's capsule is nearer to its width than to its thickness.
+#[test]
+fn a_flat_limb_is_covered() {
+    let round = surface(CapsuleBetween { from: Vec3::ZERO, to: Vec3::X * 0.5, radius: 0.1 }).0;
+    let flat = round.into_iter().map(|it| it * Vec3::new(1.0, 0.7, 1.0));
+    let [found] = fit_capsules(&evenly(flat.collect()), 0.02, 1)[..] else { panic!("one") };
+    // The mean of its half width and its half thickness is 0.085.
+    assert!(found.radius > 0.09 && found.radius < 0.1, "{found:?}");
 }
 
 #[test]
@@ -156,5 +167,43 @@ fn a_body_has_capsules_on_its_joints_in_their_frames() {
         };
         let outside = points.iter().filter(|point| distance(point) > 0.02 * size).count();
         assert!(outside as f32 <= 0.05 * points.len() as f32, "{outside} of {}", points.len());
+    }
+}
+
+/// Two limbs on one joint, and a thumb of two joints on the second of them, which is as small: at any size two capsules, both on the
+/// joint.
+#[test]
+fn what_is_small_goes_up_as_far_as_there_is_anything_large() {
+    for size in [0.01, 1.0, 100.0] {
+        let limb = |from: Vec3, to: Vec3, radius: f32| CapsuleBetween {
+            from: from * size,
+            to: to * size,
+            radius: radius * size,
+        };
+        let thumb = Vec3::new(0.5, 0.0, 0.0);
+        let limbs = [
+            (0, limb(Vec3::ZERO, Vec3::X * 0.5, 0.08)),
+            (0, limb(Vec3::Y * 0.9, Vec3::new(0.0, 0.9, 0.5), 0.05)),
+            (1, limb(thumb, thumb + Vec3::X * 0.01, 0.004)),
+            (2, limb(thumb, thumb + Vec3::X * 0.02, 0.004)),
+        ];
+        let (mut points, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        for (joint, limb) in limbs {
+            let (new, between) = surface(limb);
+            let first = points.len() as u32;
+            owners.extend(vec![joint; new.len()]);
+            points.extend(new);
+            triangles.extend(between.into_iter().map(|it| it.map(|vertex| vertex + first)));
+        }
+        let surface = BodySurface {
+            points: &points,
+            triangles: &triangles,
+            owners: &owners,
+            joints: &[0, 1, 2],
+            inverse_bindposes: &[Affine3A::IDENTITY; 3],
+        };
+        let found = fit_body(&[surface], &[None, Some(0), Some(1)]);
+        let joints: Vec<_> = found.iter().map(|it| it.joint).collect();
+        assert_eq!(joints, [0, 0], "{found:?}");
     }
 }

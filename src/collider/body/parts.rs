@@ -46,7 +46,6 @@ pub(crate) fn fit_bodies(
                 body.capsules = Some(capsules);
                 *parts =
                     BodyParts { colliders: core::mem::take(&mut parts.colliders), ..default() };
-                failures.clear(entity, Blame::Body);
                 commands.trigger(ClothBodyFitted { entity });
             }
             Ok(None) => {}
