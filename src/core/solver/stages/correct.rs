@@ -40,7 +40,8 @@ impl ClothSolver {
 
     /// Second part of the third stage: springs are held to their limit, then tethers pull.
     pub(crate) fn hold_threads(&mut self, exceeds: bool) {
-        if exceeds {
+        // Of threads that cross, the later ones may stretch the earlier.
+        if exceeds || self.passes() > self.settings.provot_passes {
             self.limit_strain();
         }
         self.end_corrections();
@@ -102,8 +103,7 @@ impl ClothSolver {
         let shear = self.plan.stretching == Stretching::ExplicitSprings
             && self.material.shear_stiffness > 0.0;
         let limit = self.limit();
-        let more = if self.goes_on() { self.model.stages().passes_at_end() } else { 1 };
-        for _ in 0..more * self.settings.provot_passes {
+        for _ in 0..self.passes() {
             let (model, on) = self.model_and_particles();
             if !model.exceeds_limit(on, limit, shear) {
                 return;
@@ -115,11 +115,21 @@ impl ClothSolver {
             let is_beyond = model.correct_springs(on, Rule::Limit { limit, shear });
             self.end_corrections();
             self.go_on_pulling();
+            // Balls, half-spaces and limits are convex: to hold to each in turn ends where all hold, if that is anywhere.
+            if self.goes_on() {
+                self.end_within_skin();
+            }
             self.begin_corrections();
             if !is_beyond {
                 return;
             }
         }
+    }
+
+    /// How many passes of the strain limit this substep makes at most.
+    fn passes(&self) -> u32 {
+        let more = if self.goes_on() { self.model.stages().passes_at_end() } else { 1 };
+        more * self.settings.provot_passes
     }
 
     /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a tick of threads. Within a

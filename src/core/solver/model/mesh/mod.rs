@@ -203,7 +203,7 @@ impl Stages for Mesh {
     }
 
     fn passes_at_end(&self) -> u32 {
-        10
+        20
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {
