@@ -101,7 +101,7 @@ fn two_limbs_are_two_capsules_where_two_are_allowed() {
     assert!(outside as f32 <= 0.03 * points.len() as f32, "{outside} of {}", points.len());
 }
 
-/// What pokes out is seen, what is too wide is not: a flat limb's capsule is nearer to its width than to its thickness.
+/// Skin that pokes out is seen, a capsule that is too wide is not: that of a flat limb is nearer to its width than to its thickness.
 #[test]
 fn a_flat_limb_is_covered() {
     let round = surface(CapsuleBetween { from: Vec3::ZERO, to: Vec3::X * 0.5, radius: 0.1 }).0;

@@ -5,6 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::layout::Layout;
 use crate::solver::topology::Topology;
+use crate::solver::topology::buckets::Buckets;
 
 /// The triangles of a mesh, or two for each cell of a lattice.
 pub(super) fn faces(topology: &Topology) -> Vec<[usize; 3]> {
@@ -32,9 +33,8 @@ pub(in crate::solver) struct FacesAt {
     grid: Option<Layout>,
     /// Corners of faces.
     faces: Vec<[u32; 3]>,
-    /// Faces at slot i are from `first[i]` to `first[i + 1]` of `at`.
-    first: Vec<u32>,
-    at: Vec<u32>,
+    /// The faces at each slot.
+    at: Buckets<u32>,
 }
 
 impl FacesAt {
@@ -44,30 +44,16 @@ impl FacesAt {
             .into_iter()
             .map(|corners| corners.map(|corner| topology.slot(corner) as u32))
             .collect();
-        let mut first = vec![0; slots + 1];
-        for &corner in faces.iter().flatten() {
-            first[corner as usize + 1] += 1;
-        }
-        for slot in 0..slots {
-            first[slot + 1] += first[slot];
-        }
-        let mut next = first.clone();
-        let mut at = vec![0; 3 * faces.len()];
-        for (face, corners) in faces.iter().enumerate() {
-            for &corner in corners {
-                let next = &mut next[corner as usize];
-                at[*next as usize] = face as u32;
-                *next += 1;
-            }
-        }
+        let corners = |(face, corners): (u32, &[u32; 3])| corners.map(|corner| (corner, face));
+        let at: Vec<_> = (0..).zip(&faces).flat_map(corners).collect();
+        let at = Buckets::new(slots, &at);
         let grid = topology.as_lattice().map(|lattice| lattice.layout);
-        Self { grid, faces, first, at }
+        Self { grid, faces, at }
     }
 
     /// The corners of the faces at a slot.
     pub fn of(&self, slot: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
-        let faces = self.first[slot] as usize..self.first[slot + 1] as usize;
-        self.at[faces].iter().map(|&face| self.faces[face as usize])
+        self.at.of(slot as u32).iter().map(|&face| self.faces[face as usize])
     }
 
     /// The normal of the surface at a slot, of length one; either of both. `at` says where particles are.

@@ -6,7 +6,7 @@ use crate::solver::simd::parallel;
 use crate::solver::state::State;
 
 /// How often the skin holds in a tick at most. Bodies are much slower than threads, and what holds at the tick's end is within its
-/// bounds there.
+/// bounds there. With seven, 4096 particles cost 8.7 to 11.5 % of a tick more (`costs skin`), with ten 10.5 to 12.4 %.
 const TIMES: u32 = 7;
 
 impl ClothSolver {

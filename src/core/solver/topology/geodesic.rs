@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use crate::solver::simd::layout::Layout;
 use crate::solver::topology::Topology;
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::lattice::Lattice;
 
 /// The springs that lead from each particle.
@@ -16,9 +17,8 @@ pub(crate) struct Ways<'a> {
 enum Springs<'a> {
     /// Told by the index.
     Lattice(&'a Lattice),
-    /// Springs of slot i are from `first[i]` to `first[i + 1]`: the other end, the rest length \[m\], and
-    /// whether it is a shear spring.
-    Graph { first: Vec<u32>, all: Vec<(u32, f32, bool)> },
+    /// By slot: the other end, the rest length \[m\], and whether it is a shear spring.
+    Graph(Buckets<(u32, f32, bool)>),
 }
 
 impl<'a> Ways<'a> {
@@ -28,23 +28,15 @@ impl<'a> Ways<'a> {
             Topology::Graph(graph) => {
                 let structural = graph.structural.iter().map(|link| (link, false));
                 let shear = graph.shear.iter().map(|link| (link, true));
-                let mut pairs: Vec<(u32, (u32, f32, bool))> = structural
+                let ways: Vec<(u32, (u32, f32, bool))> = structural
                     .chain(shear)
                     .flat_map(|(link, shear)| {
                         let [a, b] = link.ends;
                         [(a, (b, link.rest, shear)), (b, (a, link.rest, shear))]
                     })
                     .collect();
-                pairs.sort_by_key(|&(from, (to, ..))| (from, to));
-                let mut first = vec![0; graph.particle_count() + 1];
-                for &(from, _) in &pairs {
-                    first[from as usize + 1] += 1;
-                }
-                for slot in 0..graph.particle_count() {
-                    first[slot + 1] += first[slot];
-                }
-                let all = pairs.into_iter().map(|(_, way)| way).collect();
-                Springs::Graph { first, all }
+                let ways = Buckets::new(graph.particle_count(), &ways);
+                Springs::Graph(ways.sorted_by_key(|&(to, ..)| to))
             }
         };
         Self { layout: topology.layout(), springs }
@@ -55,9 +47,8 @@ impl<'a> Ways<'a> {
     pub fn visit(&self, slot: usize, shear: bool, mut visit: impl FnMut(usize, f32)) {
         match &self.springs {
             Springs::Lattice(lattice) => visit_lattice(lattice, slot, shear, visit),
-            Springs::Graph { first, all } => {
-                for &(to, rest, over_shear) in &all[first[slot] as usize..first[slot + 1] as usize]
-                {
+            Springs::Graph(ways) => {
+                for &(to, rest, over_shear) in ways.of(slot as u32) {
                     if shear || !over_shear {
                         visit(to as usize, rest);
                     }

@@ -1,5 +1,6 @@
 //! The topology of a cloth, which joins its particles: a lattice, or a graph.
 
+pub(crate) mod buckets;
 pub(crate) mod geodesic;
 pub(crate) mod graph;
 pub(crate) mod lattice;

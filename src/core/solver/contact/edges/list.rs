@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::solver::simd::lanes::LANES;
 use crate::solver::topology::Topology;
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::lattice::Lattice;
 
 /// Edges that go from each particle of a lattice: to the next column, and to three of the next row.
@@ -42,9 +43,8 @@ pub(super) struct Pairs {
     pub faces: Vec<[u32; 3]>,
     /// Faces whose first corner is in block i are from `first_face[i]` to `first_face[i + 1]`.
     pub first_face: Vec<u32>,
-    /// Edges that meet at slot i: from `first_at[i]` to `first_at[i + 1]` of `at`.
-    first_at: Vec<u32>,
-    at: Vec<u32>,
+    /// The edges that meet at each slot.
+    at: Buckets<u32>,
 }
 
 impl Edges {
@@ -103,8 +103,7 @@ impl Edges {
     pub fn visit_threads(&self, slot: usize, mut visit: impl FnMut(usize, f32)) {
         match &self.joined {
             Joined::Pairs(pairs) => {
-                let [from, to] = [slot, slot + 1].map(|slot| pairs.first_at[slot] as usize);
-                for &edge in &pairs.at[from..to] {
+                for &edge in pairs.at.of(slot as u32) {
                     let [a, b] = pairs.ends[edge as usize].map(|slot| slot as usize);
                     visit(if a == slot { b } else { a }, pairs.rest[edge as usize]);
                 }
@@ -141,13 +140,9 @@ impl Pairs {
         let (ends, rest): (Vec<_>, Vec<_>) = springs.into_iter().unzip();
         let before = |block| ends.partition_point(|&[a, _]| (a as usize) < block * LANES) as u32;
         let first = (0..=slots / LANES).map(before).collect();
-        let numbered = || ends.iter().zip(0_u32..);
-        let from = numbered().map(|(&[a, _], edge)| [a, edge]);
-        let mut met: Vec<_> = from.chain(numbered().map(|(&[_, b], edge)| [b, edge])).collect();
-        met.sort_unstable();
-        let before = |slot| met.partition_point(|&[at, _]| (at as usize) < slot) as u32;
-        let first_at = (0..=slots).map(before).collect();
-        let at = met.iter().map(|&[_, edge]| edge).collect();
+        let both = |(edge, ends): (u32, &[u32; 2])| ends.map(|slot| (slot, edge));
+        let at: Vec<_> = (0..).zip(&ends).flat_map(both).collect();
+        let at = Buckets::new(slots, &at);
         let mut faces: Vec<_> =
             triangles.iter().map(|corners| corners.map(|corner| slot(corner as usize))).collect();
         for corners in &mut faces {
@@ -156,6 +151,6 @@ impl Pairs {
         faces.sort_unstable();
         let before = |block| faces.partition_point(|&[a, ..]| (a as usize) < block * LANES) as u32;
         let first_face = (0..=slots / LANES).map(before).collect();
-        Self { ends, rest, first, faces, first_face, first_at, at }
+        Self { ends, rest, first, faces, first_face, at }
     }
 }

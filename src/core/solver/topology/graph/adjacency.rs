@@ -3,7 +3,7 @@
 
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
-use crate::solver::topology::graph::buckets::Buckets;
+use crate::solver::topology::buckets::Buckets;
 
 /// Entries by particle. The constants of the entries are kept apart, in arrays of the same order.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +17,9 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Sorts entries `(slot, to, source)` by slot; they keep their order there.
-    pub fn new(slots: usize, entries: Vec<(u32, u32, u32)>, empty: impl Fn(u32) -> u32) -> Self {
-        let entries = Buckets::new(slots, entries, |&(slot, ..)| slot);
+    /// Sorts entries `(slot, (to, source))` by slot; they keep their order there.
+    pub fn new(slots: usize, entries: &[(u32, (u32, u32))], empty: impl Fn(u32) -> u32) -> Self {
+        let entries = Buckets::new(slots, entries);
         let mut table = Self { first: vec![0], to: Vec::new(), source: Vec::new() };
         for block in 0..slots / LANES {
             let lanes: [_; LANES] =
@@ -28,7 +28,7 @@ impl Table {
             for row in 0..rows {
                 for (lane, own) in lanes.iter().enumerate() {
                     let (to, source) = match own.get(row) {
-                        Some(&(_, to, source)) => (to, source),
+                        Some(&entry) => entry,
                         None => (empty((block * LANES + lane) as u32), u32::MAX),
                     };
                     table.to.push(to);

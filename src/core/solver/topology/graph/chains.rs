@@ -11,8 +11,8 @@ use bevy_math::DVec3;
 
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Array;
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::graph::Link;
-use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::graph::coloring::Palette;
 
 /// Springs of a chain at most: longer ones carry further, but leave lanes unused.
@@ -154,18 +154,15 @@ fn extend(path: &mut Chain, links: &[Link], partners: &[[u32; 2]], is_laid: &mut
 /// The spring that each goes on to at its first end, and at its second.
 fn pair(positions: &[DVec3], links: &[Link]) -> Vec<[u32; 2]> {
     // Springs by particle: which, and which of its ends.
-    let ends: Vec<(u32, u32, usize)> = links
-        .iter()
-        .enumerate()
-        .flat_map(|(i, link)| [0, 1].map(|end| (link.ends[end], i as u32, end)))
-        .collect();
-    let ends = Buckets::new(positions.len(), ends, |&(slot, ..)| slot);
+    let both = |(i, link): (u32, &Link)| [0, 1].map(|end| (link.ends[end], (i, end)));
+    let ends: Vec<(u32, (u32, usize))> = (0..).zip(links).flat_map(both).collect();
+    let ends = Buckets::new(positions.len(), &ends);
     let mut partners = vec![[NONE; 2]; links.len()];
     let mut turns = Vec::new();
-    for at_particle in ends.each() {
-        let away = |&(slot, link, end): &(u32, u32, usize)| {
+    for (position, at_particle) in positions.iter().zip(ends.each()) {
+        let away = |&(link, end): &(u32, usize)| {
             let other = links[link as usize].ends[1 - end];
-            (positions[other as usize] - positions[slot as usize]).normalize_or_zero()
+            (positions[other as usize] - position).normalize_or_zero()
         };
         turns.clear();
         for (i, a) in at_particle.iter().enumerate() {
@@ -179,7 +176,7 @@ fn pair(positions: &[DVec3], links: &[Link]) -> Vec<[u32; 2]> {
         // Equals in the order of the springs.
         turns.sort_by(|a, b| b.0.total_cmp(&a.0));
         for &(_, i, j) in &turns {
-            let [(_, a, end_a), (_, b, end_b)] = [at_particle[i], at_particle[j]];
+            let [(a, end_a), (b, end_b)] = [at_particle[i], at_particle[j]];
             if partners[a as usize][end_a] == NONE && partners[b as usize][end_b] == NONE {
                 partners[a as usize][end_a] = b;
                 partners[b as usize][end_b] = a;

@@ -7,8 +7,8 @@
 //! one along the same line, to the bit: no momentum is made, nor any spin.
 
 use crate::solver::simd::soa::Array;
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::graph::adjacency::Table;
-use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::graph::hinge::Hinge;
 
 /// No entry: a corner with itself, or without weight.
@@ -25,12 +25,12 @@ pub(crate) struct Couplings {
 impl Couplings {
     /// The couplings of the particles of `slots` slots.
     pub fn new(slots: usize, hinges: &[Hinge]) -> Self {
-        let near = hinges.iter().flat_map(pairs).map(|(.., pair)| pair).collect();
-        let near = Buckets::neighbours(slots, near);
+        let near: Vec<_> = hinges.iter().flat_map(pairs).map(|(.., pair)| pair).collect();
+        let near = Buckets::neighbours(slots, &near);
         let pairs =
             near.each().zip(0..).flat_map(|(near, slot)| near.iter().map(move |&to| (slot, to)));
-        let entries = pairs.zip(0..).map(|((slot, to), i)| (slot, to, i)).collect();
-        let table = Table::new(slots, entries, |slot| slot);
+        let entries: Vec<_> = pairs.zip(0..).map(|((slot, to), i)| (slot, (to, i))).collect();
+        let table = Table::new(slots, &entries, |slot| slot);
         let mut place = vec![NONE; near.len()];
         for (entry, &pair) in table.source.iter().enumerate() {
             if let Some(place) = place.get_mut(pair as usize) {

@@ -2,11 +2,14 @@
 
 use bevy_math::{DVec3, Vec3};
 
-use crate::solver::topology::graph::buckets::Buckets;
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::graph::validate::area;
 
 /// Largest cosine of a corner that counts as a right angle: 6 degrees off.
 const RIGHT: f64 = 0.1;
+
+/// A triangle beside an edge: the edge's higher end, the triangle, and its corner opposite of the edge.
+type Side = (u32, u32, u32);
 
 /// A triangle mesh by slots.
 pub(crate) struct Mesh<'a> {
@@ -54,19 +57,23 @@ impl Mesh<'_> {
 
     /// All edges, in the order of their ends.
     pub fn edges(&self) -> Vec<Edge> {
-        let mut sides: Vec<([u32; 2], u32, u32)> = Vec::with_capacity(3 * self.triangles.len());
+        // By the lower end.
+        let mut sides: Vec<(u32, Side)> = Vec::with_capacity(3 * self.triangles.len());
         for (triangle, &[a, b, c]) in self.triangles.iter().enumerate() {
             for (a, b, opposite) in [(a, b, c), (b, c, a), (c, a, b)] {
-                sides.push(([a.min(b), a.max(b)], triangle as u32, opposite));
+                sides.push((a.min(b), (a.max(b), triangle as u32, opposite)));
             }
         }
-        let by_end = Buckets::new(self.positions.len(), sides, |side| side.0[0]).ascending();
-        let same = by_end.each().flat_map(|sides| sides.chunk_by(|a, b| a.0 == b.0));
-        same.map(|beside| self.edge(beside)).collect()
+        let sides = Buckets::new(self.positions.len(), &sides).sorted_by_key(|side| *side);
+        let of_edges = (0..).zip(sides.each()).flat_map(|(low, sides)| {
+            sides.chunk_by(|a, b| a.0 == b.0).map(move |beside| (low, beside))
+        });
+        of_edges.map(|(low, beside)| self.edge(low, beside)).collect()
     }
 
-    fn edge(&self, beside: &[([u32; 2], u32, u32)]) -> Edge {
-        let (ends, triangle, opposite) = beside[0];
+    fn edge(&self, low: u32, beside: &[Side]) -> Edge {
+        let (high, triangle, opposite) = beside[0];
+        let ends = [low, high];
         let (_, other_triangle, other) = *beside.get(1).unwrap_or(&beside[0]);
         let mut edge = Edge {
             ends,

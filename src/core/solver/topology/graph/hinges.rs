@@ -116,10 +116,10 @@ impl Curved {
                 if hinge.weights[corner] == 0.0 {
                     continue;
                 }
-                entries.push((slot, i as u32, (4 * i + corner) as u32));
+                entries.push((slot, (i as u32, (4 * i + corner) as u32)));
             }
         }
-        let table = Table::new(slots, entries, |_| 0);
+        let table = Table::new(slots, &entries, |_| 0);
         let mut own_weight = table.room();
         table.fill(&mut own_weight, |source| all[source / 4].weights[source % 4]);
         Self {

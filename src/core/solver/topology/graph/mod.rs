@@ -9,7 +9,6 @@
 //! | `hinges`, `grid_hinges` | bending across edges, and along the threads of cells |
 //! | `couplings` | hinges that are flat at rest, particle by particle |
 //! | `wide_hinges` | hinges over several edges, for friction of bending |
-//! | `buckets` | items by slot |
 //! | `adjacency` | the springs and hinges that each particle gathers |
 //! | `chains` | lines of springs that are solved whole |
 //! | `coloring` | springs in batches that share no particle |
@@ -18,7 +17,6 @@
 //! `constraints::threads::chains`, its stages in `model::mesh`.
 
 pub(crate) mod adjacency;
-mod buckets;
 pub(crate) mod chains;
 pub(crate) mod coloring;
 pub(crate) mod couplings;
@@ -260,9 +258,7 @@ impl Graph {
 }
 
 fn springs_table<'a>(particles: usize, links: impl Iterator<Item = &'a Link>) -> Table {
-    let entries = links
-        .enumerate()
-        .flat_map(|(i, &Link { ends: [a, b], .. })| [(a, b, i as u32), (b, a, i as u32)])
-        .collect();
-    Table::new(Layout::paged(particles).len(), entries, |slot| slot)
+    let both = |(i, &Link { ends: [a, b], .. }): (u32, &Link)| [(a, (b, i)), (b, (a, i))];
+    let entries: Vec<_> = (0..).zip(links).flat_map(both).collect();
+    Table::new(Layout::paged(particles).len(), &entries, |slot| slot)
 }

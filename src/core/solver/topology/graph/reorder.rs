@@ -2,15 +2,13 @@
 //! is in the nearest cache (Cuthill and `McKee` 1969: breadth first, neighbours of few edges before
 //! those of many).
 
-use crate::solver::topology::graph::buckets::Buckets;
+use crate::solver::topology::buckets::Buckets;
 
 /// The slot of each particle.
 pub(crate) fn slots_of(particles: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
-    let pairs = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)])
-        .collect();
-    let near = Buckets::neighbours(particles, pairs);
+    let both = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+    let pairs: Vec<_> = triangles.iter().flat_map(both).collect();
+    let near = Buckets::neighbours(particles, &pairs);
     let mut by_degree: Vec<u32> = (0..particles as u32).collect();
     by_degree.sort_by_key(|&particle| near.of(particle).len());
     let mut slot_of = vec![u32::MAX; particles];

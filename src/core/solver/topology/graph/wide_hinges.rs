@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use bevy_math::Vec3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::solver::topology::buckets::Buckets;
 use crate::solver::topology::graph::Graph;
-use crate::solver::topology::graph::buckets::Buckets;
 use crate::solver::topology::wide_hinges::widths;
 
 /// Wide hinges, in the order in which they are braked: the widest last.
@@ -77,11 +77,11 @@ struct Neighbours {
 impl Neighbours {
     fn new(graph: &Graph) -> Self {
         let count = graph.particle_count();
-        let links = || graph.structural.iter().chain(&graph.shear).map(|link| link.ends);
-        let both = links().flat_map(|[a, b]| [(a, b), (b, a)]).collect();
+        let links = graph.structural.iter().chain(&graph.shear).map(|link| link.ends);
+        let both: Vec<_> = links.flat_map(|[a, b]| [(a, b), (b, a)]).collect();
         Self {
             positions: (0..count).map(|slot| graph.rest(slot)).collect(),
-            near: Buckets::neighbours(count, both),
+            near: Buckets::neighbours(count, &both),
         }
     }
 
