@@ -17,8 +17,8 @@ const CLOSE: f32 = 1e-4;
 /// settled, before the sprint.
 const ROUND: f32 = 6.5;
 const DASH: f32 = 1.0;
-/// Where it dashes to: 30 degrees off, as what is met head on by one capsule alone is the easy case.
-const TOWARDS: Vec3 = Vec3::new(0.866, 0.0, -0.5);
+/// Where it dashes to: 30 degrees off its way, as what is met head on by one capsule alone is the easy case.
+const TOWARDS: Vec3 = Vec3::new(-0.5, 0.0, 0.866);
 const SETTLED: f32 = 2.5;
 const SPRINT: f32 = 4.0;
 
@@ -188,9 +188,9 @@ fn walk_sprint_and_dash() {
     assert!(worst.ticks > 1900 && worst.away > 0.2, "{worst:?}");
     assert!(worst.off < 1e-5, "{worst:?}");
     assert!(worst.beyond < CLOSE && worst.behind < CLOSE && worst.inside < CLOSE, "{worst:?}");
-    // After a dash, where cloth is crumpled below the waistband, single springs are above the limit at the end of single ticks: by up to
-    // 0.7 % in 12 directions. The skinned pose has no strain there.
-    assert!(worst.settled < 0.01, "{worst:?}");
+    // Passes of the limit end where none moves a spring by more than a two-thousandth: 0.03 % in 12 directions. The skinned pose has no
+    // strain there.
+    assert!(worst.settled < 5e-4, "{worst:?}");
 }
 
 #[test]

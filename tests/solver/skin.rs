@@ -129,6 +129,127 @@ fn colliders_do_not_push_it_out_of_its_bounds() {
     check_at_most("beyond", led(&mut solver, 60, &[Collider::new(&ball, at)]), CLOSE);
 }
 
+/// Radius of the balls that press into a cloth \[m\].
+const BALL: f32 = 0.12;
+
+/// The largest that were seen at the end of a tick.
+#[derive(Debug, Default)]
+struct Pressed {
+    beyond: f64,
+    strain: f64,
+    inside: f64,
+    touching: u32,
+}
+
+/// Bounds and a body that go different ways: for some ticks, two balls rise into a mesh that is held around its border, and sway. All of it
+/// dashes by the end of the first half second, if asked.
+fn pressed(ticks: usize, dashes: bool) -> Pressed {
+    let n = 24;
+    let topology = irregular(n);
+    let material = Material { max_strain: 0.05, ..usual() };
+    let mut solver = at_rest(&topology, Vec3::ZERO, material, Settings::default());
+    let rest = topology.rest_positions().to_vec();
+    let limit = |k: usize| {
+        let is_border = [k / n, k % n].into_iter().any(|i| i == 0 || i + 1 == n);
+        let max_distance = if is_border { 0.02 } else { 0.4 };
+        SkinLimit { max_distance, ..SkinLimit::default() }
+    };
+    solver.set_skin(Some(&(0..n * n).map(limit).collect::<Vec<_>>())).unwrap();
+    let ball = Sphere::new(BALL);
+    let low = rest.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let dash = |tick: usize| {
+        let part = ((tick as f32 * TICK - 0.5) / 0.1).clamp(0.0, 1.0);
+        if dashes { Vec3::new(3.0, 1.0, 4.0) * part } else { Vec3::ZERO }
+    };
+    let centre = |tick: usize, side: f32| {
+        let time = tick as f32 * TICK;
+        let rise = (time / 0.5).min(1.0) * 0.12;
+        let sway = 0.1 * (8.0 * time).sin();
+        let off = Vec3::new(0.5 + 0.125 * side + sway, rise - 0.13, 0.5 + sway * side);
+        low + dash(tick) + off
+    };
+    let mut worst = Pressed::default();
+    for tick in 0..ticks {
+        let poses = [-1.0, 1.0].map(|side| {
+            [tick, tick + 1].map(|tick| Pose { translation: centre(tick, side), ..Pose::IDENTITY })
+        });
+        let place = |p: Vec3| [tick, tick + 1].map(|tick| p + dash(tick));
+        let motion = |&p: &Vec3| SkinMotion { place: place(p), ..SkinMotion::default() };
+        let skin: Vec<_> = rest.iter().map(motion).collect();
+        let colliders = poses.map(|[from, to]| Collider::new(&ball, from).moving_to(to));
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            skin: &skin,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
+        let report = solver.tick(&input).unwrap();
+        worst.beyond = worst.beyond.max(violation(&solver, &skin));
+        worst.strain = worst.strain.max(report.max_strain.into());
+        for [_, ball] in poses {
+            let depths = (0..n * n).map(|k| BALL - solver.position(k).distance(ball.translation));
+            worst.inside = depths.map(f64::from).fold(worst.inside, f64::max);
+        }
+        worst.touching = worst.touching.max(report.contact_count);
+    }
+    worst
+}
+
+/// Contact stretches it by 14 % where nothing follows.
+#[test]
+fn what_a_body_stretches_ends_within_its_limit() {
+    let worst = pressed(240, false);
+    println!("{worst:?}");
+    check_at_most("beyond", worst.beyond, CLOSE);
+    check_at_most("in a ball", worst.inside, CLOSE);
+    // Passes end where none moves a spring by more than a two-thousandth.
+    check_at_most("strain", worst.strain, 0.05 + 1e-3);
+    assert!(worst.strain > 0.045 && worst.touching > 10, "{worst:?}");
+}
+
+/// The limit would pull it into the balls by 7 mm.
+#[test]
+fn what_the_limit_pulls_ends_outside_of_the_body() {
+    let worst = pressed(60, true);
+    println!("{worst:?}");
+    check_at_most("beyond", worst.beyond, CLOSE);
+    check_at_most("in a ball", worst.inside, CLOSE);
+    assert!(worst.strain > 0.5 && worst.touching > 10, "{worst:?}");
+}
+
+/// A cloth whose skin bounds nothing flies against two balls, and over their rims. What it loses they are given.
+#[test]
+fn what_it_bears_at_a_tick_s_end_is_given_to_the_body() {
+    let topology = irregular(24);
+    let material = Material { max_strain: 0.01, drag: 0.0, ..usual() };
+    let mut solver = at_rest(&topology, Vec3::ZERO, material, Settings::default());
+    let count = topology.particle_count();
+    solver.set_skin(Some(&vec![SkinLimit::default(); count])).unwrap();
+    for particle in 0..count {
+        solver.set_velocity(particle, Vec3::new(0.0, -4.0, 0.0)).unwrap();
+    }
+    let skin = motions(topology.rest_positions(), 0);
+    let low = topology.rest_positions().iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let ball = Sphere::new(0.1);
+    let poses = [0.39, 0.61]
+        .map(|x| Pose { translation: low + Vec3::new(x, -0.15, 0.5), ..Pose::IDENTITY });
+    let colliders = poses.map(|pose| Collider::new(&ball, pose).measured());
+    let before = momenta(&solver).0;
+    let mut given = DVec3::ZERO;
+    let mut worst = 0.0_f64;
+    for _ in 0..30 {
+        let input =
+            StepInput { dt: TICK, skin: &skin, colliders: &colliders, ..StepInput::default() };
+        solver.tick(&input).unwrap();
+        given += (solver.impulse(0).linear + solver.impulse(1).linear).as_dvec3();
+        let off = (momenta(&solver).0 + given - before).length() / before.length();
+        worst = worst.max(off);
+    }
+    check_at_most("momentum that is gone", worst, 1e-6);
+    assert!(given.y < -0.3 * before.length(), "{given} of {before}");
+}
+
 /// `x'' = -w^2 x - 2 w x'` from rest: `x = (1 + w t) exp(-w t)` of where it began.
 #[test]
 fn a_drive_is_a_critically_damped_spring() {

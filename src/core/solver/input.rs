@@ -3,11 +3,12 @@
 use bevy_math::Vec3;
 
 use crate::solver::constraints::pin_motion::PinMotion;
-use crate::solver::constraints::skin::{Skin, SkinMotion};
+use crate::solver::constraints::skin::{Skin, SkinMotion, are_near};
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
-use crate::solver::settings::{FARTHEST, is_near};
+use crate::solver::settings::is_near;
+use crate::solver::simd::isa::Isa;
 
 /// The surroundings of a cloth in one tick. Positions are in world space. The default has no length, which
 /// is refused.
@@ -57,27 +58,15 @@ pub struct TickReport {
     pub inter_contact_count: u32,
 }
 
-/// Whether all places and normals are as near as places have to be. Without a way out of the loop, for there are thousands.
-fn are_near(motions: &[SkinMotion]) -> bool {
-    let mut far = [0_u32; 12];
-    for SkinMotion { place: [a, b], normal: [n, m] } in motions {
-        let all = [a.x, a.y, a.z, b.x, b.y, b.z, n.x, n.y, n.z, m.x, m.y, m.z];
-        for (far, number) in far.iter_mut().zip(all) {
-            *far |= u32::from(number.abs() > FARTHEST || number.is_nan());
-        }
-    }
-    far == [0; 12]
-}
-
 impl StepInput<'_> {
     /// Checks the places on the skin, for a cloth that has this one.
-    pub(crate) fn check_skin(&self, skin: Option<&Skin>) -> Result<(), SolverError> {
+    pub(crate) fn check_skin(&self, isa: Isa, skin: Option<&Skin>) -> Result<(), SolverError> {
         let (particles, motions) = (skin.map_or(0, |skin| skin.limits.len()), self.skin.len());
         if particles != motions {
             return Err(SolverError::WrongSkinCount { particles, motions });
         }
-        if !are_near(self.skin) {
-            let is_far = |motion: &SkinMotion| !are_near(core::slice::from_ref(motion));
+        if !are_near(isa, self.skin) {
+            let is_far = |motion: &SkinMotion| !are_near(isa, core::slice::from_ref(motion));
             let particle = self.skin.iter().position(is_far).unwrap_or(0);
             return Err(SolverError::NonFinite { what: "place on the skin", particle });
         }

@@ -257,7 +257,7 @@ impl ClothSolver {
         let pins = self.pins.slots.len() + self.soft.len();
         input.check(pins)?;
         input.check_pulls(pins)?;
-        input.check_skin(self.skin.as_deref())?;
+        input.check_skin(self.isa, self.skin.as_deref())?;
         if self.air.is_some() {
             input.wind.validate()?;
         }
@@ -291,7 +291,7 @@ impl ClothSolver {
             self.forget_pairs();
         }
         if let Some(skin) = &mut self.skin {
-            skin.begin_tick(&self.topology, input.skin, self.state.origin);
+            skin.begin_tick(self.isa, &self.topology, input.skin, self.state.origin);
         }
         let wind = self.take_wind(input, (low, high));
         let load = input.gravity + wind + self.load_of_pushes(input.gravity);

@@ -9,8 +9,10 @@
 //! put there.
 
 mod limit;
+mod take;
 
 pub use limit::{Backstop, SkinLimit, SkinMotion};
+pub(crate) use take::are_near;
 
 use bevy_math::Vec3;
 
@@ -46,6 +48,8 @@ pub(crate) struct Skin {
     way: Soa,
     normal: Soa,
     turn: Soa,
+    /// Room for displacements at a tick's end \[m\].
+    pub after_contact: Soa,
 }
 
 impl Skin {
@@ -82,57 +86,9 @@ impl Skin {
             way: Soa::zeros(len),
             normal,
             turn,
+            after_contact: Soa::zeros(len),
         }
     }
-
-    /// Begins a tick, with motions that have been checked, relative to an origin.
-    pub fn begin_tick(&mut self, topology: &Topology, motions: &[SkinMotion], origin: Vec3) {
-        match topology {
-            Topology::Lattice(lattice) => {
-                let slots = lattice.layout.slots();
-                motions.iter().zip(slots).for_each(|it| self.take(it, origin));
-            }
-            Topology::Graph(graph) => {
-                let slots = graph.slot_of.iter().map(|slot| *slot as usize);
-                motions.iter().zip(slots).for_each(|it| self.take(it, origin));
-            }
-        }
-    }
-
-    /// Takes the motion of the particle of a slot.
-    #[inline(always)]
-    fn take(&mut self, (motion, slot): (&SkinMotion, usize), origin: Vec3) {
-        let [start, end] = motion.place.map(|place| place - origin);
-        self.place.set(slot, start);
-        self.way.set(slot, end - start);
-        if self.has_backstops {
-            let [start, end] = motion.normal.map(about_unit);
-            self.normal.set(slot, start);
-            self.turn.set(slot, end - start);
-        }
-    }
-
-    /// The first particle that has a backstop and whose skin has no normal.
-    pub fn without_normal(&self, motions: &[SkinMotion]) -> Option<usize> {
-        if !self.has_backstops {
-            return None;
-        }
-        let lacks = |motion: &SkinMotion| {
-            motion.normal.iter().any(|n| !is_about_unit(*n) && n.try_normalize().is_none())
-        };
-        let mut all = self.limits.iter().zip(motions);
-        all.position(|(limit, motion)| limit.backstop.is_some() && lacks(motion))
-    }
-}
-
-/// Whether a normal is as good as of length one: roots are dear where there are thousands.
-fn is_about_unit(normal: Vec3) -> bool {
-    (0.999..1.001).contains(&normal.length_squared())
-}
-
-/// A normal of about length one, or none.
-fn about_unit(normal: Vec3) -> Vec3 {
-    if is_about_unit(normal) { normal } else { normal.normalize_or_zero() }
 }
 
 /// Holds particles to the skin.

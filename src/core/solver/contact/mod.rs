@@ -22,6 +22,7 @@
 //! | `hold_onto` | before the corrections: particles of the active set go only where their surface lets them |
 //! | `hold` | after the corrections: how those particles were held |
 //! | `found` | during contact: the active set of the next substep |
+//! | `hold_out` | at the end of a worn cloth's tick: what passes of the strain limit moved into colliders |
 //! | `let_go` | after contact: particles of the active set that touch nothing any more |
 //! | `impulse`, `impulses`, `account`, `ledger` | momentum given to the colliders that are measured |
 //! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
@@ -46,6 +47,7 @@ mod found;
 mod friction;
 mod hold;
 mod hold_onto;
+mod hold_out;
 mod impulse;
 mod impulses;
 mod keys;

@@ -18,36 +18,10 @@ impl ClothSolver {
             self.contact_count = 0;
             self.state.contacts.edges.clear();
         } else {
-            let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
-            let contacts = ResolveContacts {
-                bands: &self.bands,
-                colliders: input.colliders,
-                origin: self.state.origin,
-                span: self.span(),
-                settings: ContactSettings {
-                    epsilon: self.material.thickness,
-                    friction: self.material.friction,
-                    layers: self.settings.layers,
-                    most_push: self.settings.max_depenetration_speed * self.plan.step,
-                    per_weight: 1.0 / weight,
-                    following: (self.plan.step / contact::FOLLOWING).min(1.0),
-                    step: self.plan.step,
-                    notes: self.workspace.carried.is_some(),
-                },
-                inverse_mass: &mut self.pins.inverse_mass,
-                x: &mut self.state.x,
-                d: &mut self.state.d,
-                pull: self.workspace.carried.is_some().then_some(&mut self.state.pull),
-                broad_phase: &mut self.workspace.broad_phase,
-                edges: self.settings.edges.then_some(&self.edges),
-                max_strain: self.material.max_strain,
-                strain: self.survey.max_strain,
-                limits: self.settings.provot_passes > 0,
-                set: &mut self.state.contacts,
-            };
-            self.contact_count = contacts.run(self.isa);
+            let isa = self.isa;
+            self.contact_count = self.contacts(input).run(isa);
         }
-        self.end_within_skin();
+        self.end_worn(input);
         self.end_filtering();
         let State { x, d, pull, carries, .. } = &mut self.state;
         let pull = carries.then(|| pull.part_mut());
@@ -57,5 +31,39 @@ impl ClothSolver {
             self.end_explicitly();
         }
         self.done += 1;
+    }
+
+    /// Contact in this substep.
+    pub(in crate::solver) fn contacts<'a>(
+        &'a mut self,
+        input: &StepInput<'a>,
+    ) -> ResolveContacts<'a> {
+        let weight = input.gravity.length().max(LEAST_GRAVITY) * self.state.response;
+        ResolveContacts {
+            bands: &self.bands,
+            colliders: input.colliders,
+            origin: self.state.origin,
+            span: self.span(),
+            settings: ContactSettings {
+                epsilon: self.material.thickness,
+                friction: self.material.friction,
+                layers: self.settings.layers,
+                most_push: self.settings.max_depenetration_speed * self.plan.step,
+                per_weight: 1.0 / weight,
+                following: (self.plan.step / contact::FOLLOWING).min(1.0),
+                step: self.plan.step,
+                notes: self.workspace.carried.is_some(),
+            },
+            inverse_mass: &mut self.pins.inverse_mass,
+            x: &mut self.state.x,
+            d: &mut self.state.d,
+            pull: self.workspace.carried.is_some().then_some(&mut self.state.pull),
+            broad_phase: &mut self.workspace.broad_phase,
+            edges: self.settings.edges.then_some(&self.edges),
+            max_strain: self.material.max_strain,
+            strain: self.survey.max_strain,
+            limits: self.settings.provot_passes > 0,
+            set: &mut self.state.contacts,
+        }
     }
 }

@@ -99,31 +99,41 @@ impl ClothSolver {
     }
 
     fn limit_strain(&mut self) {
-        // The thread form holds shear springs to the limit where it corrects them.
-        let shear = self.plan.stretching == Stretching::ExplicitSprings
-            && self.material.shear_stiffness > 0.0;
-        let limit = self.limit();
         for _ in 0..self.passes() {
-            let (model, on) = self.model_and_particles();
-            if !model.exceeds_limit(on, limit, shear) {
+            if !self.may_exceed_limit() {
                 return;
             }
             self.end_corrections();
             self.pause_pulls();
-            self.begin_corrections();
-            let (model, on) = self.model_and_particles();
-            let is_beyond = model.correct_springs(on, Rule::Limit { limit, shear });
-            self.end_corrections();
+            let is_beyond = self.hold_springs();
             self.go_on_pulling();
-            // Balls, half-spaces and limits are convex: to hold to each in turn ends where all hold, if that is anywhere.
-            if self.goes_on() {
-                self.end_within_skin();
-            }
             self.begin_corrections();
             if !is_beyond {
                 return;
             }
         }
+    }
+
+    /// Whether any spring may be beyond the strain limit.
+    pub(crate) fn may_exceed_limit(&mut self) -> bool {
+        let (limit, shear) = (self.limit(), self.limits_shear());
+        let (model, on) = self.model_and_particles();
+        model.exceeds_limit(on, limit, shear)
+    }
+
+    /// Holds all springs to the strain limit once. Tells whether any was beyond it.
+    pub(crate) fn hold_springs(&mut self) -> bool {
+        let rule = Rule::Limit { limit: self.limit(), shear: self.limits_shear() };
+        self.begin_corrections();
+        let (model, on) = self.model_and_particles();
+        let is_beyond = model.correct_springs(on, rule);
+        self.end_corrections();
+        is_beyond
+    }
+
+    /// Whether the strain limit is one for shear springs. The thread form holds them to it where it corrects them.
+    fn limits_shear(&self) -> bool {
+        self.plan.stretching == Stretching::ExplicitSprings && self.material.shear_stiffness > 0.0
     }
 
     /// How many passes of the strain limit this substep makes at most.
@@ -132,17 +142,21 @@ impl ClothSolver {
         more * self.settings.provot_passes
     }
 
-    /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a tick of threads. Within a
-    /// tick the next substep goes on where one ended; what is drawn is to be within the limit.
+    /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a tick. Within a tick the
+    /// next substep goes on where one ended; what is drawn is to be within the limit.
     ///
-    /// Passes that cannot succeed would shake the cloth. So there are none where pins are further apart than the cloth between them
-    /// reaches, nor for explicit springs, which are softer than asked for; nor on colliders, where a cloth would not come to rest,
-    /// unless it is worn: a body that moves leaves it none.
+    /// Not on colliders, where a cloth would not come to rest; what is worn ends in a way of its own (`stages/worn`).
     fn goes_on(&self) -> bool {
         self.done + 1 == self.plan.substeps
-            && self.plan.stretching == Stretching::ImplicitThreads
-            && self.tether_ease == 1.0
-            && (!self.state.contacts.now.any || self.skin.is_some())
+            && self.skin.is_none()
+            && !self.state.contacts.now.any
+            && self.can_end_within_limit()
+    }
+
+    /// Whether passes of the strain limit can succeed; others would shake the cloth. They cannot where pins are further apart than the cloth
+    /// between them reaches, nor with explicit springs, which are softer than asked for.
+    pub(crate) fn can_end_within_limit(&self) -> bool {
+        self.plan.stretching == Stretching::ImplicitThreads && self.tether_ease == 1.0
     }
 
     pub(crate) fn begin_corrections(&mut self) {

@@ -5,7 +5,7 @@
 //! | 1 | `forces` | `external`, `bending_friction` |
 //! | 2 | `integrate` | `houbolt`, `explicit` |
 //! | 3 | `correct` | `cloth_contact`, `skin`, `soft_pins`, `pulling` |
-//! | 4 | `collide` | |
+//! | 4 | `collide` | `worn` |
 //!
 //! The parts of stages that differ between a sheet and a mesh are in `model`.
 
@@ -21,3 +21,4 @@ mod integrate;
 pub(super) mod pulling;
 mod skin;
 mod soft_pins;
+mod worn;

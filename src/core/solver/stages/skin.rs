@@ -6,8 +6,8 @@ use crate::solver::simd::parallel;
 use crate::solver::state::State;
 
 /// How often the skin holds in a tick at most. Bodies are much slower than threads, and what holds at the tick's end is within its
-/// bounds there. With seven, 4096 particles cost 8.7 to 11.5 % of a tick more (`costs skin`), with ten 10.5 to 12.4 %.
-const TIMES: u32 = 7;
+/// bounds there.
+const TIMES: u32 = 5;
 
 impl ClothSolver {
     /// Draws particles to the skin and holds them to its bounds, where the cloth has one: in every substep of a few, and in the last.
@@ -20,11 +20,9 @@ impl ClothSolver {
         }
     }
 
-    /// Holds particles to the bounds of the skin at the end of the tick's last substep.
+    /// Holds particles to the bounds of the skin, at the end of a tick.
     pub(crate) fn end_within_skin(&mut self) {
-        if self.done + 1 == self.plan.substeps {
-            self.hold_within(0.0, 0);
-        }
+        self.hold_within(0.0, 0);
     }
 
     /// Drives draw for so many substeps of a length \[s\], those since they last did.
