@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::constraints::pin_motion::PinMotion;
-use crate::solver::constraints::skin::{Skin, SkinMotion, are_near};
+use crate::solver::constraints::skin::{Skin, SkinMotion, look_through};
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
@@ -65,15 +65,17 @@ impl StepInput<'_> {
         if particles != motions {
             return Err(SolverError::WrongSkinCount { particles, motions });
         }
-        if !are_near(isa, self.skin) {
-            let is_far = |motion: &SkinMotion| !are_near(isa, core::slice::from_ref(motion));
+        let Some(skin) = skin else { return Ok(()) };
+        let looked = look_through(isa, self.skin);
+        if !looked.near {
+            let is_far =
+                |motion: &SkinMotion| !look_through(isa, core::slice::from_ref(motion)).near;
             let particle = self.skin.iter().position(is_far).unwrap_or(0);
             return Err(SolverError::NonFinite { what: "place on the skin", particle });
         }
-        match skin.and_then(|skin| skin.without_normal(self.skin)) {
-            Some(particle) => Err(SolverError::NoSkinNormal(particle)),
-            None => Ok(()),
-        }
+        // What has no backstop needs no normal.
+        let lacking = if looked.normal { None } else { skin.without_normal(self.skin) };
+        lacking.map_or(Ok(()), |particle| Err(SolverError::NoSkinNormal(particle)))
     }
 
     /// Checks which pins pull, of a cloth with so many, hard and soft.

@@ -12,7 +12,7 @@ mod limit;
 mod take;
 
 pub use limit::{Backstop, SkinLimit, SkinMotion};
-pub(crate) use take::are_near;
+pub(crate) use take::look_through;
 
 use bevy_math::Vec3;
 

@@ -16,8 +16,11 @@ impl ClothSolver {
             return;
         }
         let mut from = core::mem::take(&mut skin.after_contact);
-        from.copy_from(&self.state.d);
-        self.end_within_skin();
+        // Without colliders, the skin has held last.
+        if !input.colliders.is_empty() {
+            from.copy_from(&self.state.d);
+            self.end_within_skin();
+        }
         if self.can_end_within_limit() {
             self.hold_in_turn(input, &from);
         }

@@ -11,27 +11,38 @@ use crate::solver::simd::layout::Layout;
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::Topology;
 
-/// Whether all places and normals are as near as places have to be.
-pub(crate) fn are_near(isa: Isa, motions: &[SkinMotion]) -> bool {
-    isa.run(AreNear(motions))
+/// What a first look tells of motions.
+#[derive(Debug)]
+pub(crate) struct Looked {
+    /// All places and normals are as near as places have to be.
+    pub near: bool,
+    /// All normals are about of length one.
+    pub normal: bool,
 }
 
-struct AreNear<'a>(&'a [SkinMotion]);
+/// Looks motions through.
+pub(crate) fn look_through(isa: Isa, motions: &[SkinMotion]) -> Looked {
+    isa.run(LookThrough(motions))
+}
 
-impl Kernel for AreNear<'_> {
-    type Output = bool;
+struct LookThrough<'a>(&'a [SkinMotion]);
+
+impl Kernel for LookThrough<'_> {
+    type Output = Looked;
 
     /// Without a way out of the loop, and by the numbers' bits, for there are thousands: what is no number is above all that are.
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run(self) -> Looked {
         let mut far = [false; 12];
+        let mut normal = true;
         for SkinMotion { place: [a, b], normal: [n, m] } in self.0 {
             let all = [a.x, a.y, a.z, b.x, b.y, b.z, n.x, n.y, n.z, m.x, m.y, m.z];
             for i in 0..12 {
                 far[i] |= all[i].abs().to_bits() > FARTHEST.to_bits();
             }
+            normal &= is_about_unit(n.dot(*n)) & is_about_unit(m.dot(*m));
         }
-        far == [false; 12]
+        Looked { near: far == [false; 12], normal }
     }
 }
 
@@ -61,12 +72,7 @@ impl Skin {
 
     /// The first particle that has a backstop and whose skin has no normal.
     pub fn without_normal(&self, motions: &[SkinMotion]) -> Option<usize> {
-        if !self.has_backstops {
-            return None;
-        }
-        let lacks = |motion: &SkinMotion| {
-            motion.normal.iter().any(|n| !is_about_unit(n.dot(*n)) && n.try_normalize().is_none())
-        };
+        let lacks = |motion: &SkinMotion| motion.normal.iter().any(|n| n.try_normalize().is_none());
         let mut all = self.limits.iter().zip(motions);
         all.position(|(limit, motion)| limit.backstop.is_some() && lacks(motion))
     }
@@ -149,7 +155,7 @@ impl<P: Fn(usize, usize) -> usize> TransposingKernel for Take<'_, P> {
 /// Whether a normal of this squared length is as good as of length one: roots are dear where there are thousands.
 #[inline(always)]
 fn is_about_unit(square: f32) -> bool {
-    square > 0.999 && square < 1.001
+    (square > 0.999) & (square < 1.001)
 }
 
 /// A normal of about length one, or none.
