@@ -59,6 +59,13 @@ fn update(app: &mut App) -> f64 {
     before.elapsed().as_secs_f64() * 1e6
 }
 
+/// Runs two ticks, and tells the time of the second \[us\]: the app finds in the caches what it has left there, as from frame to frame
+/// of a game, and not what the app beside it has.
+pub fn second_update(app: &mut App) -> f64 {
+    app.update();
+    update(app)
+}
+
 fn places(app: &mut App) -> Vec<Vec3> {
     let world = app.world_mut();
     let mut cloths = world.query::<&ClothSimulation>();
@@ -77,7 +84,7 @@ fn written(app: &App) -> usize {
 /// Pairs of apps that are compared: where a cloth lies in memory makes it some percent faster or slower.
 const PAIRS: usize = 9;
 
-/// Times pairs of apps, whose cloths must run, and come to the same bits where they have to be `same`.
+/// Times updates of pairs of apps, whose cloths must run, and come to the same bits where they have to be `same`.
 pub fn compare(
     name: &str,
     rounds: usize,
@@ -85,8 +92,20 @@ pub fn compare(
     same: bool,
     wrong: &mut Wrong,
 ) -> Turns {
+    compare_by(update, name, rounds, pair, same, wrong)
+}
+
+/// The same, by what `time` tells.
+pub fn compare_by(
+    time: fn(&mut App) -> f64,
+    name: &str,
+    rounds: usize,
+    pair: impl Fn() -> [App; 2],
+    same: bool,
+    wrong: &mut Wrong,
+) -> Turns {
     let turns = (0..PAIRS)
-        .map(|_| compare_pair(name, rounds.div_ceil(PAIRS), pair(), same, wrong))
+        .map(|_| compare_pair(time, name, rounds.div_ceil(PAIRS), pair(), same, wrong))
         .collect::<Vec<_>>();
     let median_of = |value: fn(&Turns) -> f64| median(turns.iter().map(value).collect());
     Turns {
@@ -97,6 +116,7 @@ pub fn compare(
 }
 
 fn compare_pair(
+    time: fn(&mut App) -> f64,
     name: &str,
     rounds: usize,
     [mut without, mut with]: [App; 2],
@@ -106,7 +126,7 @@ fn compare_pair(
     for app in [&mut without, &mut with] {
         (0..10).for_each(|_| app.update());
     }
-    let turns = in_turns(rounds, || update(&mut without), || update(&mut with));
+    let turns = in_turns(rounds, || time(&mut without), || time(&mut with));
     let [without, with] = [without, with].map(|mut app| {
         let mut failures = app.world_mut().query::<&ClothFailure>();
         let failed = failures.iter(app.world()).next().map(|failure| failure.error.to_string());

@@ -1,7 +1,7 @@
 //! A crowd of which few are seen, and fewer are near: what culling and levels of detail spare.
 
 use crate::{
-    app::{app_with, compare},
+    app::{app_with, compare_by, second_update},
     turns::{Bound, Wrong, heading, line},
 };
 use bevy::{camera::CameraPlugin, prelude::*};
@@ -62,10 +62,10 @@ pub fn crowd_of_few_seen(rounds: usize, wrong: &mut Wrong) {
     let rounds = rounds.div_ceil(4);
     let culling = || [crowd(false, false), crowd(true, false)];
     let name = "ClothCulling";
-    line(name, &compare(name, rounds, culling, false, wrong), Bound::None);
+    line(name, &compare_by(second_update, name, rounds, culling, false, wrong), Bound::None);
     let both = || [crowd(false, false), crowd(true, true)];
     let name = "ClothCulling and ClothLod, 5 near";
-    line(name, &compare(name, rounds, both, false, wrong), Bound::Times(0.1));
+    line(name, &compare_by(second_update, name, rounds, both, false, wrong), Bound::Times(0.1));
     let mut app = crowd(true, true);
     (0..10).for_each(|_| app.update());
     let world = app.world_mut();
