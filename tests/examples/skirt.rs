@@ -17,7 +17,7 @@ const CLOSE: f32 = 1e-4;
 /// settled, before the sprint.
 const ROUND: f32 = 6.5;
 const DASH: f32 = 1.0;
-/// Where it dashes to: 30 degrees off its way, as what is met head on by one capsule alone is the easy case.
+/// Where it dashes to: off the axes, as what is met head on by one capsule alone is the easy case.
 const TOWARDS: Vec3 = Vec3::new(-0.5, 0.0, 0.866);
 const SETTLED: f32 = 2.5;
 const SPRINT: f32 = 4.0;

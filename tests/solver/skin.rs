@@ -208,7 +208,7 @@ fn what_a_body_stretches_ends_within_its_limit() {
     assert!(worst.strain > 0.045 && worst.touching > 10, "{worst:?}");
 }
 
-/// The limit would pull it into the balls by 7 mm.
+/// The limit would pull it into the balls by millimetres.
 #[test]
 fn what_the_limit_pulls_ends_outside_of_the_body() {
     let worst = pressed(60, true);
@@ -248,6 +248,49 @@ fn what_it_bears_at_a_tick_s_end_is_given_to_the_body() {
     }
     check_at_most("momentum that is gone", worst, 1e-6);
     assert!(given.y < -0.3 * before.length(), "{given} of {before}");
+}
+
+/// A ball that appears around the middle of a cloth lets it out as fast as it may, although the limit pulls at what is inside.
+#[test]
+fn what_is_deep_in_a_body_comes_out_by_and_by() {
+    let topology = irregular(24);
+    let material = Material { max_strain: 0.0, ..usual() };
+    let settings = Settings { max_depenetration_speed: 0.2, ..Settings::default() };
+    let mut solver = at_rest(&topology, Vec3::ZERO, material, settings);
+    solver.set_skin(Some(&vec![SkinLimit::default(); topology.particle_count()])).unwrap();
+    let skin = motions(topology.rest_positions(), 0);
+    let low = topology.rest_positions().iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let ball = Sphere::new(BALL);
+    let pose = Pose { translation: low + Vec3::new(0.5, -0.04, 0.5), ..Pose::IDENTITY };
+    let colliders = [Collider::new(&ball, pose)];
+    let before = positions(&solver);
+    let input = StepInput { dt: TICK, skin: &skin, colliders: &colliders, ..StepInput::default() };
+    solver.tick(&input).unwrap();
+    let ways = before.iter().zip(positions(&solver)).map(|(a, b)| a.distance(b));
+    // 5 mm without a skin, and 8 cm all at once.
+    check_at_most("the way out", ways.fold(0.0, f32::max).into(), 0.01);
+}
+
+/// Normals are of any length, and of another one at either end of a tick.
+#[test]
+fn the_length_of_a_normal_does_not_matter() {
+    let run = |lengths: [f32; 2]| {
+        let topology = square(5);
+        let mut solver = at_rest(&topology, Vec3::ZERO, usual(), Settings::default());
+        let stop = Some(Backstop { distance: -0.02, radius: f32::INFINITY });
+        let limit = SkinLimit { max_distance: 0.1, backstop: stop, ..SkinLimit::default() };
+        solver.set_skin(Some(&[limit; 25])).unwrap();
+        let normals = [Vec3::Y * lengths[0], Vec3::new(0.8, 0.6, 0.0) * lengths[1]];
+        let motion = |&p: &Vec3| SkinMotion { place: [p; 2], normal: normals };
+        let skin: Vec<_> = topology.rest_positions().iter().map(motion).collect();
+        let input = StepInput { dt: TICK, gravity: GRAVITY, skin: &skin, ..StepInput::default() };
+        solver.tick(&input).unwrap();
+        positions(&solver)
+    };
+    let unit = run([1.0; 2]);
+    let other = run([4.0, 0.25]);
+    let off = unit.iter().zip(&other).map(|(a, b)| f64::from(a.distance(*b))).fold(0.0, f64::max);
+    check_at_most("apart", off, 1e-6);
 }
 
 /// `x'' = -w^2 x - 2 w x'` from rest: `x = (1 + w t) exp(-w t)` of where it began.

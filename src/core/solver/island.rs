@@ -204,7 +204,7 @@ impl ClothSolver {
 
     /// Speed of the fastest particle \[m/s\].
     fn fastest(&self) -> f32 {
-        let farthest = FurthestWay { band: self.bands.sums.clone(), d: &self.state.d };
+        let farthest = FurthestWay { band: self.bands.sums.clone(), d: &self.state.d, from: None };
         parallel::run(self.isa, farthest).0.sqrt() / self.state.unit
     }
 

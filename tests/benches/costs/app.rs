@@ -95,7 +95,7 @@ pub fn compare(
     compare_by(update, name, rounds, pair, same, wrong)
 }
 
-/// The same, by what `time` tells.
+/// Compares pairs of apps as [`compare`] does, by the times that `time` tells \[us\].
 pub fn compare_by(
     time: fn(&mut App) -> f64,
     name: &str,

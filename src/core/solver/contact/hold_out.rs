@@ -1,18 +1,19 @@
-//! What passes of the strain limit have moved into colliders after contact is moved out of them again, at the end of a worn cloth's tick
-//! (`stages/worn`).
+//! Passes of the strain limit after contact, at the end of a worn cloth's tick (`stages/worn`): particles that they have moved into
+//! colliders are moved out again.
 //!
-//! It undoes no more than they did: what contact left deep in a collider, to come out by and by, stays as deep.
+//! No more is undone than passes did: a particle that contact left deep in a collider, to come out by and by, stays as deep.
 
 use bevy_math::Vec3;
 
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::push_out::{ParticleContact, Tally};
+use crate::solver::contact::response::FurthestWay;
 use crate::solver::contact::{ContactSettings, ROUNDED_UP, ResolveContacts};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::parallel::{self, Band, Largest, cut_between_rows};
+use crate::solver::simd::parallel::{self, Band, cut_between_rows};
 use crate::solver::simd::soa::{PartMut, Soa};
 
 impl ResolveContacts<'_> {
@@ -36,7 +37,7 @@ impl ResolveContacts<'_> {
     /// Moves particles out of the colliders that they have gone into since contact displaced them by `from`. Bodies that yield are met
     /// again in the next substep.
     pub fn hold_out(&mut self, isa: Isa, from: &Soa) {
-        let way = FurthestFrom { band: self.bands.rows.clone(), d: self.d, from };
+        let way = FurthestWay { band: self.bands.rows.clone(), d: self.d, from: Some(from) };
         let way = parallel::run(isa, way).0.sqrt();
         for k in 0..self.broad_phase.awake.len() {
             let awake = self.broad_phase.awake[k];
@@ -65,36 +66,6 @@ impl ResolveContacts<'_> {
         }
     }
 }
-
-/// The square of how far any particle is from where it was \[m2\].
-struct FurthestFrom<'a> {
-    band: Band,
-    d: &'a Soa,
-    from: &'a Soa,
-}
-
-impl Kernel for FurthestFrom<'_> {
-    type Output = Largest;
-
-    #[inline(always)]
-    fn run(self) -> Largest {
-        let Band { layout, rows, .. } = self.band;
-        let mut most = Block::ZERO;
-        for row in rows {
-            for block in 0..layout.blocks_across() {
-                let slot = layout.slot(row, 0) + block * LANES;
-                let (d, from) = (Block3::load(self.d, slot), Block3::load(self.from, slot));
-                for i in 0..LANES {
-                    let way = d.at(i) - from.at(i);
-                    most.0[i] = larger(way.dot(way), most.0[i]);
-                }
-            }
-        }
-        Largest(most.largest())
-    }
-}
-
-cut_between_rows!(FurthestFrom);
 
 /// Moves the particles of a band out of one collider.
 struct HoldOut<'a> {

@@ -165,8 +165,12 @@ pub(super) struct ResolveContacts<'a> {
 impl<'c> ResolveContacts<'c> {
     /// Meets one collider after the other.
     pub fn run(mut self, isa: Isa) -> u32 {
-        let way =
-            parallel::run(isa, FurthestWay { band: self.bands.rows.clone(), d: self.d }).0.sqrt();
+        let way = parallel::run(
+            isa,
+            FurthestWay { band: self.bands.rows.clone(), d: self.d, from: None },
+        )
+        .0
+        .sqrt();
         let ContactSettings { epsilon, layers, step, .. } = self.settings;
         let layout = self.bands.rows.layout;
         let notes = self.pull.is_some();

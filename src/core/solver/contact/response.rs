@@ -14,10 +14,11 @@ use crate::solver::simd::parallel::{Band, Cut, Largest, Merge, cut_between_rows}
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{PartMut, Soa};
 
-/// The square of how far any particle goes in a substep \[m2\].
+/// The square of how far any particle goes in a substep \[m2\], all the way or since it was displaced by `from`.
 pub(in crate::solver) struct FurthestWay<'a> {
     pub band: Band,
     pub d: &'a Soa,
+    pub from: Option<&'a Soa>,
 }
 
 impl Kernel for FurthestWay<'_> {
@@ -29,9 +30,16 @@ impl Kernel for FurthestWay<'_> {
         let mut most = Block::ZERO;
         let blocks = layout.blocks_across();
         for row in rows {
-            let d = Blocks3::new(self.d, layout.slot(row, 0), blocks);
+            let first = layout.slot(row, 0);
+            let d = Blocks3::new(self.d, first, blocks);
             for block in 0..blocks {
-                let d = d.at(block);
+                let mut d = d.at(block);
+                if let Some(from) = self.from {
+                    let from = Block3::load(from, first + block * LANES);
+                    for i in 0..LANES {
+                        d.set(i, d.at(i) - from.at(i));
+                    }
+                }
                 for i in 0..LANES {
                     most.0[i] = larger(d.at(i).dot(d.at(i)), most.0[i]);
                 }

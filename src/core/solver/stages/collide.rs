@@ -14,14 +14,15 @@ const LEAST_GRAVITY: f32 = 9.81;
 impl ClothSolver {
     /// Fourth stage: contact and friction. Ends the substep.
     pub fn collide(&mut self, input: &StepInput<'_>) {
-        if input.colliders.is_empty() && !self.state.contacts.now.any {
-            self.contact_count = 0;
-            self.state.contacts.edges.clear();
-        } else {
+        let meets = !input.colliders.is_empty() || self.state.contacts.now.any;
+        if meets {
             let isa = self.isa;
             self.contact_count = self.contacts(input).run(isa);
+        } else {
+            self.contact_count = 0;
+            self.state.contacts.edges.clear();
         }
-        self.end_worn(input);
+        self.end_worn(input, meets);
         self.end_filtering();
         let State { x, d, pull, carries, .. } = &mut self.state;
         let pull = carries.then(|| pull.part_mut());

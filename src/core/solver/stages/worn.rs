@@ -9,15 +9,15 @@ use crate::solver::input::StepInput;
 use crate::solver::simd::soa::Soa;
 
 impl ClothSolver {
-    /// Ends the last substep of a tick of a worn cloth.
-    pub(crate) fn end_worn(&mut self, input: &StepInput<'_>) {
+    /// Ends the last substep of a tick of a worn cloth, in which contact may have moved particles or not.
+    pub(crate) fn end_worn(&mut self, input: &StepInput<'_>, meets: bool) {
         let Some(skin) = &mut self.skin else { return };
         if self.done + 1 < self.plan.substeps {
             return;
         }
         let mut from = core::mem::take(&mut skin.after_contact);
-        // Without colliders, the skin has held last.
-        if !input.colliders.is_empty() {
+        // Without contact, the skin has held last.
+        if meets {
             from.copy_from(&self.state.d);
             self.end_within_skin();
         }

@@ -11,7 +11,7 @@ use crate::solver::simd::layout::Layout;
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::Topology;
 
-/// What a first look tells of motions.
+/// Findings of a first look at motions.
 #[derive(Debug)]
 pub(crate) struct Looked {
     /// All places and normals are as near as places have to be.
@@ -72,6 +72,9 @@ impl Skin {
 
     /// The first particle that has a backstop and whose skin has no normal.
     pub fn without_normal(&self, motions: &[SkinMotion]) -> Option<usize> {
+        if !self.has_backstops {
+            return None;
+        }
         let lacks = |motion: &SkinMotion| motion.normal.iter().any(|n| n.try_normalize().is_none());
         let mut all = self.limits.iter().zip(motions);
         all.position(|(limit, motion)| limit.backstop.is_some() && lacks(motion))
