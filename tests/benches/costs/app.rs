@@ -21,6 +21,11 @@ fn app(drawn: bool) -> App {
 
 /// An app of `MinimalPlugins` and others on one thread, which draws its cloths or not. An update is a tick.
 pub fn app_with<M>(drawn: bool, others: impl Plugins<M>) -> App {
+    app_of(drawn.then(AssetPlugin::default), others)
+}
+
+/// The same, which draws where it has files.
+pub fn app_of<M>(files: Option<AssetPlugin>, others: impl Plugins<M>) -> App {
     let one = TaskPoolThreadAssignmentPolicy {
         min_threads: 1,
         max_threads: 1,
@@ -32,8 +37,8 @@ pub fn app_with<M>(drawn: bool, others: impl Plugins<M>) -> App {
         TaskPoolOptions { compute: one, ..TaskPoolOptions::with_num_threads(1) };
     let mut app = App::new();
     app.add_plugins(MinimalPlugins.set(TaskPoolPlugin { task_pool_options }));
-    if drawn {
-        app.add_plugins((AssetPlugin::default(), MeshPlugin, TransformPlugin));
+    if let Some(files) = files {
+        app.add_plugins((files, MeshPlugin, TransformPlugin));
         app.init_resource::<Assets<Image>>();
     }
     app.add_plugins((ClothPlugin::default(), others))
@@ -53,7 +58,7 @@ fn hung(n: u32) -> impl Bundle {
 }
 
 /// Runs a tick, and tells its time \[us\].
-fn update(app: &mut App) -> f64 {
+pub fn update(app: &mut App) -> f64 {
     let before = Instant::now();
     app.update();
     before.elapsed().as_secs_f64() * 1e6

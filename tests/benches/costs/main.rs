@@ -8,17 +8,20 @@
 
 mod app;
 mod bodies;
+mod body;
 mod crowd;
 #[cfg(feature = "avian")]
 mod engines;
 mod fields;
 mod ground;
 mod proxy;
+mod skinned;
 mod solver;
 mod turns;
 
 use clap::{Parser, ValueEnum};
-use std::{error::Error, process::ExitCode};
+use examples_common::repository;
+use std::{error::Error, path::PathBuf, process::ExitCode};
 use turns::Wrong;
 
 /// Measures what each optional part costs: medians of times taken in turns with and without it, on one
@@ -36,6 +39,9 @@ struct Cli {
     /// Ticks to measure, with and without.
     #[arg(short, long, default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ticks: u32,
+    /// A glTF file of a character that capsules are fitted to. May be given several times.
+    #[arg(long = "character", value_name = "FILE", default_values_os_t = [repository("assets/character.glb")])]
+    characters: Vec<PathBuf>,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq)]
@@ -46,6 +52,8 @@ enum Part {
     Colliders,
     /// Ten bodies that a cloth lies on.
     Bodies,
+    /// The body of a character.
+    Body,
     /// Colliders of Avian.
     #[cfg(feature = "avian")]
     Engines,
@@ -57,7 +65,7 @@ enum Part {
     Proxy,
     /// Air, wind and zones.
     Wind,
-    /// Max distance, backstop, drive.
+    /// Max distance, backstop, drive, and where the skin is.
     Skin,
     /// Impulses, swept contact, soft pins.
     Contact,
@@ -91,13 +99,17 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Graphs => solver::graphs(side, ticks, wrong)?,
             Part::Colliders => app::colliders_and_components(n, ticks, wrong),
             Part::Bodies => bodies::bodies(n, ticks, wrong),
+            Part::Body => body::bodies_of(&cli.characters, ticks.min(100), wrong),
             #[cfg(feature = "avian")]
             Part::Engines => engines::engines(n, ticks, wrong),
             Part::Sleep => app::sleep(ticks, wrong),
             Part::Crowd => crowd::crowd_of_few_seen(ticks, wrong),
             Part::Proxy => proxy::few_carry_many(ticks, wrong),
             Part::Wind => solver::wind(side, ticks, wrong)?,
-            Part::Skin => solver::skin(side, ticks, wrong)?,
+            Part::Skin => {
+                solver::skin(side, ticks, wrong)?;
+                skinned::skinning(ticks);
+            }
             Part::Contact => solver::contact(side, ticks, wrong)?,
             Part::Fields => fields::fields(side, ticks, wrong)?,
             Part::Ground => ground::ground()?,

@@ -5,7 +5,11 @@ use crate::{
     turns::{Bound, Wrong, heading, line},
 };
 use bevy::{mesh::VertexAttributeValues, prelude::*};
-use bevy_drape::{ClothProxy, ClothSleepThreshold, prelude::*, solver::MassLumping};
+use bevy_drape::{
+    ClothProxy, ClothSleepThreshold,
+    prelude::*,
+    solver::{MassLumping, Substeps},
+};
 
 /// Particles a side that are drawn, and that are simulated.
 const DRAWN: u32 = 100;
@@ -69,14 +73,18 @@ fn drawn(app: &mut App) -> Vec<Vec3> {
 pub fn few_carry_many(rounds: usize, wrong: &mut Wrong) {
     heading("a whole update, a sheet of 100 x 100 drawn, us", "100 x 100", "45 x 45");
     let name = "ClothProxy";
-    let turns = compare(
-        name,
-        rounds.div_ceil(2),
-        || [false, true].map(|carried| hang(default(), carried)),
-        false,
-        wrong,
-    );
-    line(name, &turns, Bound::Times(0.35));
+    let few = ClothSettings { substeps: Substeps::Automatic { budget: 8 }, ..default() };
+    for (name, settings) in [(name, default()), ("ClothProxy, budget of 8 substeps", few)] {
+        let of = (ClothMaterial::default(), settings);
+        let turns = compare(
+            name,
+            rounds.div_ceil(2),
+            || [false, true].map(|carried| hang(of, carried)),
+            false,
+            wrong,
+        );
+        line(name, &turns, Bound::Times(0.35));
+    }
     for (what, of) in [("HANG", of_hang()), ("the default material", default())] {
         let [whole, carried] = [false, true].map(|carried| {
             let mut app = hang(of, carried);

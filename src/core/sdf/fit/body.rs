@@ -1,6 +1,7 @@
 //! Shares a skinned surface out to its joints.
 
 use bevy_math::{Affine3A, Vec3};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use super::{SurfacePoint, fit_capsules};
 use crate::sdf::shapes::CapsuleBetween;
@@ -45,7 +46,8 @@ struct Share {
 
 /// Capsules near all surfaces of a body, for a skeleton of which `parents` tells what hangs on what.
 ///
-/// Each vertex goes to the joint that moves it most, and very small parts to the joint above. `fit_capsules` does the rest.
+/// Each vertex goes to the joint that moves it most, and very small parts to the joint above. `fit_capsules` does the rest. Threads of
+/// rayon's pool share the surfaces and the joints; the capsules are the same on any number of them.
 pub fn fit_body(surfaces: &[BodySurface], parents: &[Option<usize>]) -> Vec<JointCapsule> {
     let mut shares = share_out(surfaces, parents.len());
     let areas = |shares: &[Share]| shares.iter().map(Share::area).sum::<f32>();
@@ -73,7 +75,7 @@ pub fn fit_body(surfaces: &[BodySurface], parents: &[Option<usize>]) -> Vec<Join
         let capsules = fit_capsules(&points, tolerance, MOST);
         capsules.into_iter().map(move |capsule| JointCapsule { joint, capsule })
     };
-    shares.iter().enumerate().flat_map(of_joint).collect()
+    shares.par_iter().enumerate().flat_map_iter(of_joint).collect()
 }
 
 impl Share {
@@ -85,8 +87,9 @@ impl Share {
 /// The vertices that each joint moves most.
 fn share_out(surfaces: &[BodySurface], joints: usize) -> Vec<Vec<Share>> {
     let mut shares: Vec<Vec<Share>> = (0..joints).map(|_| Vec::new()).collect();
-    for (index, surface) in surfaces.iter().enumerate() {
-        for (vertex, area) in (0..).zip(areas(surface)) {
+    let areas: Vec<_> = surfaces.par_iter().map(areas).collect();
+    for (index, (surface, areas)) in surfaces.iter().zip(areas).enumerate() {
+        for (vertex, area) in (0..).zip(areas) {
             let joint = surface.joints[surface.owners[vertex as usize] as usize];
             if area <= 0.0 {
                 continue;
