@@ -21,6 +21,12 @@ use crate::solver::topology::lattice::Lattice;
 /// more than this part of what it would take alone.
 const CROWD: f32 = 2.5;
 
+/// Whether a pass over the cells bears shear springs whole whose frequencies are `omega^2` at most \[1/s2\], in a substep \[s\]. A spring of
+/// constant k has `omega^2 = 8 k w`, and the half of its pull that is not carried on is corrected.
+pub(crate) fn bears(rate: f32, step: f32, crowd: f32) -> bool {
+    rate * step * step * CROWD * crowd <= 8.0
+}
+
 /// How far shear springs are corrected.
 #[derive(Clone, Copy)]
 pub(crate) struct ShearRule {

@@ -207,6 +207,16 @@ impl<'a> ValuesMut<'a> {
     }
 }
 
+impl ValuesMut<'_> {
+    /// Adds to the values of some slots.
+    #[inline(always)]
+    pub fn add_some(&mut self, slot: usize, more: &[f32]) {
+        let at = slot - self.first;
+        let values = &mut self.values[at..at + more.len()];
+        values.iter_mut().zip(more).for_each(|(value, more)| *value += more);
+    }
+}
+
 impl CutAt for ValuesMut<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let (values, below) = self.values.split_at_mut(slot - self.first);

@@ -13,6 +13,7 @@
 //! What is solved for is each tension over the spring's length, with each equation times that length: springs
 //! then stand in it as they are, and none has to be divided by its length for a direction.
 
+pub(crate) mod bias;
 pub(crate) mod chains;
 pub(crate) mod geometric_stiffness;
 pub(crate) mod line;
@@ -23,7 +24,7 @@ pub(crate) mod weft;
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::constraints::threads::tridiagonal::{
-    Between, Ends, Pivot, Pivots, Reach, Tension,
+    Between, Ends, Law, Pivot, Pivots, Reach, Tension,
 };
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, BlocksMut};
 use crate::solver::simd::lanes::LANES;
@@ -175,26 +176,59 @@ impl<'a> Bundle<'a> {
             compliance: Blocks::new(&springs.compliance, first, count),
         }
     }
+}
+
+impl Springs for Bundle<'_> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.places
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        self.inverse_mass.at(place * self.hop)
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        self.rest.at(place * self.hop)
+    }
+
+    #[inline(always)]
+    fn compliance(&self, place: usize) -> Block {
+        self.compliance.at(place * self.hop)
+    }
+}
+
+/// The springs and masses of [`LANES`] threads side by side.
+trait Springs {
+    /// Particles of a thread.
+    fn places(&self) -> usize;
+    /// Inverse masses at a place \[1/kg\].
+    fn inverse_mass(&self, place: usize) -> Block;
+    /// Rest lengths of the springs after a place \[m\].
+    fn rest(&self, place: usize) -> Block;
+    /// One over their shape factors.
+    fn compliance(&self, place: usize) -> Block;
 
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
     fn eliminate<E: Ends>(
         &self,
-        reach: &Reach,
+        law: &impl Law,
         ends: &E,
         pivots: &mut Pivots<'_>,
         excess: &mut Block,
     ) {
-        let (mut x0, mut w0) = (ends.positions(0), mobile(&self.inverse_mass.at(0), ends, 0));
+        let (mut x0, mut w0) = (ends.positions(0), mobile(&self.inverse_mass(0), ends, 0));
         let mut n0 = ends.normals(0);
         let mut last = Pivot::default();
-        for place in 1..self.places {
-            let (spring, end) = ((place - 1) * self.hop, place * self.hop);
-            let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass.at(end), ends, place));
+        for place in 1..self.places() {
+            let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass(place), ends, place));
             let n1 = ends.normals(place);
-            let (rest, factor) = (self.rest.at(spring), self.compliance.at(spring));
+            let (rest, factor) = (self.rest(place - 1), self.compliance(place - 1));
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
-            let next = last.next::<E>(reach, &between, &rest, &factor, excess);
+            let next = last.next::<E>(law, &between, &rest, &factor, excess);
             pivots.set::<E>(place - 1, &next);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
@@ -205,12 +239,12 @@ impl<'a> Bundle<'a> {
     #[inline(always)]
     fn substitute<E: Ends>(&self, pivots: &Pivots<'_>, ends: &mut E) -> f32 {
         let mut tension = Tension::default();
-        for place in (1..self.places).rev() {
-            let w = mobile(&self.inverse_mass.at(place * self.hop), ends, place);
+        for place in (1..self.places()).rev() {
+            let w = mobile(&self.inverse_mass(place), ends, place);
             let correction = tension.next(&pivots.at::<E>(place - 1), &w, ends, place);
             ends.correct(place, correction);
         }
-        let correction = tension.last(&mobile(&self.inverse_mass.at(0), ends, 0), ends);
+        let correction = tension.last(&mobile(&self.inverse_mass(0), ends, 0), ends);
         ends.correct(0, correction);
         tension.most.largest()
     }
@@ -230,12 +264,12 @@ impl<E: Ends> Threads for Woven<'_, E> {
 
     #[inline(always)]
     fn inverse_mass(&self, place: usize) -> Block {
-        mobile(&self.bundle.inverse_mass.at(place * self.bundle.hop), self.ends, place)
+        mobile(&self.bundle.inverse_mass(place), self.ends, place)
     }
 
     #[inline(always)]
     fn rest(&self, place: usize) -> Block {
-        self.bundle.rest.at(place * self.bundle.hop)
+        self.bundle.rest(place)
     }
 
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! The tridiagonal systems of threads: elimination from the first spring to the last, and back substitution.
 
+use bevy_math::Vec3;
+
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::{LEAST_MOBILITY, divide};
 use crate::solver::simd::block::{Block, Block3, Blocks3Mut, BlocksMut, larger};
@@ -17,6 +19,10 @@ const LEAST_PIVOT: f32 = 1e-30;
 pub(crate) trait Ends {
     /// Whether any of them lies on a collider.
     const TOUCH: bool;
+    /// Whether there may be no spring between two places: one of no rest length.
+    const HAS_GAPS: bool = false;
+    /// Whether they are eased where they are taut (`geometric_stiffness`).
+    const EASES: bool = true;
     /// Normals of what the particles at a place lie on.
     fn normals(&self, place: usize) -> Block3;
     /// Parts of their inverse masses that move them.
@@ -40,6 +46,28 @@ pub(crate) struct Reach {
     pub limit: f32,
     /// Largest correction by one spring at which a taut thread does not tremble \[m\].
     pub steady: f32,
+}
+
+/// What springs are held to.
+pub(crate) trait Law {
+    /// Longest that a spring may be, in rest lengths.
+    fn limit(&self) -> f32;
+    /// The compliance of a spring \[1/kg\], and how much longer it is than it is to be \[m\]; of shape factor `1 / factor`, between ends
+    /// whose inverse masses sum up to `both`.
+    fn hold(&self, length: f32, rest: f32, factor: f32, both: f32) -> (f32, f32);
+}
+
+impl Law for Reach {
+    #[inline(always)]
+    fn limit(&self) -> f32 {
+        self.limit
+    }
+
+    #[inline(always)]
+    fn hold(&self, length: f32, rest: f32, factor: f32, both: f32) -> (f32, f32) {
+        // In this order the larger of the two is a number even where the first is NaN.
+        (larger(factor * self.compliance, both * LEAST_COMPLIANCE), length - rest)
+    }
 }
 
 /// The ends of springs: positions, inverse masses, and normals of the surfaces that they lie on.
@@ -76,7 +104,7 @@ impl Pivot {
     #[inline(always)]
     pub fn next<E: Ends>(
         &self,
-        reach: &Reach,
+        law: &impl Law,
         between: &Between<'_>,
         rest: &Block,
         factor: &Block,
@@ -85,16 +113,18 @@ impl Pivot {
         let Between { x, w, normals } = between;
         let mut next = Self::default();
         for i in 0..LANES {
+            let is_there = !E::HAS_GAPS || rest.0[i] > 0.0;
             let span = x[1].at(i) - x[0].at(i);
+            let span = if is_there { span } else { Vec3::ZERO };
             let square = span.dot(span);
             // Not `Vec3::length`, whose square root may be a call.
             let length = square.sqrt();
-            let over = length - rest.0[i] * reach.limit;
-            let over = if rest.0[i] > 0.0 { over } else { 0.0 };
-            excess.0[i] = larger(over, excess.0[i]);
+            let beyond = length - rest.0[i] * law.limit();
+            let beyond = if rest.0[i] > 0.0 { beyond } else { 0.0 };
+            excess.0[i] = larger(beyond, excess.0[i]);
             let diagonal = w[0].0[i] + w[1].0[i];
-            // In this order the larger of the two is a number even where the first is NaN.
-            let soft = larger(factor.0[i] * reach.compliance, diagonal * LEAST_COMPLIANCE);
+            let factor = if is_there { factor.0[i] } else { 0.0 };
+            let (soft, over) = law.hold(length, rest.0[i], factor, diagonal);
             let mut whole = square * (diagonal + soft);
             let mut along = span.dot(self.span.at(i));
             if E::TOUCH {
@@ -112,7 +142,7 @@ impl Pivot {
             next.span.set(i, span);
             next.length.0[i] = length;
             next.inverse.0[i] = 1.0 / pivot;
-            next.residual.0[i] = length * (length - rest.0[i]) + carried * self.residual.0[i];
+            next.residual.0[i] = length * over + carried * self.residual.0[i];
         }
         next
     }
@@ -144,7 +174,7 @@ impl<'a> Pivots<'a> {
     pub fn at<E: Ends>(&self, spring: usize) -> Pivot {
         Pivot {
             span: self.span.at(spring),
-            length: self.length.at(spring),
+            length: if E::EASES { self.length.at(spring) } else { Block::ZERO },
             inverse: self.inverse.at(spring),
             residual: self.residual.at(spring),
             across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
@@ -154,7 +184,9 @@ impl<'a> Pivots<'a> {
     #[inline(always)]
     pub fn set<E: Ends>(&mut self, spring: usize, pivot: &Pivot) {
         self.span.set(spring, pivot.span);
-        self.length.set(spring, pivot.length);
+        if E::EASES {
+            self.length.set(spring, pivot.length);
+        }
         self.inverse.set(spring, pivot.inverse);
         self.residual.set(spring, pivot.residual);
         if E::TOUCH {

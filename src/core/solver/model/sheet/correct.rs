@@ -1,7 +1,10 @@
-//! A sheet's corrections: shear cell by cell, weft threads row by row, warp threads column by column.
+//! A sheet's corrections: shear cell by cell or diagonal by diagonal, weft threads row by row, warp threads column by column.
 
 use crate::solver::constraints::shear::{Cells, CorrectShear, ShearRule};
 use crate::solver::constraints::threads::Lines;
+use crate::solver::constraints::threads::bias::{
+    AddBack, AddLoads, Bias, ShearLaw, SolveBias, SolveBiasApart,
+};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::constraints::threads::warp::{PutBack, SolveWarp, SolveWarpApart};
 use crate::solver::constraints::threads::weft::SolveWeft;
@@ -38,6 +41,37 @@ impl Sheet {
             rooms: row_pulls,
         };
         parallel::run(on.isa, shear);
+    }
+
+    /// Solves the shear springs along the diagonals of the sheet, those that go one way after those that go the other.
+    pub(super) fn solve_bias(&mut self, on: Particles<'_>, law: ShearLaw) {
+        let Self { lattice, diagonals, workspace, .. } = self;
+        let SheetWorkspace { threads: rooms, apart, load_apart, .. } = workspace;
+        let State { x, d, contacts, .. } = on.state;
+        for diagonals in diagonals {
+            let bias = Bias { lattice, diagonals, law, inverse_mass: &on.pins.inverse_mass, x };
+            if on.bands.columns.count() == 1 {
+                let line = &mut rooms.take().line;
+                let contacts = contacts.contacts();
+                on.isa.run(SolveBias { bias, d: d.part_mut(), contacts, line });
+                continue;
+            }
+            let loads = ValuesMut::all(load_apart);
+            let apart_of = SolveBiasApart {
+                bias,
+                bundles: 0..diagonals.bundles.len(),
+                d,
+                corrections: apart.part_mut(),
+                contacts: contacts.now.any.then_some((&contacts.now, loads)),
+                rooms,
+            };
+            parallel::run(on.isa, apart_of);
+            let loads = contacts
+                .contacts()
+                .map(|contacts| AddLoads { from: &*load_apart, to: contacts.load });
+            let (band, d) = (on.bands.rows.clone(), d.part_mut());
+            parallel::run(on.isa, AddBack { band, diagonals, corrections: apart, d, loads });
+        }
     }
 
     pub(super) fn solve_weft(&mut self, on: &mut Particles<'_>, reach: Reach) -> bool {

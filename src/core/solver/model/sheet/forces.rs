@@ -19,7 +19,7 @@ impl Sheet {
         acting: &Acting<'_>,
         a: &mut Soa,
     ) {
-        let Self { lattice, hinges, workspace } = self;
+        let Self { lattice, hinges, workspace, .. } = self;
         let Acting { plan, gravity, .. } = *acting;
         let (layout, rigidity, x) = (lattice.layout, plan.explicit.bend, &on.state.x);
         let SheetWorkspace { rows, moments, .. } = workspace;

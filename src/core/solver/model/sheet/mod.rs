@@ -5,13 +5,15 @@ mod forces;
 
 use std::sync::Arc;
 
-use crate::solver::constraints::shear::RowPulls;
+use crate::solver::constraints::shear::{RowPulls, bears};
 use crate::solver::constraints::strain_check::ExceedsLimit;
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
+use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
+use crate::solver::forces::families::Constants;
 use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::houbolt::CARRIED;
 use crate::solver::model::{Acting, Particles, Stages};
@@ -32,6 +34,10 @@ pub(crate) struct Sheet {
     lattice: Arc<Lattice>,
     /// Hinges of weft and warp.
     hinges: [Hinges; 2],
+    /// The diagonals that go either way.
+    diagonals: [Diagonals; 2],
+    /// Whether shear springs are solved along those: where a pass over the cells does not bear them.
+    is_on_bias: bool,
     workspace: SheetWorkspace,
 }
 
@@ -52,9 +58,9 @@ struct SheetWorkspace {
     threads: Workspaces<ThreadWorkspace>,
     /// Displacements of the rows on both sides of each cut.
     seams: Seams,
-    /// Displacements of columns, where they are solved apart from each other.
+    /// Displacements of columns and corrections of diagonals, where they are solved apart from each other.
     apart: Soa,
-    /// Loads that particles of such columns put on what they lie on.
+    /// Loads that particles of such put on what they lie on.
     load_apart: Array,
 }
 
@@ -62,19 +68,22 @@ impl Sheet {
     /// Nothing held.
     pub fn new(lattice: Arc<Lattice>) -> Self {
         let hinges = Hinges::build(&lattice, &vec![false; lattice.layout.len()]);
-        let workspace = SheetWorkspace::new(&lattice);
-        Self { lattice, hinges, workspace }
+        let diagonals = [Way::Right, Way::Left].map(|way| Diagonals::new(lattice.layout, way));
+        let workspace = SheetWorkspace::new(&lattice, &diagonals);
+        Self { lattice, hinges, diagonals, is_on_bias: false, workspace }
     }
 }
 
 impl SheetWorkspace {
-    fn new(lattice: &Lattice) -> Self {
+    fn new(lattice: &Lattice, diagonals: &[Diagonals; 2]) -> Self {
         let layout = lattice.layout;
         let len = layout.len();
         let bands = Bands::new(layout, true);
         let count = bands.rows.count();
         let is_apart = bands.columns.count() > 1;
-        let apart = if is_apart { layout.columns.next_multiple_of(LANES) * layout.rows } else { 0 };
+        let bundles = layout.columns.next_multiple_of(LANES) * layout.rows;
+        let longest = diagonals.iter().map(Diagonals::len).fold(bundles, usize::max);
+        let apart = if is_apart { longest } else { 0 };
         Self {
             rows: Workspaces::new(count, || SpringRows::new(layout)),
             moments: Workspaces::new(count, || Moments::new(layout)),
@@ -100,7 +109,10 @@ impl Stages for Sheet {
 
     fn bend(&mut self, _: Bending, _: bool) {}
 
-    fn follow(&mut self, _: &Plan, _: &Bound) {}
+    fn follow(&mut self, plan: &Plan, bound: &Bound) {
+        let shear = Constants { shear: plan.shear_stiffness, ..Constants::default() };
+        self.is_on_bias = !bears(bound.rate(&shear), plan.step, self.lattice.crowd);
+    }
 
     fn carried(&self, _: bool) -> Option<f32> {
         Some(CARRIED)
@@ -123,7 +135,9 @@ impl Stages for Sheet {
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
     fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
-        if on.state.carries {
+        if self.is_on_bias {
+            self.solve_bias(on, ShearLaw { compliance, limit });
+        } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {
             self.correct_springs(on, Rule::Shear { compliance, limit });
