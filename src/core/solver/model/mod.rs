@@ -102,7 +102,7 @@ pub(crate) trait Stages {
     /// Begins the third stage.
     fn begin_corrections(&mut self, on: Particles<'_>);
     /// Third stage: shear springs of a finite compliance.
-    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32);
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach);
     /// Third stage: solves the threads. Tells whether any spring came to them beyond its limit: where none did, none
     /// has to be held to it.
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;

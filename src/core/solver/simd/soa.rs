@@ -208,12 +208,11 @@ impl<'a> ValuesMut<'a> {
 }
 
 impl ValuesMut<'_> {
-    /// Adds to the values of some slots.
+    /// Sets the values of some slots.
     #[inline(always)]
-    pub fn add_some(&mut self, slot: usize, more: &[f32]) {
+    pub fn put(&mut self, slot: usize, values: &[f32]) {
         let at = slot - self.first;
-        let values = &mut self.values[at..at + more.len()];
-        values.iter_mut().zip(more).for_each(|(value, more)| *value += more);
+        self.values[at..at + values.len()].copy_from_slice(values);
     }
 }
 

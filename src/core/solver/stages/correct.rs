@@ -80,9 +80,9 @@ impl ClothSolver {
         let stiffness = self.plan.shear_stiffness;
         if stiffness > 0.0 {
             let compliance = 1.0 / (stiffness * self.correction_response());
-            let limit = self.limit();
+            let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
             let (model, on) = self.model_and_particles();
-            model.correct_shear(on, compliance, limit);
+            model.correct_shear(on, reach);
         }
     }
 

@@ -21,8 +21,6 @@ pub(crate) trait Ends {
     const TOUCH: bool;
     /// Whether there may be no spring between two places: one of no rest length.
     const HAS_GAPS: bool = false;
-    /// Whether they are eased where they are taut (`geometric_stiffness`).
-    const EASES: bool = true;
     /// Normals of what the particles at a place lie on.
     fn normals(&self, place: usize) -> Block3;
     /// Parts of their inverse masses that move them.
@@ -174,7 +172,7 @@ impl<'a> Pivots<'a> {
     pub fn at<E: Ends>(&self, spring: usize) -> Pivot {
         Pivot {
             span: self.span.at(spring),
-            length: if E::EASES { self.length.at(spring) } else { Block::ZERO },
+            length: self.length.at(spring),
             inverse: self.inverse.at(spring),
             residual: self.residual.at(spring),
             across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
@@ -184,9 +182,7 @@ impl<'a> Pivots<'a> {
     #[inline(always)]
     pub fn set<E: Ends>(&mut self, spring: usize, pivot: &Pivot) {
         self.span.set(spring, pivot.span);
-        if E::EASES {
-            self.length.set(spring, pivot.length);
-        }
+        self.length.set(spring, pivot.length);
         self.inverse.set(spring, pivot.inverse);
         self.residual.set(spring, pivot.residual);
         if E::TOUCH {

@@ -160,7 +160,8 @@ impl Stages for Mesh {
         self.workspace.fill(&on, true);
     }
 
-    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach) {
+        let Reach { compliance, limit, .. } = reach;
         self.correct_springs(on, Rule::Shear { compliance, limit });
     }
 

@@ -3,7 +3,7 @@
 use crate::solver::constraints::shear::{Cells, CorrectShear, ShearRule};
 use crate::solver::constraints::threads::Lines;
 use crate::solver::constraints::threads::bias::{
-    AddBack, AddLoads, Bias, ShearLaw, SolveBias, SolveBiasApart,
+    Bias, LoadsBack, PutDiagonalsBack, ShearLaw, SolveBias, SolveBiasApart,
 };
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::constraints::threads::warp::{PutBack, SolveWarp, SolveWarpApart};
@@ -56,21 +56,27 @@ impl Sheet {
                 on.isa.run(SolveBias { bias, d: d.part_mut(), contacts, line });
                 continue;
             }
-            let loads = ValuesMut::all(load_apart);
-            let apart_of = SolveBiasApart {
+            let touches = contacts.now.any;
+            let solve = SolveBiasApart {
                 bias,
                 bundles: 0..diagonals.bundles.len(),
                 d,
-                corrections: apart.part_mut(),
-                contacts: contacts.now.any.then_some((&contacts.now, loads)),
+                apart: apart.part_mut(),
+                contacts: touches
+                    .then(|| (&contacts.now, &contacts.load, ValuesMut::all(load_apart))),
                 rooms,
             };
-            parallel::run(on.isa, apart_of);
-            let loads = contacts
-                .contacts()
-                .map(|contacts| AddLoads { from: &*load_apart, to: contacts.load });
-            let (band, d) = (on.bands.rows.clone(), d.part_mut());
-            parallel::run(on.isa, AddBack { band, diagonals, corrections: apart, d, loads });
+            parallel::run(on.isa, solve);
+            let put_back = PutDiagonalsBack {
+                band: on.bands.rows.clone(),
+                diagonals,
+                apart,
+                d: d.part_mut(),
+                loads: contacts
+                    .contacts()
+                    .map(|contacts| LoadsBack { apart: load_apart, to: contacts.load }),
+            };
+            parallel::run(on.isa, put_back);
         }
     }
 

@@ -134,9 +134,10 @@ impl Stages for Sheet {
 
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
-    fn correct_shear(&mut self, on: Particles<'_>, compliance: f32, limit: f32) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach) {
+        let Reach { compliance, limit, steady } = reach;
         if self.is_on_bias {
-            self.solve_bias(on, ShearLaw { compliance, limit });
+            self.solve_bias(on, ShearLaw { compliance, limit, steady });
         } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {

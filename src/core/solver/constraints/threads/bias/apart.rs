@@ -1,4 +1,4 @@
-//! Diagonals that cores share: each puts what it comes to apart, from where it is added by rows.
+//! Diagonals that cores share: each puts what it comes to apart, from where it is put back by rows.
 
 use core::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::{Band, Cut, Workspaces, cut_between_rows};
-use crate::solver::simd::slots::{CutAt, SlotsMut};
+use crate::solver::simd::slots::{CutAt, Slots, SlotsMut};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
 /// Bundles of a core's share at least.
@@ -20,10 +20,10 @@ pub(crate) struct SolveBiasApart<'a> {
     pub bias: Bias<'a>,
     pub bundles: Range<usize>,
     pub d: &'a Soa,
-    /// Corrections, bundle by bundle, and in each row by row.
-    pub corrections: PartMut<'a>,
-    /// What particles lie on, and what that bears of those, as the corrections are.
-    pub contacts: Option<(&'a Normals, ValuesMut<'a>)>,
+    /// The corrected displacements, bundle by bundle, and in each row by row.
+    pub apart: PartMut<'a>,
+    /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
+    pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
     pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
@@ -32,25 +32,24 @@ impl Kernel for SolveBiasApart<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { bias, bundles, d, mut corrections, mut contacts, rooms } = self;
+        let Self { bias, bundles, d, mut apart, mut contacts, rooms } = self;
         let line = &mut rooms.take().line;
         for bundle in &bias.diagonals.bundles[bundles] {
             let strands = bias.strands(bundle);
-            let first = bundle.before;
-            let corrections = corrections.reborrow();
+            let (first, apart) = (bundle.before, apart.reborrow());
+            if let Some((_, load, loads)) = &mut contacts {
+                for place in 0..bundle.places {
+                    loads.set(first + place * LANES, &Block::load(load, strands.slot(place)));
+                }
+            }
             match &mut contacts {
-                Some((normals, loads)) if strands.touch(normals) => {
-                    let to = Apart { d, first, corrections, loads: Some(loads.reborrow()) };
+                Some((normals, _, loads)) if strands.touch(normals) => {
+                    let to = Apart { d, first, apart, loads: Some(loads.reborrow()) };
                     OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }
                         .solve(&bias.law, line);
                 }
-                rest => {
-                    if let Some((_, loads)) = rest {
-                        for place in 0..bundle.places {
-                            loads.set(first + place * LANES, &Block::ZERO);
-                        }
-                    }
-                    let to = Apart { d, first, corrections, loads: None };
+                _ => {
+                    let to = Apart { d, first, apart, loads: None };
                     OnBias::<_, false> { strands, x: bias.x, normals: None, to }
                         .solve(&bias.law, line);
                 }
@@ -73,20 +72,15 @@ impl<'a> Cut for SolveBiasApart<'a> {
 
     fn cut(self, middle: usize) -> (Self, Self) {
         let place = self.bias.diagonals.bundles[middle].before;
-        let (corrections, corrections_after) = self.corrections.cut(place);
-        let cut = |(normals, loads): (&'a Normals, ValuesMut<'a>)| {
+        let (apart, apart_after) = self.apart.cut(place);
+        let cut = |(normals, load, loads): (&'a Normals, &'a Array, ValuesMut<'a>)| {
             let (loads, after) = loads.cut(place);
-            ((normals, loads), (normals, after))
+            ((normals, load, loads), (normals, load, after))
         };
         let (contacts, contacts_after) = self.contacts.map(cut).unzip();
         let (before, after) = (self.bundles.start..middle, middle..self.bundles.end);
-        let after = Self {
-            bundles: after,
-            corrections: corrections_after,
-            contacts: contacts_after,
-            ..self
-        };
-        (Self { bundles: before, corrections, contacts, ..self }, after)
+        let after = Self { bundles: after, apart: apart_after, contacts: contacts_after, ..self };
+        (Self { bundles: before, apart, contacts, ..self }, after)
     }
 
     fn run(self, isa: Isa) {
@@ -99,7 +93,7 @@ struct Apart<'a> {
     d: &'a Soa,
     /// Where the bundle's begins.
     first: usize,
-    corrections: PartMut<'a>,
+    apart: PartMut<'a>,
     loads: Option<ValuesMut<'a>>,
 }
 
@@ -110,77 +104,94 @@ impl To for Apart<'_> {
     }
 
     #[inline(always)]
-    fn correct(&mut self, place: usize, _: usize, correction: &Block3) {
-        correction.store(&mut self.corrections, self.first + place * LANES);
+    fn correct(&mut self, place: usize, slot: usize, correction: &Block3) {
+        let corrected = Block3::load(self.d, slot).plus(correction);
+        corrected.store(&mut self.apart, self.first + place * LANES);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, _: usize, more: &Block3) {
+        let at = self.first + place * LANES;
+        Block3::load(&self.apart, at).plus(more).store(&mut self.apart, at);
     }
 
     #[inline(always)]
     fn load(&mut self, place: usize, _: usize, load: &Block) {
         if let Some(loads) = &mut self.loads {
-            loads.set(self.first + place * LANES, load);
+            loads.add(self.first + place * LANES, load);
         }
     }
 }
 
-/// Adds what [`SolveBiasApart`] has put apart.
-pub(crate) struct AddBack<'a> {
+/// Puts displacements back that [`SolveBiasApart`] has put apart.
+pub(crate) struct PutDiagonalsBack<'a> {
     pub band: Band,
     pub diagonals: &'a Diagonals,
-    pub corrections: &'a Soa,
+    pub apart: &'a Soa,
     pub d: PartMut<'a>,
-    /// Loads of contact, and the array that they are added to.
-    pub loads: Option<AddLoads<'a>>,
+    /// Loads of contact, from the copy, and the array that they are put into.
+    pub loads: Option<LoadsBack<'a>>,
 }
 
-/// Loads that are added to others.
-pub(crate) struct AddLoads<'a> {
-    pub from: &'a Array,
+/// Loads, and where they belong.
+pub(crate) struct LoadsBack<'a> {
+    pub apart: &'a Array,
     pub to: ValuesMut<'a>,
 }
 
-impl CutAt for AddLoads<'_> {
+impl CutAt for LoadsBack<'_> {
     fn cut(self, slot: usize) -> (Self, Self) {
         let (to, below) = self.to.cut(slot);
-        (Self { from: self.from, to }, Self { from: self.from, to: below })
+        (Self { to, ..self }, Self { to: below, ..self })
     }
 }
 
-impl Kernel for AddBack<'_> {
+impl Kernel for PutDiagonalsBack<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { band, diagonals, corrections, mut d, mut loads } = self;
-        let columns = band.layout.columns as isize;
+        let Self { band, diagonals, apart, mut d, mut loads } = self;
         for row in band.rows.clone() {
             for bundle in &diagonals.bundles {
-                let Some((column, from)) = bundle.in_row(row, diagonals) else { continue };
-                // What is beyond the row is padding.
-                let first = (-column).max(0);
-                let count = ((columns - column).min(LANES as isize) - first).max(0) as usize;
-                let from = from + first as usize;
-                let slot = band.layout.slot(row, 0) + (column + first) as usize;
-                let at = slot - crate::solver::simd::slots::Slots::first(&d);
+                let Some(InRow { column, from, count }) = bundle.in_row(row, diagonals) else {
+                    continue;
+                };
+                let (slot, from) = (band.layout.slot(row, column), from..from + count);
+                let at = slot - d.first();
                 let [x, y, z] = d.axes_mut();
-                for (to, by) in [(x, &corrections.x), (y, &corrections.y), (z, &corrections.z)] {
-                    let by = &by[from..from + count];
-                    to[at..at + count].iter_mut().zip(by).for_each(|(to, by)| *to += by);
+                for (to, apart) in [(x, &apart.x), (y, &apart.y), (z, &apart.z)] {
+                    to[at..at + count].copy_from_slice(&apart[from.clone()]);
                 }
-                if let Some(AddLoads { from: loads, to }) = &mut loads {
-                    to.add_some(slot, &loads[from..from + count]);
+                if let Some(LoadsBack { apart, to }) = &mut loads {
+                    to.put(slot, &apart[from]);
                 }
             }
         }
     }
 }
 
-cut_between_rows!(AddBack, d, loads);
+cut_between_rows!(PutDiagonalsBack, d, loads);
+
+/// Particles of a row that are in a bundle.
+struct InRow {
+    column: usize,
+    /// Where what they came to is.
+    from: usize,
+    count: usize,
+}
 
 impl Bundle {
-    /// The column of the first diagonal in a row, and where what it came to there is.
-    fn in_row(&self, row: usize, diagonals: &Diagonals) -> Option<(isize, usize)> {
+    /// The particles of a row: without what is beyond the row.
+    fn in_row(&self, row: usize, diagonals: &Diagonals) -> Option<InRow> {
         let place = row.checked_sub(self.row).filter(|place| *place < self.places)?;
         let column = self.column + diagonals.way.step() * place as isize;
-        Some((column, self.before + place * LANES))
+        let beyond = (-column).max(0);
+        let count = (diagonals.layout.columns as isize - column).min(LANES as isize) - beyond;
+        Some(InRow {
+            column: (column + beyond) as usize,
+            from: self.before + place * LANES + beyond as usize,
+            count: usize::try_from(count).ok()?,
+        })
     }
 }

@@ -12,11 +12,12 @@
 
 mod apart;
 
-pub(crate) use apart::{AddBack, AddLoads, SolveBiasApart};
+pub(crate) use apart::{LoadsBack, PutDiagonalsBack, SolveBiasApart};
 
-use crate::solver::constraints::threads::Springs;
+use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::constraints::threads::tridiagonal::{Ends, Law, Pivots};
+use crate::solver::constraints::threads::{Springs, mobile};
 use crate::solver::contact::{Contacts, Normals};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
@@ -38,6 +39,8 @@ pub(crate) struct ShearLaw {
     pub compliance: f32,
     /// Longest that a spring may be, in rest lengths.
     pub limit: f32,
+    /// Largest correction by one spring at which a taut diagonal does not tremble \[m\].
+    pub steady: f32,
 }
 
 impl Law for ShearLaw {
@@ -262,6 +265,8 @@ trait To {
     fn displacements(&self, slot: usize) -> Block3;
     /// Takes the corrections of the particles at a place.
     fn correct(&mut self, place: usize, slot: usize, correction: &Block3);
+    /// Takes more of them.
+    fn correct_more(&mut self, place: usize, slot: usize, more: &Block3);
     /// Takes what pulls them onto what they lie on.
     fn load(&mut self, place: usize, slot: usize, load: &Block);
 }
@@ -281,6 +286,11 @@ impl To for InPlace<'_> {
     #[inline(always)]
     fn correct(&mut self, _: usize, slot: usize, correction: &Block3) {
         Block3::load(&self.d, slot).plus(correction).store(&mut self.d, slot);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, slot: usize, more: &Block3) {
+        self.correct(place, slot, more);
     }
 
     #[inline(always)]
@@ -305,14 +315,16 @@ impl<T: To, const TOUCH: bool> OnBias<'_, T, TOUCH> {
         let strands = self.strands;
         let mut pivots = Pivots::new(line, strands.places - 1);
         strands.eliminate(law, &self, &mut pivots, &mut Block::splat(0.0));
-        strands.substitute(&pivots, &mut self);
+        // As threads are.
+        if strands.substitute(&pivots, &mut self) > law.steady {
+            ease(line, &mut self);
+        }
     }
 }
 
 impl<T: To, const TOUCH: bool> Ends for OnBias<'_, T, TOUCH> {
     const TOUCH: bool = TOUCH;
     const HAS_GAPS: bool = true;
-    const EASES: bool = false;
 
     #[inline(always)]
     fn normals(&self, place: usize) -> Block3 {
@@ -347,7 +359,39 @@ impl<T: To, const TOUCH: bool> Ends for OnBias<'_, T, TOUCH> {
     }
 
     #[inline(always)]
-    fn correct_more(&mut self, place: usize, correction: Block3) {
-        self.correct(place, correction);
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        self.to.correct_more(place, self.strands.slot(place), &more);
+    }
+}
+
+impl<T: To, const TOUCH: bool> Threads for OnBias<'_, T, TOUCH> {
+    #[inline(always)]
+    fn places(&self) -> usize {
+        self.strands.places
+    }
+
+    #[inline(always)]
+    fn inverse_mass(&self, place: usize) -> Block {
+        mobile(&self.strands.inverse_mass(place), self, place)
+    }
+
+    #[inline(always)]
+    fn rest(&self, place: usize) -> Block {
+        self.strands.rest(place)
+    }
+
+    #[inline(always)]
+    fn normals(&self, place: usize) -> Option<Block3> {
+        if TOUCH { Some(Ends::normals(self, place)) } else { None }
+    }
+
+    #[inline(always)]
+    fn load(&mut self, place: usize, load: &Block) {
+        Ends::load(self, place, load);
+    }
+
+    #[inline(always)]
+    fn correct_more(&mut self, place: usize, more: Block3) {
+        Ends::correct_more(self, place, more);
     }
 }
