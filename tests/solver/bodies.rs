@@ -8,6 +8,7 @@ use bevy::math::{
 use bevy_drape::sdf::SignedDistance;
 use bevy_drape::solver::{
     ClothSolver, Collider, Isa, Mobility, PinMotion, PinPull, Pose, Settings, SoftPin, StepInput,
+    StretchMethod, Substeps,
 };
 
 use crate::support::solver::*;
@@ -190,6 +191,34 @@ fn a_ball_rests_where_the_cloth_bears_its_weight() {
         let [least, most] = [5e-3, -5e-3].map(|by| borne(rests + by));
         println!("{mass} kg at {rests} m: the cloth bears {least} to {most} kg within 5 mm");
         assert!(least < mass && mass < most, "{mass} kg: {least} to {most}");
+    }
+}
+
+/// Truth: explicit springs of many substeps. A pass over the cells would leave shear so soft that the ball hangs 70 and 85 mm too low.
+#[test]
+fn few_substeps_bear_a_ball_where_many_do() {
+    let rests = |mass: f32, substeps: u32, stretch_method: StretchMethod| {
+        let substeps = Substeps::Fixed(substeps);
+        let (mut cloth, pins) = hammock();
+        let settings = Settings { substeps, stretch_method, ..Settings::default() };
+        cloth.set_settings(settings).unwrap();
+        let calm = bevy_drape::solver::Material { drag: 2.0, ..*cloth.material() };
+        cloth.set_material(calm).unwrap();
+        let gravity = Vec3::NEG_Y * GRAVITY;
+        let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+        let mut ball = Body::ball(mass, Vec3::Y * (RADIUS + 0.006));
+        let mut mean = 0.0;
+        for tick in 0..384 {
+            ball.tick(&mut cloth, &Sphere::new(RADIUS), &input);
+            mean += if tick >= 320 { ball.place.y / 64.0 } else { 0.0 };
+        }
+        mean
+    };
+    for (mass, within) in [(0.05, 0.02), (0.2, 0.03)] {
+        let few = rests(mass, 8, StretchMethod::ImplicitThreads);
+        let many = rests(mass, 200, StretchMethod::ExplicitSprings);
+        println!("{mass} kg: at {few} m with 8 substeps, at {many} m with many");
+        assert!((few - many).abs() < within, "{mass} kg: {few} for {many}");
     }
 }
 

@@ -27,10 +27,11 @@ use crate::solver::simd::soa::{PartMut, Soa, ValuesMut};
 use crate::solver::topology::lattice::Lattice;
 
 /// Least compliance of a spring, relative to the inverse masses of its ends. Weft, warp and both diagonals correct what the others
-/// left, and where all are stiff they contend: the softer ones leave the threads to carry.
-const LEAST_COMPLIANCE: f32 = 0.15;
+/// left, and where all are stiff they contend: the diagonals leave the threads to carry. Half of it makes a sheet that is as stiff
+/// across as along hang less accurately; twice as much makes soft ones sag more under what lies on them.
+const LEAST_COMPLIANCE: f32 = 0.6;
 /// Compliance of a spring that is at its limit, as far.
-const LIMIT_COMPLIANCE: f32 = 0.05;
+const LIMIT_COMPLIANCE: f32 = 0.1;
 
 /// How soft shear springs are, and how long they may be.
 #[derive(Clone, Copy)]
