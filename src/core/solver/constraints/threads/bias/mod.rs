@@ -58,7 +58,8 @@ impl Law for ShearLaw {
             (larger(factor * self.compliance, both * LEAST_COMPLIANCE), both * LIMIT_COMPLIANCE);
         let longest = rest * self.limit;
         let (elastic, beyond) = (length - rest, length - longest);
-        if beyond * (both + soft) > elastic * (both + hard) {
+        // Between two held ones nothing moves, and the limit would take a pull without end.
+        if both > 0.0 && beyond * (both + soft) > elastic * (both + hard) {
             (hard, beyond + hard / soft * (longest - rest))
         } else {
             (soft, elastic)
