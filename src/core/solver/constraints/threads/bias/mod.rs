@@ -235,7 +235,8 @@ impl Strands<'_> {
     fn touch(&self, normals: &Normals) -> bool {
         (0..self.places).any(|place| {
             let slot = self.slot(place);
-            normals.touch(slot / LANES, (slot + LANES - 1) / LANES - slot / LANES + 1, 1)
+            let block = slot / LANES;
+            normals.touch(block, slot.div_ceil(LANES) - block + 1, 1)
         })
     }
 }
