@@ -194,7 +194,7 @@ fn a_ball_rests_where_the_cloth_bears_its_weight() {
     }
 }
 
-/// Truth: explicit springs of many substeps. A pass over the cells would leave shear so soft that the ball hangs 70 and 85 mm too low.
+/// Truth: explicit springs of many substeps. A pass over the cells would leave shear so soft that the balls hang 70 and 90 mm too low.
 #[test]
 fn few_substeps_bear_a_ball_where_many_do() {
     let rests = |mass: f32, substeps: u32, stretch_method: StretchMethod| {

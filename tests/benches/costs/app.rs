@@ -24,7 +24,7 @@ pub fn app_with<M>(drawn: bool, others: impl Plugins<M>) -> App {
     app_of(drawn.then(AssetPlugin::default), others)
 }
 
-/// The same, which draws where it has files.
+/// An app as [`app_with`] makes it, which draws where it has files.
 pub fn app_of<M>(files: Option<AssetPlugin>, others: impl Plugins<M>) -> App {
     let one = TaskPoolThreadAssignmentPolicy {
         min_threads: 1,

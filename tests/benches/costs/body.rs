@@ -21,7 +21,7 @@ use std::{path::Path, time::Duration};
 const PATIENCE: usize = 1000;
 /// How long fitting may take, once for a character \[us\].
 const LONGEST: f64 = 5000.0;
-/// What is outside by more than this, on an adult whose skin has [`ADULT`], counts as left out \[m\].
+/// Vertices that are outside by more than this, on an adult whose skin has [`ADULT`], count as left out \[m\].
 const LEFT_OUT: f32 = 0.02;
 /// The skin of an adult \[m^2\].
 const ADULT: f32 = 1.8;
@@ -88,7 +88,7 @@ fn fit_again(app: App, body: Entity, name: &str, rounds: usize, wrong: &mut Wron
     wrong.unless(vertices > 0 && part <= MOST_LEFT_OUT, name, "too much of its skin is outside");
 }
 
-/// What capsules leave outside.
+/// The skin that capsules leave outside.
 struct Seen {
     vertices: usize,
     outside: usize,

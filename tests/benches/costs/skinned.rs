@@ -1,4 +1,4 @@
-//! What it costs to know where a skinned mesh is.
+//! The cost of knowing where a skinned mesh is.
 
 use crate::turns::median;
 use bevy::math::{Affine3A, Vec3};
@@ -8,7 +8,7 @@ use std::{hint::black_box, time::Instant};
 /// Vertices, and the joints that move them, four each.
 const VERTICES: usize = 5000;
 const JOINTS: usize = 20;
-/// What skinning them may take \[us\].
+/// Longest that skinning them may take \[us\].
 const LONGEST: f64 = 80.0;
 
 /// Skins points and normals as a tick does.

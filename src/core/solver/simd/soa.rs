@@ -205,9 +205,7 @@ impl<'a> ValuesMut<'a> {
         let at = slot - self.first;
         Block::load(self.values, at).plus(more).store(self.values, at);
     }
-}
 
-impl ValuesMut<'_> {
     /// Sets the values of some slots.
     #[inline(always)]
     pub fn put(&mut self, slot: usize, values: &[f32]) {

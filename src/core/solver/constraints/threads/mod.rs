@@ -139,14 +139,7 @@ impl Lines<'_> {
     /// Solves and corrects the threads from one on.
     #[inline(always)]
     pub fn solve<E: Ends>(&mut self, thread: usize, ends: &mut E, excess: &mut Block) {
-        let bundle = Bundle::new(self, thread);
-        let mut pivots = Pivots::new(self.line, bundle.places - 1);
-        bundle.eliminate(&self.reach, ends, &mut pivots, excess);
-        let most = bundle.substitute(&pivots, ends);
-        // Keeps taut threads from trembling.
-        if most > self.reach.steady {
-            ease(self.line, &mut Woven { bundle, ends });
-        }
+        Bundle::new(self, thread).solve(&self.reach, self.line, ends, excess);
     }
 }
 
@@ -211,6 +204,21 @@ trait Springs {
     /// One over their shape factors.
     fn compliance(&self, place: usize) -> Block;
 
+    /// Solves and corrects the threads.
+    #[inline(always)]
+    fn solve<E: Ends>(self, law: &impl Law, line: &mut Line, ends: &mut E, excess: &mut Block)
+    where
+        Self: Sized,
+    {
+        let mut pivots = Pivots::new(line, self.places() - 1);
+        self.eliminate(law, ends, &mut pivots, excess);
+        let most = self.substitute(&pivots, ends);
+        // Keeps taut threads from trembling.
+        if most > law.steady() {
+            ease(line, &mut Woven { springs: self, ends });
+        }
+    }
+
     /// Forward elimination: from place to place, each pivot from the one before.
     #[inline(always)]
     fn eliminate<E: Ends>(
@@ -251,25 +259,25 @@ trait Springs {
 }
 
 /// [`LANES`] threads of a lattice, and where their particles are.
-struct Woven<'a, E> {
-    bundle: Bundle<'a>,
+struct Woven<'a, S, E> {
+    springs: S,
     ends: &'a mut E,
 }
 
-impl<E: Ends> Threads for Woven<'_, E> {
+impl<S: Springs, E: Ends> Threads for Woven<'_, S, E> {
     #[inline(always)]
     fn places(&self) -> usize {
-        self.bundle.places
+        self.springs.places()
     }
 
     #[inline(always)]
     fn inverse_mass(&self, place: usize) -> Block {
-        mobile(&self.bundle.inverse_mass(place), self.ends, place)
+        mobile(&self.springs.inverse_mass(place), self.ends, place)
     }
 
     #[inline(always)]
     fn rest(&self, place: usize) -> Block {
-        self.bundle.rest(place)
+        self.springs.rest(place)
     }
 
     #[inline(always)]

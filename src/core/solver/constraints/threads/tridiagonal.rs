@@ -46,10 +46,12 @@ pub(crate) struct Reach {
     pub steady: f32,
 }
 
-/// What springs are held to.
+/// A law that springs are held to.
 pub(crate) trait Law {
     /// Longest that a spring may be, in rest lengths.
     fn limit(&self) -> f32;
+    /// Largest correction by one spring at which a taut thread does not tremble \[m\].
+    fn steady(&self) -> f32;
     /// The compliance of a spring \[1/kg\], and how much longer it is than it is to be \[m\]; of shape factor `1 / factor`, between ends
     /// whose inverse masses sum up to `both`.
     fn hold(&self, length: f32, rest: f32, factor: f32, both: f32) -> (f32, f32);
@@ -59,6 +61,11 @@ impl Law for Reach {
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
+    }
+
+    #[inline(always)]
+    fn steady(&self) -> f32 {
+        self.steady
     }
 
     #[inline(always)]

@@ -60,6 +60,7 @@ impl Sheet {
             let solve = SolveBiasApart {
                 bias,
                 bundles: 0..diagonals.bundles.len(),
+                least: diagonals.bundles.len().div_ceil(on.bands.most()),
                 d,
                 apart: apart.part_mut(),
                 contacts: touches

@@ -58,7 +58,7 @@ struct SheetWorkspace {
     threads: Workspaces<ThreadWorkspace>,
     /// Displacements of the rows on both sides of each cut.
     seams: Seams,
-    /// Displacements of columns and corrections of diagonals, where they are solved apart from each other.
+    /// Displacements of columns and of diagonals, where they are solved apart from each other.
     apart: Soa,
     /// Loads that particles of such put on what they lie on.
     load_apart: Array,

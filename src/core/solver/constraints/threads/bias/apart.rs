@@ -12,13 +12,12 @@ use crate::solver::simd::parallel::{Band, Cut, Workspaces, cut_between_rows};
 use crate::solver::simd::slots::{CutAt, Slots, SlotsMut};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 
-/// Bundles of a core's share at least.
-const LEAST_SHARE: usize = 4;
-
 /// Solves some of the diagonals that go one way.
 pub(crate) struct SolveBiasApart<'a> {
     pub bias: Bias<'a>,
     pub bundles: Range<usize>,
+    /// Bundles of a share at least: there are no more shares than rooms.
+    pub least: usize,
     pub d: &'a Soa,
     /// The corrected displacements, bundle by bundle, and in each row by row.
     pub apart: PartMut<'a>,
@@ -32,7 +31,7 @@ impl Kernel for SolveBiasApart<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { bias, bundles, d, mut apart, mut contacts, rooms } = self;
+        let Self { bias, bundles, d, mut apart, mut contacts, rooms, .. } = self;
         let line = &mut rooms.take().line;
         for bundle in &bias.diagonals.bundles[bundles] {
             let strands = bias.strands(bundle);
@@ -63,7 +62,7 @@ impl<'a> Cut for SolveBiasApart<'a> {
 
     fn middle(&self) -> Option<usize> {
         let Range { start, end } = self.bundles;
-        (end - start >= 2 * LEAST_SHARE).then_some(usize::midpoint(start, end))
+        (end - start >= 2 * self.least).then_some(usize::midpoint(start, end))
     }
 
     fn is_shared(&self) -> bool {

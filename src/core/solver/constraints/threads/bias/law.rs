@@ -1,4 +1,4 @@
-//! What shear springs on the bias are held to.
+//! The law that shear springs on the bias are held to.
 
 use crate::solver::constraints::threads::tridiagonal::Law;
 use crate::solver::simd::block::larger;
@@ -26,6 +26,11 @@ impl Law for ShearLaw {
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
+    }
+
+    #[inline(always)]
+    fn steady(&self) -> f32 {
+        self.steady
     }
 
     /// To the rest length, or to the limit where that takes a larger pull: the pull at the limit, and what it takes to come back to it.

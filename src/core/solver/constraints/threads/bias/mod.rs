@@ -16,10 +16,9 @@ mod law;
 pub(crate) use apart::{LoadsBack, PutDiagonalsBack, SolveBiasApart};
 pub(crate) use law::ShearLaw;
 
-use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
+use crate::solver::constraints::threads::Springs;
 use crate::solver::constraints::threads::line::Line;
-use crate::solver::constraints::threads::tridiagonal::{Ends, Pivots};
-use crate::solver::constraints::threads::{Springs, mobile};
+use crate::solver::constraints::threads::tridiagonal::Ends;
 use crate::solver::contact::{Contacts, Normals};
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::Kernel;
@@ -277,13 +276,7 @@ struct OnBias<'a, T, const TOUCH: bool> {
 impl<T: To, const TOUCH: bool> OnBias<'_, T, TOUCH> {
     #[inline(always)]
     fn solve(mut self, law: &ShearLaw, line: &mut Line) {
-        let strands = self.strands;
-        let mut pivots = Pivots::new(line, strands.places - 1);
-        strands.eliminate(law, &self, &mut pivots, &mut Block::splat(0.0));
-        // As threads are.
-        if strands.substitute(&pivots, &mut self) > law.steady {
-            ease(line, &mut self);
-        }
+        self.strands.solve(law, line, &mut self, &mut Block::splat(0.0));
     }
 }
 
@@ -326,37 +319,5 @@ impl<T: To, const TOUCH: bool> Ends for OnBias<'_, T, TOUCH> {
     #[inline(always)]
     fn correct_more(&mut self, place: usize, more: Block3) {
         self.to.correct_more(place, self.strands.slot(place), &more);
-    }
-}
-
-impl<T: To, const TOUCH: bool> Threads for OnBias<'_, T, TOUCH> {
-    #[inline(always)]
-    fn places(&self) -> usize {
-        self.strands.places
-    }
-
-    #[inline(always)]
-    fn inverse_mass(&self, place: usize) -> Block {
-        mobile(&self.strands.inverse_mass(place), self, place)
-    }
-
-    #[inline(always)]
-    fn rest(&self, place: usize) -> Block {
-        self.strands.rest(place)
-    }
-
-    #[inline(always)]
-    fn normals(&self, place: usize) -> Option<Block3> {
-        if TOUCH { Some(Ends::normals(self, place)) } else { None }
-    }
-
-    #[inline(always)]
-    fn load(&mut self, place: usize, load: &Block) {
-        Ends::load(self, place, load);
-    }
-
-    #[inline(always)]
-    fn correct_more(&mut self, place: usize, more: Block3) {
-        Ends::correct_more(self, place, more);
     }
 }
