@@ -179,6 +179,9 @@ impl Island {
             member.solver.hold_to_skin();
             ended(place, Stage::Correct);
         }
+        if left == Some(0) {
+            self.couples.end_tick(members);
+        }
     }
 
     /// The members that have touched each other in the tick, by their places: two by two.

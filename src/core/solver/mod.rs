@@ -288,7 +288,7 @@ impl ClothSolver {
         let (low, high) = self.bounds();
         let centre = (self.survey.min + self.survey.max) * 0.5;
         if self.state.follow(self.topology.layout(), centre) {
-            self.forget_pairs();
+            self.ride_pairs(None);
         }
         if let Some(skin) = &mut self.skin {
             skin.begin_tick(self.isa, &self.topology, input.skin, self.state.origin);

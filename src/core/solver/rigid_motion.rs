@@ -226,7 +226,7 @@ impl ClothSolver {
 
     /// Puts positions and velocities where they are carried to.
     fn settle_at(&mut self, place: Placement) {
-        self.forget_pairs();
+        self.ride_pairs(place.turn);
         let layout = self.topology.layout();
         self.isa.run(place.of(layout, &mut self.state.x, false));
         self.isa.run(place.of(layout, &mut self.state.d, true));

@@ -3,8 +3,11 @@
 //! Pairs that were nearest when they were found come first. Batches are made of no more of them than are awake. A batch that was
 //! looked at, and did not touch, sleeps until the path that particles have come since is as long as its least gap was.
 
+use bevy_math::Vec3;
+
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::friction::Anchors;
+use crate::solver::cloth_contact::history::AnchorTable;
 use crate::solver::simd::block::{Block, smaller};
 use crate::solver::simd::lanes::LANES;
 
@@ -18,7 +21,7 @@ pub(super) struct Batch {
     pub slots: [[u32; LANES]; 2],
     /// Distances at which they touch \[m\].
     pub reach: Block,
-    /// Where pairs of two cloths began to touch in the tick.
+    /// Where pairs of two cloths that touch began to.
     pub anchors: Anchors,
     /// How many lanes hold a pair.
     count: usize,
@@ -56,6 +59,8 @@ pub(super) struct Batches {
     next: Vec<u32>,
     /// Where those of a second cloth begin.
     second: usize,
+    /// The anchors that pairs of two cloths are put into batches with.
+    anchors: AnchorTable,
 }
 
 impl Batches {
@@ -67,6 +72,25 @@ impl Batches {
         self.next.resize(slots + others, 0);
         self.second = if others > 0 { slots } else { 0 };
         self.sort(pairs);
+    }
+
+    /// Lets pairs that are put into batches from now on have some anchors, and no others; `slots` is how many the first cloth has.
+    pub fn take_anchors(
+        &mut self,
+        slots: usize,
+        anchors: impl Iterator<Item = ([u32; 2], Vec3)> + Clone,
+    ) {
+        self.anchors.fill(slots, anchors);
+    }
+
+    /// The same, with the anchors that pairs have now.
+    pub fn keep_anchors(&mut self, slots: usize) {
+        self.anchors.fill(slots, self.all.iter().flat_map(Batch::anchored));
+    }
+
+    /// The pairs that touch and have anchors: their slots, and the anchor from the second particle to the first \[m\].
+    pub fn anchored(&self) -> impl Iterator<Item = ([u32; 2], Vec3)> + Clone {
+        self.all.iter().flat_map(Batch::anchored)
     }
 
     /// Sorts pairs by their gaps, in steps; within a step they keep their order.
@@ -122,7 +146,7 @@ impl Batches {
 
     /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
     fn put(&mut self, pair: &Pair) {
-        let Self { all, first_free, next, second, .. } = self;
+        let Self { all, first_free, next, second, anchors, .. } = self;
         let particles = [pair.slots[0] as usize, *second + pair.slots[1] as usize];
         let [a, b] = particles.map(|particle| next[particle] as usize);
         let is_full = |batch: &Batch| batch.count == LANES;
@@ -133,7 +157,7 @@ impl Batches {
         if at == all.len() {
             all.push(Batch::EMPTY);
         }
-        all[at].push(pair, self.path);
+        all[at].push(pair, self.path, anchors.get(pair.slots));
         for particle in particles {
             next[particle] = at as u32 + 1;
         }
@@ -165,6 +189,12 @@ impl Awake<'_> {
 }
 
 impl Batch {
+    /// Its pairs that have anchors.
+    fn anchored(&self) -> impl Iterator<Item = ([u32; 2], Vec3)> + Clone {
+        let pair = |i: usize| self.slots.map(|slots| slots[i]);
+        (0..self.count).filter_map(move |i| Some((pair(i), self.anchors.get(i)?)))
+    }
+
     const EMPTY: Self = Self {
         slots: [[0; LANES]; 2],
         reach: Block::ZERO,
@@ -174,11 +204,14 @@ impl Batch {
     };
 
     /// Takes in a pair, and wakes.
-    fn push(&mut self, pair: &Pair, path: f32) {
+    fn push(&mut self, pair: &Pair, path: f32, anchor: Option<Vec3>) {
         for (slots, slot) in self.slots.iter_mut().zip(pair.slots) {
             slots[self.count] = slot;
         }
         self.reach.0[self.count] = pair.reach;
+        if let Some(anchor) = anchor {
+            self.anchors.set(self.count, anchor);
+        }
         self.until = smaller(path, self.until);
         self.count += 1;
     }

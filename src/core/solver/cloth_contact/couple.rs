@@ -3,7 +3,9 @@
 use crate::solver::cloth_contact::AT_LEAST;
 use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::cloth_contact::parts::Body;
+use crate::solver::cloth_contact::history::{History, Stuck, stamp, take_shared};
+use crate::solver::cloth_contact::others::OthersContact;
+use crate::solver::cloth_contact::parts::{Body, Parts};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::travel::Travelled;
 use crate::solver::simd::block::smaller;
@@ -21,6 +23,8 @@ pub(super) struct Couple {
     /// How far each region of the one may move relative to each of the other \[m\].
     pub allowed: Vec<f32>,
     pub travelled: Travelled,
+    /// Room for what both keep of pairs that touch, each its half.
+    halves: [History; 2],
     /// Whether any pair has touched in the tick.
     pub has_touched: bool,
     /// What touched in the last substep.
@@ -37,6 +41,44 @@ pub(super) struct Found<'a> {
 }
 
 impl Couple {
+    /// Begins a tick with what two cloths keep of each other, of which the first one has so many slots.
+    pub fn recall(&mut self, [one, other]: [&mut OthersContact; 2], slots: usize) {
+        match take_shared(&mut one.histories, &mut other.histories) {
+            Some(halves) => {
+                let pairs = halves[0].pairs.iter().zip(&halves[1].pairs);
+                let pairs = pairs.map(|(a, b)| ([a.slot, b.slot], a.anchor));
+                self.batches.take_anchors(slots, pairs);
+                self.halves = halves;
+            }
+            None => self.batches.take_anchors(0, core::iter::empty()),
+        }
+    }
+
+    /// Ends a tick: both keep the pairs that touch.
+    pub fn remember(&mut self, bodies: &mut [impl Body]) {
+        let halves = &mut self.halves;
+        for half in &mut *halves {
+            half.pairs.clear();
+        }
+        for (slots, anchor) in self.batches.anchored() {
+            for ((half, slot), anchor) in halves.iter_mut().zip(slots).zip([anchor, -anchor]) {
+                half.pairs.push(Stuck { slot, anchor });
+            }
+        }
+        let [Some(first), Some(second)] = halves.each_ref().map(|half| half.pairs.first()) else {
+            return;
+        };
+        let slots = [first.slot, second.slot];
+        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
+        let (Some(one), Some(other)) = (one.parts(), other.parts()) else { return };
+        let place = |parts: &Parts<'_>, slot: u32| parts.origin + parts.x.get(slot as usize);
+        let stamp = stamp(halves, [place(&one, slots[0]), place(&other, slots[1])]);
+        for (half, parts) in halves.iter_mut().zip([one, other]) {
+            half.stamp = stamp;
+            parts.others.histories.push(core::mem::take(half));
+        }
+    }
+
     /// Looks what touches, before anything is moved apart in a substep, of cloths whose particles are at some places now.
     pub fn look(&mut self, isa: Isa, at: &Soa, first: &[u32]) {
         isa.run(LookAtPairs {

@@ -1,6 +1,6 @@
 //! Contact of cloths that are stepped together, couple by couple.
 //!
-//! Nothing of it outlives a tick but what each cloth keeps (`others`), so that cloths may come together and part between any two ticks.
+//! Nothing of it outlives a tick but what each cloth keeps (`others`, `history`), so that cloths may come together and part between any two ticks.
 
 use bevy_math::Vec3;
 
@@ -91,9 +91,14 @@ impl Couples {
                     && one.others.settings.layers & other.others.settings.layers != 0
                 {
                     let [mu, nu] = [one.others.settings.friction, other.others.settings.friction];
-                    self.add_couple([a, b], (mu * nu).sqrt(), members);
+                    let couple = self.add_couple([a, b], (mu * nu).sqrt(), members);
+                    couple.recall([one.others, other.others], one.inverse_mass.len());
                 }
             }
+        }
+        // What is left of those that move is of cloths that they have parted from.
+        for parts in bodies.iter_mut().filter_map(Body::parts).filter(|parts| parts.moves) {
+            parts.others.histories.clear();
         }
         if self.count > 0 {
             self.make_room(slots as usize, longest);
@@ -106,18 +111,20 @@ impl Couples {
         }
     }
 
-    fn add_couple(&mut self, of: [usize; 2], friction: f32, members: usize) {
+    fn add_couple(&mut self, of: [usize; 2], friction: f32, members: usize) -> &mut Couple {
         if self.count == self.couples.len() {
             self.couples.push(Couple::default());
         }
-        let couple = &mut self.couples[self.count];
+        let place = self.count;
+        let couple = &mut self.couples[place];
         couple.pairs.clear();
         (couple.of, couple.friction) = (of, friction);
         (couple.has_touched, couple.touched) = (false, Touched::default());
         let [a, b] = of;
-        self.table[a * members + b] = self.count as u32;
-        self.table[b * members + a] = self.count as u32;
+        self.table[a * members + b] = place as u32;
+        self.table[b * members + a] = place as u32;
         self.count += 1;
+        &mut self.couples[place]
     }
 
     fn make_room(&mut self, slots: usize, longest: usize) {
@@ -188,6 +195,15 @@ impl Couples {
         }
     }
 
+    /// Ends a tick: cloths keep what touches.
+    pub fn end_tick(&mut self, bodies: &mut [impl Body]) {
+        // What has not been looked for has none.
+        let count = if self.is_found { self.count } else { 0 };
+        for couple in &mut self.couples[..count] {
+            couple.remember(bodies);
+        }
+    }
+
     fn isa(&self) -> Isa {
         self.isa.unwrap_or(Isa::Baseline)
     }
@@ -244,6 +260,10 @@ impl Couples {
         owner.resize(owner.len() + LANES, NOBODY);
         let couples = &mut self.couples[..self.count];
         for couple in couples.iter_mut() {
+            if self.is_found {
+                let [one, next] = [0, 1].map(|side| first[couple.of[0] + side] as usize);
+                couple.batches.keep_anchors(next - one);
+            }
             couple.pairs.clear();
             couple.travelled = Travelled::NOTHING;
             // What has no pairs is not met, and touches nothing.

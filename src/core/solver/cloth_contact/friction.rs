@@ -2,14 +2,13 @@
 //!
 //! A pair is met once or twice in a substep, and others drag at its particles after friction has stopped them. What is left of that
 //! sums up: without more, a pile creeps down a slope on which it should stay, by a centimetre a second. So a pair of two cloths has an
-//! *anchor*, where it began to touch in the tick, and friction brakes what leads away from there, as far as Coulomb's bound lets it.
-//! Beyond that the pair slides, and its anchor with it.
+//! *anchor*, where it began to touch, and friction brakes what leads away from there, as far as Coulomb's bound lets it. Beyond that
+//! the pair slides, and its anchor with it. A pair that parts has none (`history`).
 //!
 //! Layers that press on each other are moved apart without speed, by what the approach of others has left (`respond`). In the same
 //! way, and bounded by that push, pairs are moved back to their anchors.
 //!
-//! Anchors are forgotten at a tick's end, so that a cloth that is saved between two ticks goes on as if it had not been. Pairs of one
-//! cloth have none: a heap creeps little, and its threads and anchors would shake it.
+//! Pairs of one cloth have none: a heap creeps little, and its threads and anchors would shake it.
 
 use bevy_math::Vec3;
 
@@ -17,7 +16,7 @@ use crate::solver::cloth_contact::grains::Grains;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::lanes::LANES;
 
-/// Where the pairs of a batch began to touch in the tick, but for what they have slid since.
+/// Where the pairs of a batch that touch began to, but for what they have slid since.
 #[derive(Clone, Debug)]
 pub(super) struct Anchors {
     /// 1 where a pair has one, else 0.
@@ -28,6 +27,23 @@ pub(super) struct Anchors {
 
 impl Anchors {
     pub const NONE: Self = Self { set: Block::ZERO, apart: Block3::ZERO };
+
+    pub fn set(&mut self, i: usize, anchor: Vec3) {
+        self.set.0[i] = 1.0;
+        self.apart.set(i, anchor);
+    }
+
+    pub fn get(&self, i: usize) -> Option<Vec3> {
+        (self.set.0[i] > 0.0).then(|| self.apart.at(i))
+    }
+
+    /// Takes them from pairs that are apart.
+    #[inline(always)]
+    pub fn leave(&mut self, gaps: &Block) {
+        for i in 0..LANES {
+            self.set.0[i] = if gaps.0[i] > 0.0 { 0.0 } else { self.set.0[i] };
+        }
+    }
 }
 
 /// Pairs of a batch that touch, and rub on each other.

@@ -178,7 +178,11 @@ impl SelfContact {
 
     /// Takes out all that its later bits depend on.
     pub fn memory(&self) -> Memory {
-        self.tangles.memory(self.is_found.then(|| self.found_at.clone()), self.since_touch)
+        self.tangles.memory(
+            self.is_found.then(|| self.found_at.clone()),
+            self.since_touch,
+            Vec::new(),
+        )
     }
 
     /// Takes over another's memory.

@@ -25,6 +25,7 @@
 //! | `side` | a cloth as one side of pairs |
 //! | `grains` | the particles of one side of a batch |
 //! | `respond` | pairs that touch are moved apart |
+//! | `history` | where pairs that touch began to, from tick to tick |
 //! | `friction` | pairs that touch rub on each other, and are held where they began to |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
@@ -45,6 +46,7 @@ mod find;
 mod friction;
 mod grains;
 mod grid;
+mod history;
 mod in_patches;
 mod itself;
 mod kin;
@@ -62,6 +64,7 @@ mod travel;
 pub(super) use crate::solver::cloth_contact::couples::Couples;
 pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_through};
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
+pub(super) use crate::solver::cloth_contact::history::{History, Stuck};
 pub use crate::solver::cloth_contact::itself::SelfCollision;
 pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
 pub use crate::solver::cloth_contact::others::InterCollision;
@@ -102,6 +105,8 @@ pub(in crate::solver) struct Memory {
     pub is_suspected: bool,
     /// Ticks until tangles are searched.
     pub wait: u32,
+    /// Pairs that touch, by each other cloth.
+    pub histories: Vec<History>,
 }
 
 /// Substeps in 1/60 s that layers need of balls so wide \[m\], so many ticks after they touched.

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use bevy_math::Mat3;
+
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::Regions;
-use crate::solver::cloth_contact::{CALM, Memory, check_numbers, substeps_for};
+use crate::solver::cloth_contact::{CALM, History, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
 use crate::solver::topology::Topology;
 
@@ -57,6 +59,8 @@ pub(in crate::solver) struct OthersContact {
     pub(super) since_touch: u32,
     /// Whether it may touch others in this tick.
     is_in_company: bool,
+    /// Its halves of what it and others keep of pairs that touch.
+    pub(super) histories: Vec<History>,
 }
 
 impl OthersContact {
@@ -71,6 +75,7 @@ impl OthersContact {
             normals: Normals::new(layout.len()),
             since_touch: CALM,
             is_in_company: false,
+            histories: Vec::new(),
         }
     }
 
@@ -79,6 +84,9 @@ impl OthersContact {
         self.since_touch = (self.since_touch + 1).min(CALM);
         self.tangles.begin_tick();
         self.is_in_company = is_in_company;
+        if !is_in_company {
+            self.histories.clear();
+        }
     }
 
     /// Substeps in 1/60 s that it asks for.
@@ -98,17 +106,27 @@ impl OthersContact {
 
     /// Takes out all that its later bits depend on.
     pub fn memory(&self) -> Memory {
-        self.tangles.memory(None, self.since_touch)
+        self.tangles.memory(None, self.since_touch, self.histories.clone())
     }
 
     /// Takes over another's memory.
     pub fn remember(&mut self, memory: &Memory) {
         self.since_touch = memory.since_touch.min(CALM);
         self.tangles.remember(memory);
+        self.histories.clone_from(&memory.histories);
     }
 
     /// Particles have been put elsewhere.
     pub fn forget(&mut self) {
         self.tangles.suspect();
+        self.histories.clear();
+    }
+
+    /// The cloth has been moved rigidly, and turned if at all.
+    pub fn ride(&mut self, turn: Option<Mat3>) {
+        self.tangles.suspect();
+        if let Some(turn) = turn {
+            self.histories.iter_mut().for_each(|history| history.turn(turn));
+        }
     }
 }

@@ -52,6 +52,7 @@ impl Kernel for LookAtPairs<'_> {
                 let gap = apart.dot(apart).sqrt() - reach.0[i] * (1.0 + EARLY);
                 gaps.0[i] = if reach.0[i] > 0.0 { gap } else { f32::INFINITY };
             }
+            awake.batch.anchors.leave(&gaps);
             let gap = gaps.smallest();
             if gap <= 0.0 { awake.touches() } else { awake.sleeps(gap) }
         }

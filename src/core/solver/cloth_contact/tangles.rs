@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use bevy_math::{DVec3, Vec3};
 
-use crate::solver::cloth_contact::Memory;
 use crate::solver::cloth_contact::crossings::pierces;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::Pair;
+use crate::solver::cloth_contact::{History, Memory};
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
@@ -45,7 +45,12 @@ impl Tangles {
     }
 
     /// Takes out all that later bits depend on, with what else there is to remember.
-    pub fn memory(&self, found_at: Option<Soa>, since_touch: u32) -> Memory {
+    pub fn memory(
+        &self,
+        found_at: Option<Soa>,
+        since_touch: u32,
+        histories: Vec<History>,
+    ) -> Memory {
         let Self { is_down, any: _, is_suspected, wait, faces: _ } = self;
         Memory {
             found_at,
@@ -53,6 +58,7 @@ impl Tangles {
             down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
             is_suspected: *is_suspected,
             wait: *wait,
+            histories,
         }
     }
 

@@ -1,5 +1,7 @@
 //! Contact of a cloth with itself and with others, in the third stage: after the threads, before the strain limit.
 
+use bevy_math::Mat3;
+
 use crate::solver::ClothSolver;
 use crate::solver::cloth_contact::{Lying, Parts, SelfContact, Substep};
 use crate::solver::contact::{ActiveSet, Normals};
@@ -13,6 +15,16 @@ impl ClothSolver {
         }
         if let Some(others) = &mut self.others_contact {
             others.forget();
+        }
+    }
+
+    /// The same where the whole cloth has been moved rigidly, and turned if at all: what it lies on may have been as well.
+    pub(crate) fn ride_pairs(&mut self, turn: Option<Mat3>) {
+        if let Some(own) = &mut self.self_contact {
+            own.forget();
+        }
+        if let Some(others) = &mut self.others_contact {
+            others.ride(turn);
         }
     }
 
