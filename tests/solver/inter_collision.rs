@@ -303,11 +303,12 @@ fn layers_slide_at_the_angle_of_friction() {
     assert!(slides > 0.01, "above the angle it slides by {slides} m");
 }
 
-/// What lies on a cloth that friction holds to the ground stays there, to what the ground lets the lowest one of four creep. It creeps by
-/// a millimetre a second if friction forgets in each tick what has slid; by a centimetre and more, if it does in each substep.
+/// What lies on a cloth that friction holds to the ground stays there. Higher layers creep by a tenth of a millimetre a second if pushes
+/// without speed move what friction holds to the ground; by a millimetre, if friction forgets in each tick what has slid; by a centimetre
+/// and more, if it does in each substep.
 #[test]
 fn a_pile_on_a_slope_stays() {
-    for (count, most) in [(2, 1e-6), (4, 2.5e-4)] {
+    for (count, most) in [(2, 1e-6), (4, 1e-5)] {
         let layer = |layer: usize| {
             let (turn, up) = (0.25 + 0.45 * layer as f32, 0.03 + 0.02 * layer as f32);
             let place = move |p: Vec3| Quat::from_rotation_y(turn) * p + Vec3::Y * up;

@@ -106,11 +106,6 @@ impl Couple {
         }
     }
 
-    /// Moves apart once more what touched in the same substep.
-    pub fn meet_again(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
-        self.respond(bodies, found, 1.0);
-    }
-
     /// Keeps apart what the strain limit has pulled together, after it met in the same substep.
     pub fn keep_apart(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
         if self.touched.is_pressed() {

@@ -178,13 +178,6 @@ impl Couples {
                 couple.meet(bodies, Found { at, first, still });
             }
         }
-        // A layer that lies on another has been stopped before what lies on it dragged it on. Back from there it is stopped once more.
-        let couples = &mut couples[..self.count];
-        if couples.iter().filter(|couple| couple.touched.count > 0).count() > 1 {
-            for couple in couples.iter_mut().rev().filter(|couple| couple.touched.count > 0) {
-                couple.meet_again(bodies, Found { at, first, still });
-            }
-        }
     }
 
     /// Keeps apart what the strain limits have pulled together, after it met in the same substep.

@@ -1,6 +1,6 @@
 //! Coulomb's friction of pairs that touch.
 //!
-//! A pair is met once or twice in a substep, and others drag at its particles after friction has stopped them. What is left of that
+//! A pair is met once in a substep, and others drag at its particles after friction has stopped them. What is left of that
 //! sums up: without more, a pile creeps down a slope on which it should stay, by a centimetre a second. So a pair of two cloths has an
 //! *anchor*, where it began to touch, and friction brakes what leads away from there, as far as Coulomb's bound lets it. Beyond that
 //! the pair slides, and its anchor with it. A pair that parts has none (`history`).

@@ -19,6 +19,8 @@ pub(super) struct Grains {
     pub slipping: Block,
     /// Inverse mass that is left along a collider once its friction has held the particle \[1/kg\].
     pub loose: Block,
+    /// Inverse mass that a push without speed moves \[1/kg\].
+    pub pushed: Block,
 }
 
 impl Grains {
@@ -31,6 +33,7 @@ impl Grains {
             inverse_mass: Block::ZERO,
             slipping: Block::ZERO,
             loose: Block::ZERO,
+            pushed: Block::ZERO,
         };
         for i in (0..LANES).filter(|&i| touches[i] != 0) {
             let slot = slots[i] as usize;
@@ -41,6 +44,8 @@ impl Grains {
             grains.inverse_mass.0[i] = w;
             grains.slipping.0[i] = w * lies.slip;
             grains.loose.0[i] = w * lies.slip * lies.loose;
+            grains.pushed.0[i] =
+                if side.is_held { grains.loose.0[i] } else { grains.slipping.0[i] };
         }
         grains
     }

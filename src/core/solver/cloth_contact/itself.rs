@@ -249,6 +249,7 @@ impl SelfContact {
             faces: &self.tangles.faces,
             found_at: &self.found_at,
             first: 0,
+            is_held: false,
             inverse_mass,
             x,
             d,

@@ -50,6 +50,7 @@ impl<'a> Parts<'a> {
             faces,
             found_at,
             first: first as usize,
+            is_held: true,
         }
     }
 

@@ -225,14 +225,17 @@ impl Met {
             let depth = (above * above + (reach * reach - square)).sqrt() - above;
             let relative = self.relative.at(i) + drift;
             let undone = smaller(larger(-relative.dot(normal), 0.0), depth);
-            let share =
+            let least = a.least_mobility_with(b, i);
+            let slips =
                 a.mobility(&a.slipping, i, normal, 1.0) + b.mobility(&b.slipping, i, normal, 1.0);
-            let share = 1.0 / larger(share, a.least_mobility_with(b, i));
+            let yields =
+                a.mobility(&a.pushed, i, normal, 1.0) + b.mobility(&b.pushed, i, normal, 1.0);
+            let [slips, yields] = [slips, yields].map(|all| 1.0 / larger(all, least));
             self.depth.0[i] = reach - distance;
             self.relative.set(i, relative);
             self.normal.set(i, normal);
-            self.pressed.0[i] = undone * share;
-            self.pushed.0[i] = smaller(depth - undone, most_push) * share;
+            self.pressed.0[i] = undone * slips;
+            self.pushed.0[i] = smaller(depth - undone, most_push) * yields;
         }
     }
 }

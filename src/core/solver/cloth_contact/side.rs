@@ -52,6 +52,9 @@ pub(super) struct Side<'a> {
     /// Where its particles were when pairs were found, and the place of its first slot there \[m\].
     pub found_at: &'a Soa,
     pub first: usize,
+    /// Whether friction with colliders holds particles where they are pushed without speed. Layers that lie on each other creep by what
+    /// it does not hold. A heap of one cloth would be held in its tangles.
+    pub is_held: bool,
 }
 
 impl Side<'_> {
@@ -89,7 +92,8 @@ impl Side<'_> {
     #[inline(always)]
     pub fn give(&mut self, slot: usize, mut momentum: Vec3, mut pushed: Vec3, mut back: Vec3) {
         let mut w = self.inverse_mass[slot];
-        if let Some(Lying { normal, slip, load, .. }) = &mut self.lying {
+        let mut held = 1.0;
+        if let Some(Lying { normal, slip, loose, load, .. }) = &mut self.lying {
             let onto = normal.get(slot);
             let borne = onto.dot(momentum);
             load[slot] += borne;
@@ -97,8 +101,9 @@ impl Side<'_> {
             pushed -= onto * onto.dot(pushed);
             back -= onto * onto.dot(back);
             w *= slip[slot];
+            held = if self.is_held { loose[slot] } else { 1.0 };
         }
         self.d.set(slot, self.d.get(slot) + momentum * w);
-        self.x.set(slot, self.x.get(slot) + pushed * w + back);
+        self.x.set(slot, self.x.get(slot) + pushed * (w * held) + back);
     }
 }
