@@ -212,6 +212,43 @@ fn edited(text: &str, after: &str, by: &str) -> String {
     format!("{}{by}{}", &text[..at], &text[end..])
 }
 
+/// Two sheets that lie on each other on a slope. What holds them is each one's own half, and comes back with it.
+#[test]
+fn a_pile_comes_back() {
+    let pile = |others: usize| {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::new(2.5, -9.3, 0.0)));
+        for _ in 0..others {
+            spawn(&mut app, Name::new("another"));
+        }
+        spawn(&mut app, SdfCollider::from(InfinitePlane3d::new(Vec3::Y)));
+        let cloths = [0.0, 1.0].map(|layer: f32| {
+            let place = Transform::from_xyz(0.0, 0.02 + 0.05 * layer, 0.0)
+                .with_rotation(Quat::from_rotation_y(0.3 * layer));
+            let meets = ClothInterCollision { friction: 0.9, ..default() };
+            let material = ClothMaterial { friction: 0.9, ..default() };
+            let sheet = Cloth::sheet(Vec2::splat(0.5), UVec2::splat(16));
+            spawn(&mut app, (sheet, material, meets, place))
+        });
+        (app, cloths)
+    };
+    let (mut app, cloths) = pile(0);
+    updates(&mut app, 90);
+    let saved = cloths.map(|cloth| ClothSnapshot::of(app.world().entity(cloth)).unwrap());
+    assert!(ron::to_string(&saved).unwrap().contains("stamp:"), "they touch");
+    updates(&mut app, 30);
+    let truth = cloths.map(|cloth| bits(&app, cloth));
+    for carry in [through_ron::<ClothSnapshot>, through_postcard] {
+        let (mut app, cloths) = pile(3);
+        updates(&mut app, 2);
+        for (cloth, state) in cloths.into_iter().zip(&saved) {
+            app.world_mut().entity_mut(cloth).insert(carry(state));
+        }
+        updates(&mut app, 30);
+        assert!(cloths.map(|cloth| bits(&app, cloth)) == truth);
+    }
+}
+
 #[test]
 fn what_is_damaged_is_told_to_its_cloth_and_changes_nothing() {
     let mut scene = Scene::new(Case::ALL[0], 0);
