@@ -308,7 +308,7 @@ fn layers_slide_at_the_angle_of_friction() {
 /// and more, if it does in each substep.
 #[test]
 fn a_pile_on_a_slope_stays() {
-    for (count, most) in [(2, 1e-6), (4, 1e-5)] {
+    for (count, most) in [(2, 1e-6), (4, 1e-5), (12, 5e-5)] {
         let layer = |layer: usize| {
             let (turn, up) = (0.25 + 0.45 * layer as f32, 0.03 + 0.02 * layer as f32);
             let place = move |p: Vec3| Quat::from_rotation_y(turn) * p + Vec3::Y * up;
@@ -384,7 +384,8 @@ fn a_pile_whose_members_change_their_order_stays() {
     check_lies_still("in the other order", &mut scene);
 }
 
-/// What has parted is held no longer where it lay.
+/// A cloth that has parted from another is held no longer where it lay: by its way, as it is put elsewhere at once, or as it goes on alone
+/// for a while.
 #[test]
 fn what_was_lifted_and_put_down_beside_its_place_stays_there() {
     let mut scene = lying_on_a_slope();
@@ -396,10 +397,53 @@ fn what_was_lifted_and_put_down_beside_its_place_stays_there() {
         scene.run(1);
     }
     scene.gravity = gravity;
+    check_stays("lifted", &mut scene);
+
+    let mut scene = lying_on_a_slope();
+    let upper = &mut scene.cloths[1];
+    let beside = |p: usize| upper.position(p) + Vec3::Z * 2e-3;
+    let beside: Vec<_> = (0..upper.topology().particle_count()).map(beside).collect();
+    upper.place(&beside).unwrap();
+    check_stays("put elsewhere", &mut scene);
+
+    let mut scene = lying_on_a_slope();
+    let there = Pose { translation: Vec3::Z * 2e-3, ..Pose::IDENTITY };
+    scene.cloths[1].carry(&Pose::IDENTITY, &there).unwrap();
+    let input = StepInput { dt: TICK, ..StepInput::default() };
+    scene.island.tick(&mut [Member::new(&mut scene.cloths[1], input)]);
+    check_stays("alone for a tick", &mut scene);
+}
+
+/// Checks that the upper sheet does not slide back by `z`.
+fn check_stays(what: &str, scene: &mut Scene) {
     let before = centre(&scene.cloths[1]);
     scene.run(30);
     let back = before.z - centre(&scene.cloths[1]).z;
-    check_at_most("has slid back [m]", back, 1e-4);
+    check_at_most(&format!("{what}: has slid back [m]"), back, 1e-4);
+}
+
+/// Two small sheets on a large one, as far from it alike, which change their order: none takes what holds the other for its own.
+#[test]
+fn layers_beside_each_other_keep_their_own_hold() {
+    let layer = |side: f32, n: usize, at: Vec3| {
+        let mut cloth = cloth(&square(side, n), |p| p + at);
+        cloth.set_material(Material { friction: 0.9, ..usual() }).unwrap();
+        cloth
+    };
+    let [low, up] = [Vec3::Y * 0.0078125, Vec3::Y * 0.0625];
+    let cloths = vec![
+        layer(1.0, 33, low),
+        layer(0.25, 9, up - Vec3::X * 0.25),
+        layer(0.25, 9, up + Vec3::X * 0.25),
+    ];
+    let how = InterCollision { friction: 0.9, ..InterCollision::default() };
+    let mut scene = Scene::of(cloths).meeting(how);
+    scene.ground = 0.0;
+    let slope = 15.0_f32.to_radians();
+    scene.gravity = Vec3::new(slope.sin(), -slope.cos(), 0.0) * 9.81;
+    scene.run(60);
+    scene.cloths.swap(1, 2);
+    check_lies_still("in the other order", &mut scene);
 }
 
 #[test]

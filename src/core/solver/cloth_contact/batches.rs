@@ -83,14 +83,15 @@ impl Batches {
         self.anchors.fill(slots, anchors);
     }
 
-    /// The same, with the anchors that pairs have now.
+    /// Lets pairs that are put into batches from now on have the anchors that they have now.
     pub fn keep_anchors(&mut self, slots: usize) {
-        self.anchors.fill(slots, self.all.iter().flat_map(Batch::anchored));
+        let Self { all, anchors, .. } = self;
+        anchors.fill(slots, anchored(all));
     }
 
     /// The pairs that touch and have anchors: their slots, and the anchor from the second particle to the first \[m\].
     pub fn anchored(&self) -> impl Iterator<Item = ([u32; 2], Vec3)> + Clone {
-        self.all.iter().flat_map(Batch::anchored)
+        anchored(&self.all)
     }
 
     /// Sorts pairs by their gaps, in steps; within a step they keep their order.
@@ -165,6 +166,11 @@ impl Batches {
             *first_free += 1;
         }
     }
+}
+
+/// The pairs of batches that have anchors.
+fn anchored(all: &[Batch]) -> impl Iterator<Item = ([u32; 2], Vec3)> + Clone {
+    all.iter().flat_map(Batch::anchored)
 }
 
 /// The step of a gap; the first one is of pairs that touch.

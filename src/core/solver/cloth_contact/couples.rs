@@ -1,6 +1,7 @@
 //! Contact of cloths that are stepped together, couple by couple.
 //!
-//! Nothing of it outlives a tick but what each cloth keeps (`others`, `history`), so that cloths may come together and part between any two ticks.
+//! Nothing of it outlives a tick but what each cloth keeps (`others`, `history`), so that cloths may come together and part between any
+//! two ticks.
 
 use bevy_math::Vec3;
 
@@ -96,7 +97,7 @@ impl Couples {
                 }
             }
         }
-        // What is left of those that move is of cloths that they have parted from.
+        // Halves that are left of those that move are of cloths that they have parted from.
         for parts in bodies.iter_mut().filter_map(Body::parts).filter(|parts| parts.moves) {
             parts.others.histories.clear();
         }
@@ -190,7 +191,7 @@ impl Couples {
 
     /// Ends a tick: cloths keep what touches.
     pub fn end_tick(&mut self, bodies: &mut [impl Body]) {
-        // What has not been looked for has none.
+        // Where no pairs have been looked for, batches are of another tick.
         let count = if self.is_found { self.count } else { 0 };
         for couple in &mut self.couples[..count] {
             couple.remember(bodies);

@@ -16,7 +16,7 @@ pub(in crate::solver) struct Stuck {
     pub anchor: Vec3,
 }
 
-/// What one of two cloths keeps of the pairs of both that touch. The other one keeps as many, in the same order.
+/// The half that one of two cloths keeps of their pairs that touch. The other one keeps as many, in the same order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::solver) struct History {
     pub stamp: u64,
@@ -71,6 +71,9 @@ impl AnchorTable {
     pub fn fill(&mut self, slots: usize, pairs: impl Iterator<Item = ([u32; 2], Vec3)> + Clone) {
         let Self { ends, pairs: table } = self;
         ends.clear();
+        if pairs.clone().next().is_none() {
+            return;
+        }
         ends.resize(slots + 1, 0);
         for ([first, _], _) in pairs.clone() {
             ends[first as usize + 1] += 1;

@@ -178,11 +178,11 @@ impl SelfContact {
 
     /// Takes out all that its later bits depend on.
     pub fn memory(&self) -> Memory {
-        self.tangles.memory(
-            self.is_found.then(|| self.found_at.clone()),
-            self.since_touch,
-            Vec::new(),
-        )
+        Memory {
+            found_at: self.is_found.then(|| self.found_at.clone()),
+            since_touch: self.since_touch,
+            ..self.tangles.memory()
+        }
     }
 
     /// Takes over another's memory.

@@ -106,7 +106,11 @@ impl OthersContact {
 
     /// Takes out all that its later bits depend on.
     pub fn memory(&self) -> Memory {
-        self.tangles.memory(None, self.since_touch, self.histories.clone())
+        Memory {
+            since_touch: self.since_touch,
+            histories: self.histories.clone(),
+            ..self.tangles.memory()
+        }
     }
 
     /// Takes over another's memory.

@@ -10,9 +10,8 @@ use bevy_math::{DVec3, Vec3};
 use crate::solver::cloth_contact::crossings::pierces;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::cloth_contact::{History, Memory};
+use crate::solver::cloth_contact::{CALM, Memory};
 use crate::solver::simd::block::{larger, smaller};
-use crate::solver::simd::soa::Soa;
 use crate::solver::topology::Topology;
 
 /// Depth of a pair, in distances at which it touches, from which on its faces may pierce each other: layers that lie on each
@@ -44,21 +43,16 @@ impl Tangles {
         Self { faces, is_down, any: false, is_suspected: true, wait: 0 }
     }
 
-    /// Takes out all that later bits depend on, with what else there is to remember.
-    pub fn memory(
-        &self,
-        found_at: Option<Soa>,
-        since_touch: u32,
-        histories: Vec<History>,
-    ) -> Memory {
+    /// Takes out all that later bits of tangles depend on. The rest is left as it is where nothing has touched.
+    pub fn memory(&self) -> Memory {
         let Self { is_down, any: _, is_suspected, wait, faces: _ } = self;
         Memory {
-            found_at,
-            since_touch,
+            found_at: None,
+            since_touch: CALM,
             down: (0..is_down.len()).filter(|&slot| is_down[slot]).collect(),
             is_suspected: *is_suspected,
             wait: *wait,
-            histories,
+            histories: Vec::new(),
         }
     }
 

@@ -18,7 +18,8 @@ impl ClothSolver {
         }
     }
 
-    /// The same where the whole cloth has been moved rigidly, and turned if at all: what it lies on may have been as well.
+    /// Forgets which particles may touch, as the whole cloth has been moved rigidly, and turned if at all. Pairs that touch keep what holds
+    /// them: the cloth that it lies on may have been moved as well.
     pub(crate) fn ride_pairs(&mut self, turn: Option<Mat3>) {
         if let Some(own) = &mut self.self_contact {
             own.forget();

@@ -214,7 +214,7 @@ trait Springs {
         self.eliminate(law, ends, &mut pivots, excess);
         let most = self.substitute(&pivots, ends);
         // Keeps taut threads from trembling.
-        if most > law.steady() {
+        if most > law.reach().steady {
             ease(line, &mut Woven { springs: self, ends });
         }
     }

@@ -48,10 +48,8 @@ pub(crate) struct Reach {
 
 /// A law that springs are held to.
 pub(crate) trait Law {
-    /// Longest that a spring may be, in rest lengths.
-    fn limit(&self) -> f32;
-    /// Largest correction by one spring at which a taut thread does not tremble \[m\].
-    fn steady(&self) -> f32;
+    /// How soft the springs are, and how long they may be.
+    fn reach(&self) -> &Reach;
     /// The compliance of a spring \[1/kg\], and how much longer it is than it is to be \[m\]; of shape factor `1 / factor`, between ends
     /// whose inverse masses sum up to `both`.
     fn hold(&self, length: f32, rest: f32, factor: f32, both: f32) -> (f32, f32);
@@ -59,13 +57,8 @@ pub(crate) trait Law {
 
 impl Law for Reach {
     #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.limit
-    }
-
-    #[inline(always)]
-    fn steady(&self) -> f32 {
-        self.steady
+    fn reach(&self) -> &Reach {
+        self
     }
 
     #[inline(always)]
@@ -124,7 +117,7 @@ impl Pivot {
             let square = span.dot(span);
             // Not `Vec3::length`, whose square root may be a call.
             let length = square.sqrt();
-            let beyond = length - rest.0[i] * law.limit();
+            let beyond = length - rest.0[i] * law.reach().limit;
             let beyond = if rest.0[i] > 0.0 { beyond } else { 0.0 };
             excess.0[i] = larger(beyond, excess.0[i]);
             let diagonal = w[0].0[i] + w[1].0[i];

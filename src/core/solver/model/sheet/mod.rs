@@ -135,9 +135,9 @@ impl Stages for Sheet {
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
     fn correct_shear(&mut self, on: Particles<'_>, reach: Reach) {
-        let Reach { compliance, limit, steady } = reach;
+        let Reach { compliance, limit, .. } = reach;
         if self.is_on_bias {
-            self.solve_bias(on, ShearLaw { compliance, limit, steady });
+            self.solve_bias(on, ShearLaw(reach));
         } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {

@@ -1,6 +1,6 @@
 //! The law that shear springs on the bias are held to.
 
-use crate::solver::constraints::threads::tridiagonal::Law;
+use crate::solver::constraints::threads::tridiagonal::{Law, Reach};
 use crate::solver::simd::block::larger;
 
 /// Least compliance of a spring, relative to the inverse masses of its ends. Weft, warp and both diagonals correct what the others
@@ -11,34 +11,22 @@ const LEAST_COMPLIANCE: f32 = 0.6;
 /// holds no sheet that collapses.
 const LIMIT_COMPLIANCE: f32 = 0.1;
 
-/// How soft shear springs are, and how long they may be.
+/// The law of diagonals, which are springs as soft and as long as this.
 #[derive(Clone, Copy)]
-pub(crate) struct ShearLaw {
-    /// `1 / (k h^2)` of a spring of shape factor one \[1/kg\].
-    pub compliance: f32,
-    /// Longest that a spring may be, in rest lengths.
-    pub limit: f32,
-    /// Largest correction by one spring at which a taut diagonal does not tremble \[m\].
-    pub steady: f32,
-}
+pub(crate) struct ShearLaw(pub Reach);
 
 impl Law for ShearLaw {
     #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.limit
-    }
-
-    #[inline(always)]
-    fn steady(&self) -> f32 {
-        self.steady
+    fn reach(&self) -> &Reach {
+        &self.0
     }
 
     /// To the rest length, or to the limit where that takes a larger pull: the pull at the limit, and what it takes to come back to it.
     #[inline(always)]
     fn hold(&self, length: f32, rest: f32, factor: f32, both: f32) -> (f32, f32) {
         let (soft, hard) =
-            (larger(factor * self.compliance, both * LEAST_COMPLIANCE), both * LIMIT_COMPLIANCE);
-        let longest = rest * self.limit;
+            (larger(factor * self.0.compliance, both * LEAST_COMPLIANCE), both * LIMIT_COMPLIANCE);
+        let longest = rest * self.0.limit;
         let (elastic, beyond) = (length - rest, length - longest);
         // Between two held ones nothing moves, and the limit would take a pull without end.
         if both > 0.0 && beyond * (both + soft) > elastic * (both + hard) {
