@@ -422,30 +422,6 @@ fn check_stays(what: &str, scene: &mut Scene) {
     check_at_most(&format!("{what}: has slid back [m]"), back, 1e-4);
 }
 
-/// Two small sheets on a large one, as far from it alike, which change their order: none takes what holds the other for its own.
-#[test]
-fn layers_beside_each_other_keep_their_own_hold() {
-    let layer = |side: f32, n: usize, at: Vec3| {
-        let mut cloth = cloth(&square(side, n), |p| p + at);
-        cloth.set_material(Material { friction: 0.9, ..usual() }).unwrap();
-        cloth
-    };
-    let [low, up] = [Vec3::Y * 0.0078125, Vec3::Y * 0.0625];
-    let cloths = vec![
-        layer(1.0, 33, low),
-        layer(0.25, 9, up - Vec3::X * 0.25),
-        layer(0.25, 9, up + Vec3::X * 0.25),
-    ];
-    let how = InterCollision { friction: 0.9, ..InterCollision::default() };
-    let mut scene = Scene::of(cloths).meeting(how);
-    scene.ground = 0.0;
-    let slope = 15.0_f32.to_radians();
-    scene.gravity = Vec3::new(slope.sin(), -slope.cos(), 0.0) * 9.81;
-    scene.run(60);
-    scene.cloths.swap(1, 2);
-    check_lies_still("in the other order", &mut scene);
-}
-
 #[test]
 fn bits_depend_on_neither_instructions_nor_origin_nor_restart() {
     let run = |isa: Isa, restarts: bool| {
