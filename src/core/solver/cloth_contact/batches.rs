@@ -23,10 +23,15 @@ pub(super) struct Batch {
     pub reach: Block,
     /// Where pairs of two cloths that touch began to.
     pub anchors: Anchors,
-    /// How many lanes hold a pair.
-    count: usize,
+}
+
+/// What is asked of a batch before it is looked at, apart from the rest, which takes some cache lines.
+#[derive(Clone, Copy, Debug)]
+struct State {
     /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.
     until: f32,
+    /// How many lanes hold a pair.
+    count: u32,
 }
 
 /// Where a batch touches.
@@ -37,6 +42,7 @@ const LOST: f32 = 1e-7;
 /// A batch that may touch.
 pub(super) struct Awake<'a> {
     pub batch: &'a mut Batch,
+    state: &'a mut State,
     path: f32,
 }
 
@@ -44,6 +50,7 @@ pub(super) struct Awake<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Batches {
     all: Vec<Batch>,
+    states: Vec<State>,
     /// Batches before this one are full.
     first_free: usize,
     /// Pairs by their gaps, and where each step of them ends.
@@ -67,6 +74,7 @@ impl Batches {
     /// Begins anew with pairs that have gaps of up to `margin`, of cloths that have so many slots; none where both are the same cloth.
     pub fn begin(&mut self, pairs: &[Pair], margin: f32, [slots, others]: [usize; 2]) {
         self.all.clear();
+        self.states.clear();
         (self.first_free, self.made, self.margin, self.path) = (0, 0, margin, 0.0);
         self.next.clear();
         self.next.resize(slots + others, 0);
@@ -130,39 +138,46 @@ impl Batches {
         self.path += step + self.margin * LOST;
         if self.path > 2.0 * self.margin {
             // A short path is an exact one.
-            for batch in &mut self.all {
-                batch.until -= self.path;
+            for state in &mut self.states {
+                state.until -= self.path;
             }
             self.path = 0.0;
         }
         let path = self.path;
-        let may_touch = self.all.iter_mut().filter(move |batch| batch.until <= path);
-        may_touch.map(move |batch| Awake { batch, path })
+        let batches = self.states.iter_mut().zip(&mut self.all);
+        let may_touch = batches.filter(move |(state, _)| state.until <= path);
+        may_touch.map(move |(state, batch)| Awake { batch, state, path })
     }
 
     /// The batches that touched when they were looked at last.
     pub fn touching(&mut self) -> impl Iterator<Item = &mut Batch> {
-        self.all.iter_mut().filter(|batch| batch.until == TOUCHES)
+        let batches = self.states.iter().zip(&mut self.all);
+        batches.filter(|(state, _)| state.until == TOUCHES).map(|(_, batch)| batch)
     }
 
     /// Puts a pair into the first batch that has room for it, after all that hold one of its particles.
     fn put(&mut self, pair: &Pair) {
-        let Self { all, first_free, next, second, anchors, .. } = self;
+        let Self { all, states, first_free, next, second, anchors, path, .. } = self;
         let particles = [pair.slots[0] as usize, *second + pair.slots[1] as usize];
         let [a, b] = particles.map(|particle| next[particle] as usize);
-        let is_full = |batch: &Batch| batch.count == LANES;
+        let is_full = |state: &State| state.count == LANES as u32;
         let mut at = (*first_free).max(a).max(b);
-        while all.get(at).is_some_and(is_full) {
+        while states.get(at).is_some_and(is_full) {
             at += 1;
         }
         if at == all.len() {
             all.push(Batch::EMPTY);
+            states.push(State { until: f32::INFINITY, count: 0 });
         }
-        all[at].push(pair, self.path, anchors.get(pair.slots));
+        let state = &mut states[at];
+        all[at].put(state.count as usize, pair, anchors.get(pair.slots));
+        // It wakes.
+        state.until = smaller(*path, state.until);
+        state.count += 1;
         for particle in particles {
             next[particle] = at as u32 + 1;
         }
-        while all.get(*first_free).is_some_and(is_full) {
+        while states.get(*first_free).is_some_and(is_full) {
             *first_free += 1;
         }
     }
@@ -184,41 +199,34 @@ impl Awake<'_> {
     /// It touches, and is awake in the next substep.
     #[inline(always)]
     pub fn touches(self) {
-        self.batch.until = TOUCHES;
+        self.state.until = TOUCHES;
     }
 
     /// None of its pairs touches before particles have come by a gap further.
     #[inline(always)]
     pub fn sleeps(self, gap: f32) {
-        self.batch.until = self.path + gap;
+        self.state.until = self.path + gap;
     }
 }
 
 impl Batch {
     /// Its pairs that have anchors.
     fn anchored(&self) -> impl Iterator<Item = ([u32; 2], Vec3)> + Clone {
+        // A lane without a pair has no anchor.
         let pair = |i: usize| self.slots.map(|slots| slots[i]);
-        (0..self.count).filter_map(move |i| Some((pair(i), self.anchors.get(i)?)))
+        (0..LANES).filter_map(move |i| Some((pair(i), self.anchors.get(i)?)))
     }
 
-    const EMPTY: Self = Self {
-        slots: [[0; LANES]; 2],
-        reach: Block::ZERO,
-        anchors: Anchors::NONE,
-        count: 0,
-        until: f32::INFINITY,
-    };
+    const EMPTY: Self = Self { slots: [[0; LANES]; 2], reach: Block::ZERO, anchors: Anchors::NONE };
 
-    /// Takes in a pair, and wakes.
-    fn push(&mut self, pair: &Pair, path: f32, anchor: Option<Vec3>) {
+    /// Puts a pair into a lane.
+    fn put(&mut self, lane: usize, pair: &Pair, anchor: Option<Vec3>) {
         for (slots, slot) in self.slots.iter_mut().zip(pair.slots) {
-            slots[self.count] = slot;
+            slots[lane] = slot;
         }
-        self.reach.0[self.count] = pair.reach;
+        self.reach.0[lane] = pair.reach;
         if let Some(anchor) = anchor {
-            self.anchors.set(self.count, anchor);
+            self.anchors.set(lane, anchor);
         }
-        self.until = smaller(path, self.until);
-        self.count += 1;
     }
 }

@@ -9,8 +9,7 @@ use crate::solver::cloth_contact::parts::{Body, Parts};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::travel::Travelled;
 use crate::solver::simd::block::smaller;
-use crate::solver::simd::isa::Isa;
-use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::simd::soa::Soa;
 
 /// Two cloths that may touch.
 #[derive(Debug, Default)]
@@ -32,12 +31,11 @@ pub(super) struct Couple {
 }
 
 /// Cloths as they were when pairs were found.
+#[derive(Clone, Copy)]
 pub(super) struct Found<'a> {
     pub at: &'a Soa,
     /// Where each cloth's first slot is there.
     pub first: &'a [u32],
-    /// Displacements and inverse masses of cloths that do not move.
-    pub still: &'a mut (Soa, Array),
 }
 
 impl Couple {
@@ -79,13 +77,25 @@ impl Couple {
         }
     }
 
-    /// Looks what touches, before anything is moved apart in a substep, of cloths whose particles are at some places now.
-    pub fn look(&mut self, isa: Isa, at: &Soa, first: &[u32]) {
-        isa.run(LookAtPairs {
+    /// Begins with the pairs that were found, of cloths that have so many slots.
+    pub fn begin(&mut self, bodies: &mut [impl Body], margin: f32, slots: [usize; 2]) {
+        self.batches.begin(&self.pairs, margin, slots);
+        for (side, of) in self.of.into_iter().enumerate() {
+            if let Some(parts) = bodies[of].parts() {
+                self.pairs.iter().for_each(|pair| parts.others.beads.note(pair.slots[side]));
+            }
+        }
+    }
+
+    /// Looks what touches, before anything is moved apart in a substep.
+    pub fn look(&mut self, bodies: &mut [impl Body]) {
+        let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return };
+        let (Some(one), Some(other)) = (one.parts(), other.parts()) else { return };
+        one.isa.run_transposing(LookAtPairs {
             pairs: &self.pairs,
             batches: &mut self.batches,
-            at,
-            first: self.of.map(|of| first[of] as usize),
+            beads: [&one.others.beads, &other.others.beads],
+            shift: one.origin - other.origin,
             travelled: self.travelled.most,
             step: self.travelled.step,
         });
@@ -106,32 +116,29 @@ impl Couple {
         }
     }
 
+    /// Whether layers are pressed into each other, which are to be kept apart after the strain limit.
+    pub fn is_pressed(&self) -> bool {
+        self.touched.is_pressed()
+    }
+
     /// Keeps apart what the strain limit has pulled together, after it met in the same substep.
     pub fn keep_apart(&mut self, bodies: &mut [impl Body], found: Found<'_>) {
-        if self.touched.is_pressed() {
-            self.respond(bodies, found, AT_LEAST);
-        }
+        self.respond(bodies, found, AT_LEAST);
     }
 
     /// Moves pairs apart to a part of the distance at which they touch.
     fn respond(&mut self, bodies: &mut [impl Body], found: Found<'_>, part: f32) -> Touched {
-        let Found { at, first, still } = found;
+        let Found { at, first } = found;
         let nothing = Touched::default();
         let Ok([one, other]) = bodies.get_disjoint_mut(self.of) else { return nothing };
         let (Some(mut one), Some(mut other)) = (one.parts(), other.parts()) else { return nothing };
         let (isa, shift) = (one.isa, one.origin - other.origin);
         let drift = one.drift - other.drift;
         let most_push = smaller(one.most_push, other.most_push);
-        // One of the two moves.
-        let [ones, others] = match (one.moves, other.moves) {
-            (false, _) => [Some(still), None],
-            (_, false) => [None, Some(still)],
-            _ => [None, None],
-        };
         let [a, b] = self.of.map(|of| first[of]);
-        isa.run(Respond {
+        isa.run_transposing(Respond {
             batches: &mut self.batches,
-            sides: &mut [one.side(a, at, ones), other.side(b, at, others)],
+            sides: &mut [one.side(a, at), other.side(b, at)],
             shift,
             drift,
             friction: self.friction,

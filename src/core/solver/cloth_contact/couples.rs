@@ -58,8 +58,8 @@ pub(in crate::solver) struct Couples {
     isa: Option<Isa>,
     /// The cloth of the particle at each place of the grid.
     owner: Vec<u32>,
-    /// Displacements and inverse masses of what does not move.
-    still: (Soa, Array),
+    /// Displacements of what does not move.
+    still: Soa,
 }
 
 impl Couples {
@@ -133,8 +133,8 @@ impl Couples {
             (self.at, self.last) = (Soa::zeros(slots), Soa::zeros(slots));
             self.radius = Array::zeros(slots);
         }
-        if self.still.1.len() < longest {
-            self.still = (Soa::zeros(longest), Array::zeros(longest));
+        if self.still.x.len() < longest {
+            self.still = Soa::zeros(longest);
         }
     }
 
@@ -167,26 +167,32 @@ impl Couples {
             return;
         }
         self.search_tangles(bodies);
-        let isa = self.isa();
-        let Self { couples, at, last, first, still, .. } = self;
-        for couple in &mut couples[..self.count] {
-            if !couple.pairs.is_empty() {
-                couple.look(isa, last, first);
-            }
+        take_in(bodies);
+        let found = Found { at: &self.at, first: &self.first };
+        let couples = &mut self.couples[..self.count];
+        for couple in couples.iter_mut().filter(|couple| !couple.pairs.is_empty()) {
+            couple.look(bodies);
         }
-        for couple in &mut couples[..self.count] {
-            if !couple.pairs.is_empty() {
-                couple.meet(bodies, Found { at, first, still });
-            }
+        for couple in couples.iter_mut().filter(|couple| !couple.pairs.is_empty()) {
+            couple.meet(bodies, found);
+        }
+        if couples.iter().any(|couple| couple.touched.count > 0) {
+            put_back(bodies);
         }
     }
 
     /// Keeps apart what the strain limits have pulled together, after it met in the same substep.
     pub fn keep_apart(&mut self, bodies: &mut [impl Body]) {
-        let Self { couples, at, first, still, .. } = self;
-        for couple in &mut couples[..self.count] {
-            couple.keep_apart(bodies, Found { at, first, still });
+        let couples = &mut self.couples[..self.count];
+        if !couples.iter().any(|couple| couple.is_pressed()) {
+            return;
         }
+        take_in(bodies);
+        let found = Found { at: &self.at, first: &self.first };
+        for couple in couples.iter_mut().filter(|couple| couple.is_pressed()) {
+            couple.keep_apart(bodies, found);
+        }
+        put_back(bodies);
     }
 
     /// Ends a tick: cloths keep what touches.
@@ -269,12 +275,12 @@ impl Couples {
         isa.run(FindPairs { grid, margin: self.margin, company });
         for body in bodies.iter_mut() {
             if let Some(parts) = body.parts() {
-                parts.others.normals.forget();
+                parts.others.beads.forget_pairs();
             }
         }
         for couple in &mut self.couples[..self.count] {
             let slots = couple.of.map(|of| (self.first[of + 1] - self.first[of]) as usize);
-            couple.batches.begin(&couple.pairs, self.margin, slots);
+            couple.begin(bodies, self.margin, slots);
         }
         self.is_found = true;
     }
@@ -287,7 +293,7 @@ impl Couples {
         for (body, &first) in bodies.iter_mut().zip(&self.first) {
             self.first_box.push(self.boxes.len());
             let Some(parts) = body.parts() else { continue };
-            let d = if parts.moves { &*parts.d } else { &self.still.0 };
+            let d = if parts.moves { &*parts.d } else { &self.still };
             let (shift, first) = (parts.origin - self.base, first as usize);
             parts.isa.run(AddUp { x: parts.x, d, shift, to: &mut self.at, first });
             let regions = &mut parts.others.regions;
@@ -366,4 +372,14 @@ impl Couples {
             couple.search_tangles(bodies);
         }
     }
+}
+
+/// Takes in the particles of all cloths that are in pairs.
+fn take_in(bodies: &mut [impl Body]) {
+    bodies.iter_mut().filter_map(Body::parts).for_each(|mut parts| parts.take_in());
+}
+
+/// Puts back where they have come to.
+fn put_back(bodies: &mut [impl Body]) {
+    bodies.iter_mut().filter_map(Body::parts).for_each(|mut parts| parts.put_back());
 }

@@ -2,12 +2,46 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::cloth_contact::beads::Beads;
 use crate::solver::cloth_contact::side::Side;
 use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::transpose::Transpose;
 
-/// Numbers of the particles of one side of a batch, where they touch.
+/// Where the particles of one side of a batch are.
+#[derive(Clone, Copy)]
+pub(super) struct Spots {
+    /// Where the substep began, and displacements since \[m\].
+    pub x: Block3,
+    pub d: Block3,
+    /// \[1/kg\]
+    pub inverse_mass: Block,
+    /// 1 where a particle stands down, else 0.
+    pub down: Block,
+}
+
+impl Spots {
+    #[inline(always)]
+    pub fn gather(t: impl Transpose, beads: &Beads, slots: &[u32; LANES]) -> Self {
+        let beads = &*beads.all;
+        let [x, y, z, inverse_mass] = t.apart(|i| beads[slots[i] as usize].x);
+        let [dx, dy, dz, down] = t.apart(|i| beads[slots[i] as usize].d);
+        Self { x: Block3 { x, y, z }, d: Block3 { x: dx, y: dy, z: dz }, inverse_mass, down }
+    }
+
+    /// From the particles of another side to these, how much further they move in the substep \[m\].
+    #[inline(always)]
+    pub fn further_than(&self, other: &Self) -> Block3 {
+        let mut further = Block3::ZERO;
+        for i in 0..LANES {
+            further.set(i, self.d.at(i) - other.d.at(i));
+        }
+        further
+    }
+}
+
+/// Numbers of the particles of one side of a batch, those that touch.
 pub(super) struct Grains {
     /// The cloth's normal, and that of the collider that a particle lies on.
     pub normal: Block3,
@@ -25,29 +59,44 @@ pub(super) struct Grains {
 
 impl Grains {
     #[inline(always)]
-    pub fn load(side: &mut Side<'_>, slots: &[u32; LANES], touches: &[u32; LANES]) -> Self {
-        let mut grains = Self {
-            normal: Block3::ZERO,
-            onto: Block3::ZERO,
-            undone: Block3::ZERO,
-            inverse_mass: Block::ZERO,
-            slipping: Block::ZERO,
-            loose: Block::ZERO,
-            pushed: Block::ZERO,
-        };
-        for i in (0..LANES).filter(|&i| touches[i] != 0) {
-            let slot = slots[i] as usize;
-            let (lies, w) = (side.lies(slot), side.inverse_mass[slot]);
-            grains.normal.set(i, side.normal(slot));
-            grains.onto.set(i, lies.onto);
-            grains.undone.set(i, lies.undone);
-            grains.inverse_mass.0[i] = w;
-            grains.slipping.0[i] = w * lies.slip;
-            grains.loose.0[i] = w * lies.slip * lies.loose;
-            grains.pushed.0[i] =
-                if side.is_held { grains.loose.0[i] } else { grains.slipping.0[i] };
+    pub fn gather(
+        t: impl Transpose,
+        side: &mut Side<'_>,
+        slots: &[u32; LANES],
+        touches: &[u32; LANES],
+        spots: &Spots,
+    ) -> Self {
+        let w = spots.inverse_mass;
+        let normal = side.normals(t, slots, touches);
+        let [onto, undone] = [Block3::ZERO; 2];
+        let mut grains =
+            Self { normal, onto, undone, inverse_mass: w, slipping: w, loose: w, pushed: w };
+        if side.load.is_some() {
+            grains.lie(t, side, slots, &spots.d);
         }
         grains
+    }
+
+    /// Takes in how particles lie on colliders, whose displacements are `d`.
+    #[inline(always)]
+    fn lie(&mut self, t: impl Transpose, side: &Side<'_>, slots: &[u32; LANES], d: &Block3) {
+        let Beads { onto, carried, .. } = &*side.beads;
+        // Of one length, so that one check of a slot does for both.
+        let carried = &carried[..onto.len()];
+        let [x, y, z, slip] = t.apart(|i| onto[slots[i] as usize]);
+        let [cx, cy, cz, loose] = t.apart(|i| carried[slots[i] as usize]);
+        self.onto = Block3 { x, y, z };
+        let carried = Block3 { x: cx, y: cy, z: cz };
+        for i in 0..LANES {
+            let (onto, w) = (self.onto.at(i), self.inverse_mass.0[i]);
+            let undone = (d.at(i) - carried.at(i)) * (1.0 - loose.0[i]);
+            let undone = undone - onto * onto.dot(undone);
+            let lies = onto.x != 0.0 || onto.y != 0.0 || onto.z != 0.0;
+            self.undone.set(i, if lies { undone } else { Vec3::ZERO });
+            self.slipping.0[i] = w * slip.0[i];
+            self.loose.0[i] = w * slip.0[i] * loose.0[i];
+            self.pushed.0[i] = if side.is_held { self.loose.0[i] } else { self.slipping.0[i] };
+        }
     }
 
     /// How far momentum of one along a direction of some length moves a particle that moves by `w` where it is free \[1/kg\].

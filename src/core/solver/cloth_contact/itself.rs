@@ -6,12 +6,12 @@ use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::batches::Batches;
+use crate::solver::cloth_contact::beads::{Beads, TakenFrom};
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
 use crate::solver::cloth_contact::in_patches::InPatches;
 use crate::solver::cloth_contact::kin::find_kin;
-use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::patches::Patches;
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::side::{Lying, Side};
@@ -68,7 +68,7 @@ pub(in crate::solver) struct SelfContact {
     travel: Travel,
     tangles: Tangles,
     batches: Batches,
-    normals: Normals,
+    beads: Beads,
     /// Positions when pairs were found last \[m\].
     found_at: Soa,
     /// Whether they were found, and no particle has been put elsewhere since.
@@ -146,7 +146,7 @@ impl SelfContact {
             travel: Travel::new(layout),
             tangles: Tangles::new(topology, faces),
             batches: Batches::default(),
-            normals: Normals::new(layout.len()),
+            beads: Beads::new(layout.len()),
             found_at: Soa::zeros(layout.len()),
             is_found: false,
             since_touch: CALM,
@@ -222,10 +222,13 @@ impl SelfContact {
                 self.tangles.search(pair, at);
             }
         }
-        let Self { pairs, batches, last: at, .. } = self;
+        let mut on = Substep { isa, inverse_mass, x, d, lying, most_push };
+        self.take_in(&on);
+        let Self { pairs, batches, beads, .. } = self;
         let Travelled { most: travelled, step, .. } = travelled;
-        isa.run(LookAtPairs { pairs, batches, at, first: [0; 2], travelled, step });
-        self.touched = self.respond(Substep { isa, inverse_mass, x, d, lying, most_push }, 1.0);
+        let (beads, shift) = ([&*beads, &*beads], Vec3::ZERO);
+        isa.run_transposing(LookAtPairs { pairs, batches, beads, shift, travelled, step });
+        self.touched = self.respond(&mut on, 1.0);
         self.since_touch = if self.touched.count > 0 { 0 } else { self.since_touch };
         self.tangles.is_suspected |= self.touched.is_deep();
         self.touched.count
@@ -237,34 +240,46 @@ impl SelfContact {
     }
 
     /// Keeps layers apart that the strain limit has pulled together, after they were met in the same substep.
-    pub fn keep_apart(&mut self, on: Substep<'_>) {
-        self.respond(on, AT_LEAST);
+    pub fn keep_apart(&mut self, mut on: Substep<'_>) {
+        self.take_in(&on);
+        self.respond(&mut on, AT_LEAST);
+    }
+
+    /// Takes in the particles that are in pairs.
+    fn take_in(&mut self, on: &Substep<'_>) {
+        let Tangles { any, is_down, .. } = &self.tangles;
+        let from = TakenFrom {
+            x: on.x,
+            moves: Some((on.d, on.inverse_mass)),
+            lying: on.lying.as_ref(),
+            is_down: any.then_some(&**is_down),
+        };
+        self.beads.take_in(on.isa, from);
     }
 
     /// Moves pairs apart to a part of the distance at which they touch.
-    fn respond(&mut self, on: Substep<'_>, part: f32) -> Touched {
-        let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
+    fn respond(&mut self, on: &mut Substep<'_>, part: f32) -> Touched {
         let side = Side {
-            normals: &mut self.normals,
+            beads: &mut self.beads,
+            load: on.lying.as_mut().map(|lying| &mut *lying.load),
             faces: &self.tangles.faces,
             found_at: &self.found_at,
             first: 0,
             is_held: false,
-            inverse_mass,
-            x,
-            d,
-            lying,
-            is_down: self.tangles.any.then_some(&*self.tangles.is_down),
         };
-        isa.run(Respond {
+        let touched = on.isa.run_transposing(Respond {
             batches: &mut self.batches,
             sides: &mut [side],
             shift: Vec3::ZERO,
             drift: Vec3::ZERO,
             friction: self.settings.friction,
-            most_push,
+            most_push: on.most_push,
             part,
-        })
+        });
+        if touched.count > 0 {
+            self.beads.put_back(on.isa, on.x, on.d);
+        }
+        touched
     }
 
     /// Finds the pairs of particles that are at `found_at`.
@@ -280,7 +295,7 @@ impl SelfContact {
             widest,
             balls,
             batches,
-            normals,
+            beads,
             ..
         } = self;
         let reach = *widest + *margin;
@@ -308,7 +323,8 @@ impl SelfContact {
                 pairs.push(Pair { gap, ..*pair });
             }
         }
-        normals.forget();
+        beads.forget_pairs();
+        pairs.iter().flat_map(|pair| pair.slots).for_each(|slot| beads.note(slot));
         batches.begin(pairs, *margin, [self.layout.len(), 0]);
         self.is_found = true;
     }

@@ -22,6 +22,7 @@
 //! | `normals` | the direction to push apart, by which layers slide on each other |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
+//! | `beads` | the particles of a cloth one after the other, as batches take them |
 //! | `side` | a cloth as one side of pairs |
 //! | `grains` | the particles of one side of a batch |
 //! | `respond` | pairs that touch are moved apart |
@@ -38,6 +39,7 @@
 
 mod balls;
 mod batches;
+mod beads;
 mod couple;
 mod couples;
 mod crossings;

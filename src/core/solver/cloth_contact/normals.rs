@@ -6,39 +6,41 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::simd::block::{larger, smaller};
-use crate::solver::simd::soa::Soa;
+use crate::solver::cloth_contact::beads::Beads;
+use crate::solver::cloth_contact::respond::is_any;
+use crate::solver::simd::block::{Block3, larger, smaller};
+use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::transpose::{Four, Transpose};
 
 /// Cosines of the angle between two normals from which on layers face each other a little, and wholly.
 const FACING: [f32; 2] = [0.7, 0.9];
 /// Cosines of the angle between normal and the line from particle to particle, in the same way.
 const ABOVE: [f32; 2] = [0.3, 0.5];
 
-/// Normals by slot, of length one; worked out where they are asked for.
-#[derive(Clone, Debug)]
-pub(super) struct Normals {
-    normals: Soa,
-    is_known: Vec<bool>,
-}
-
-impl Normals {
-    pub fn new(slots: usize) -> Self {
-        Self { normals: Soa::zeros(slots), is_known: vec![false; slots] }
+/// Normals of length one of the particles at some slots that touch. They are worked out where they are not known.
+#[inline(always)]
+pub(super) fn gather(
+    t: impl Transpose,
+    beads: &mut Beads,
+    slots: &[u32; LANES],
+    touches: &[u32; LANES],
+    normal: impl Fn(usize) -> Vec3,
+) -> Block3 {
+    let normals = &mut *beads.normals;
+    let [mut x, mut y, mut z, known] = t.apart(|i| normals[slots[i] as usize]);
+    let mut unknown = [0; LANES];
+    for i in 0..LANES {
+        unknown[i] = if known.0[i] == 0.0 { touches[i] } else { 0 };
     }
-
-    /// Forgets all of them.
-    pub fn forget(&mut self) {
-        self.is_known.fill(false);
-    }
-
-    /// The one at a slot, which is worked out if it is not known.
-    #[inline(always)]
-    pub fn get(&mut self, slot: usize, normal: impl FnOnce(usize) -> Vec3) -> Vec3 {
-        if !core::mem::replace(&mut self.is_known[slot], true) {
-            self.normals.set(slot, normal(slot));
+    if is_any(&unknown) {
+        for i in (0..LANES).filter(|&i| unknown[i] != 0) {
+            let slot = slots[i] as usize;
+            let Vec3 { x, y, z } = normal(slot);
+            normals[slot] = Four([x, y, z, 1.0]);
         }
-        self.normals.get(slot)
+        [x, y, z, _] = t.apart(|i| normals[slots[i] as usize]);
     }
+    Block3 { x, y, z }
 }
 
 /// The direction to push two particles of these normals apart, of which one is at some vector of that length from the other.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bevy_math::Mat3;
 
 use crate::solver::cloth_contact::balls::Balls;
+use crate::solver::cloth_contact::beads::Beads;
 use crate::solver::cloth_contact::faces::FacesAt;
-use crate::solver::cloth_contact::normals::Normals;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::Regions;
 use crate::solver::cloth_contact::{CALM, History, Memory, check_numbers, substeps_for};
@@ -54,7 +54,7 @@ pub(in crate::solver) struct OthersContact {
     pub(super) balls: Balls,
     pub(super) regions: Regions,
     pub(super) tangles: Tangles,
-    pub(super) normals: Normals,
+    pub(super) beads: Beads,
     /// Ticks since it touched another cloth, up to [`CALM`].
     pub(super) since_touch: u32,
     /// Whether it may touch others in this tick.
@@ -72,7 +72,7 @@ impl OthersContact {
             balls: Balls::of(topology, settings.distance),
             regions: Regions::new(layout),
             tangles: Tangles::new(topology, faces),
-            normals: Normals::new(layout.len()),
+            beads: Beads::new(layout.len()),
             since_touch: CALM,
             is_in_company: false,
             histories: Vec::new(),

@@ -2,11 +2,12 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::cloth_contact::beads::TakenFrom;
 use crate::solver::cloth_contact::others::OthersContact;
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::simd::soa::Soa;
 
 /// A cloth, as contact with others takes it in a substep.
 pub(in crate::solver) struct Parts<'a> {
@@ -28,26 +29,35 @@ pub(in crate::solver) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// As a side of a couple, whose first slot in `found_at` is given. What does not move has displacements and inverse masses of zero.
-    pub(super) fn side(
-        &mut self,
-        first: u32,
-        found_at: &'a Soa,
-        still: Option<&'a mut (Soa, Array)>,
-    ) -> Side<'_> {
-        if let Some((d, inverse_mass)) = still {
-            (self.d, self.inverse_mass, self.lying) = (d, inverse_mass, None);
+    /// Takes in the particles that are in pairs. What does not move has displacements and inverse masses of zero.
+    pub(super) fn take_in(&mut self) {
+        let Self { isa, moves, x, d, inverse_mass, lying, others, .. } = self;
+        let OthersContact { beads, tangles, .. } = &mut **others;
+        beads.take_in(
+            *isa,
+            TakenFrom {
+                x,
+                moves: moves.then_some((d, inverse_mass)),
+                lying: lying.as_ref().filter(|_| *moves),
+                is_down: tangles.any.then_some(&*tangles.is_down),
+            },
+        );
+    }
+
+    /// Puts back where these have come to.
+    pub(super) fn put_back(&mut self) {
+        if self.moves {
+            self.others.beads.put_back(self.isa, self.x, self.d);
         }
-        let OthersContact { tangles, normals, .. } = &mut *self.others;
-        let Tangles { faces, any, is_down, .. } = tangles;
+    }
+
+    /// As a side of a couple, whose first slot in `found_at` is given.
+    pub(super) fn side(&mut self, first: u32, found_at: &'a Soa) -> Side<'_> {
+        let OthersContact { tangles, beads, .. } = &mut *self.others;
         Side {
-            inverse_mass: self.inverse_mass,
-            x: self.x,
-            d: self.d,
-            lying: self.lying.as_mut().map(Lying::reborrow),
-            is_down: any.then_some(&**is_down),
-            normals,
-            faces,
+            beads,
+            load: self.lying.as_mut().filter(|_| self.moves).map(|lying| &mut *lying.load),
+            faces: &tangles.faces,
             found_at,
             first: first as usize,
             is_held: true,

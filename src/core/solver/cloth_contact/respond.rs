@@ -3,16 +3,17 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::batches::{Batch, Batches};
+use crate::solver::cloth_contact::beads::Beads;
 use crate::solver::cloth_contact::find::Pair;
-use crate::solver::cloth_contact::friction::Rubbing;
-use crate::solver::cloth_contact::grains::Grains;
+use crate::solver::cloth_contact::friction::{Rubbed, Rubbing};
+use crate::solver::cloth_contact::grains::{Grains, Spots};
 use crate::solver::cloth_contact::normals::direction;
-use crate::solver::cloth_contact::side::Side;
+use crate::solver::cloth_contact::side::{Given, Side};
 use crate::solver::cloth_contact::tangles::DEEP;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
-use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::soa::Soa;
+use crate::solver::simd::transpose::Transpose;
 
 /// Part of the distance at which pairs touch, by which batches wake earlier than they need to: more than rounding is worth.
 const EARLY: f32 = 1e-3;
@@ -23,32 +24,30 @@ const LEAST_DISTANCE: f32 = 1e-6;
 pub(super) struct LookAtPairs<'a> {
     pub pairs: &'a [Pair],
     pub batches: &'a mut Batches,
-    /// Where particles are at the substep's end \[m\].
-    pub at: &'a Soa,
-    /// Where the first cloth's first slot is there, and the second one's.
-    pub first: [usize; 2],
+    /// The first particles' cloth, and the second ones'.
+    pub beads: [&'a Beads; 2],
+    /// From the origin of the second cloth to that of the first \[m\].
+    pub shift: Vec3,
     /// How far particles have moved relative to each other since the pairs were found, and in the last step, at most \[m\].
     pub travelled: f32,
     pub step: f32,
 }
 
-impl Kernel for LookAtPairs<'_> {
+impl TransposingKernel for LookAtPairs<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { pairs, batches, at, first, travelled, step } = self;
+    fn run(self, t: impl Transpose) {
+        let Self { pairs, batches, beads, shift, travelled, step } = self;
         let travelled = larger(travelled, f32::MIN_POSITIVE);
         for awake in batches.awake(pairs, travelled, step) {
             let Batch { slots, reach, .. } = &*awake.batch;
-            let mut apart = Block3::ZERO;
-            for (i, (&a, &b)) in slots[0].iter().zip(&slots[1]).enumerate() {
-                let [a, b] = [first[0] + a as usize, first[1] + b as usize];
-                apart.set(i, at.get(a) - at.get(b));
-            }
+            let a = Spots::gather(t, beads[0], &slots[0]);
+            let b = Spots::gather(t, beads[1], &slots[1]);
             let mut gaps = Block::ZERO;
             for i in 0..LANES {
-                let apart = apart.at(i);
+                let [one, other] = [a.x.at(i) + a.d.at(i), b.x.at(i) + b.d.at(i)];
+                let apart = one - other + shift;
                 let gap = apart.dot(apart).sqrt() - reach.0[i] * (1.0 + EARLY);
                 gaps.0[i] = if reach.0[i] > 0.0 { gap } else { f32::INFINITY };
             }
@@ -106,24 +105,25 @@ impl Touched {
     }
 }
 
-impl Kernel for Respond<'_, '_> {
+impl TransposingKernel for Respond<'_, '_> {
     type Output = Touched;
 
     #[inline(always)]
-    fn run(self) -> Touched {
+    fn run(self, t: impl Transpose) -> Touched {
         let Self { batches, sides, shift, drift, friction, most_push, part } = self;
         let second = sides.len() - 1;
         let mut touched = Touched::default();
         for batch in batches.touching() {
-            let mut met = Met::NOTHING;
+            let [slots, others] = &batch.slots;
             let reach = batch.reach.times(part);
-            let of = [&sides[0], &sides[second]].map(|side| (&*side.x, &*side.d));
-            met.measure(batch, &reach, of, shift);
-            if !met.touches.contains(&1) {
+            let here = Spots::gather(t, sides[0].beads, slots);
+            let there = Spots::gather(t, sides[second].beads, others);
+            let mut met = Met::measure([&here, &there], &reach, shift);
+            if !is_any(&met.touches) {
                 continue;
             }
-            let a = Grains::load(&mut sides[0], &batch.slots[0], &met.touches);
-            let b = Grains::load(&mut sides[second], &batch.slots[1], &met.touches);
+            let a = Grains::gather(t, &mut sides[0], slots, &met.touches, &here);
+            let b = Grains::gather(t, &mut sides[second], others, &met.touches, &there);
             met.press([&a, &b], &reach, drift, most_push);
             let rubbing = Rubbing {
                 touches: &met.touches,
@@ -139,24 +139,24 @@ impl Kernel for Respond<'_, '_> {
                 0 => rubbing.brake::<false>(&mut batch.anchors),
                 _ => rubbing.brake::<true>(&mut batch.anchors),
             };
-            for i in (0..LANES).filter(|&i| met.touches[i] != 0) {
-                let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
-                let [a, b] = batch.slots.map(|slots| slots[i] as usize);
-                if are_held || sides[0].is_down(a) && sides[second].is_down(b) {
-                    continue;
-                }
-                touched.count += 1;
-                touched.deepest = larger(touched.deepest, met.depth.0[i] / reach.0[i]);
-                let normal = met.normal.at(i);
-                let momentum = normal * met.pressed.0[i] - rubbed.braked.at(i);
-                let pushed = normal * met.pushed.0[i];
-                let [one, other] = rubbed.back.each_ref().map(|back| back.at(i));
-                sides[0].give(a, momentum, pushed, one);
-                sides[second].give(b, -momentum, -pushed, other);
-            }
+            met.leave_out([&here, &there]);
+            met.count(&reach, &mut touched);
+            let [one, other] = met.given(rubbed);
+            sides[0].give(t, slots, &met.touches, (&here, &a), &one);
+            sides[second].give(t, others, &met.touches, (&there, &b), &other);
         }
         touched
     }
+}
+
+/// Whether any lane is not zero.
+#[inline(always)]
+pub(super) fn is_any(lanes: &[u32; LANES]) -> bool {
+    let mut any = 0;
+    for lane in lanes {
+        any |= lane;
+    }
+    any != 0
 }
 
 /// The outcome of a batch.
@@ -178,38 +178,61 @@ struct Met {
 }
 
 impl Met {
-    const NOTHING: Self = Self {
-        apart: Block3::ZERO,
-        square: Block::ZERO,
-        relative: Block3::ZERO,
-        touches: [0; LANES],
-        depth: Block::ZERO,
-        normal: Block3::ZERO,
-        pressed: Block::ZERO,
-        pushed: Block::ZERO,
-    };
-
     /// Finds out which pairs touch. What is no number touches nothing.
     #[inline(always)]
-    fn measure(
-        &mut self,
-        batch: &Batch,
-        reach: &Block,
-        [first, second]: [(&Soa, &Soa); 2],
-        shift: Vec3,
-    ) {
+    fn measure([a, b]: [&Spots; 2], reach: &Block, shift: Vec3) -> Self {
+        let relative = a.further_than(b);
+        let (mut apart, mut square, mut touches) = (Block3::ZERO, Block::ZERO, [0; LANES]);
         for i in 0..LANES {
-            let [a, b] = batch.slots.map(|slots| slots[i] as usize);
-            let relative = first.1.get(a) - second.1.get(b);
-            self.relative.set(i, relative);
-            self.apart.set(i, first.0.get(a) - second.0.get(b) + shift + relative);
+            apart.set(i, a.x.at(i) - b.x.at(i) + shift + relative.at(i));
+            let apart = apart.at(i);
+            square.0[i] = apart.dot(apart);
+            touches[i] = u32::from(square.0[i] < reach.0[i] * reach.0[i]);
         }
+        let [depth, pressed, pushed] = [Block::ZERO; 3];
+        Self { apart, square, relative, touches, depth, normal: Block3::ZERO, pressed, pushed }
+    }
+
+    /// Leaves out pairs of which neither particle moves, and those of which both stand down.
+    #[inline(always)]
+    fn leave_out(&mut self, [a, b]: [&Spots; 2]) {
         for i in 0..LANES {
-            let apart = self.apart.at(i);
-            let square = apart.dot(apart);
-            self.square.0[i] = square;
-            self.touches[i] = u32::from(square < reach.0[i] * reach.0[i]);
+            let are_held = a.inverse_mass.0[i] + b.inverse_mass.0[i] == 0.0;
+            let are_down = a.down.0[i] * b.down.0[i] != 0.0;
+            self.touches[i] = if are_held | are_down { 0 } else { self.touches[i] };
         }
+    }
+
+    /// Counts pairs, and notes how deep they are.
+    #[inline(always)]
+    fn count(&self, reach: &Block, touched: &mut Touched) {
+        let mut deep = Block::ZERO;
+        for i in 0..LANES {
+            let depth = self.depth.0[i] / reach.0[i];
+            deep.0[i] = if self.touches[i] != 0 { depth } else { 0.0 };
+            touched.count += self.touches[i];
+        }
+        touched.deepest = larger(touched.deepest, deep.largest());
+    }
+
+    /// What the particles of both sides are given.
+    #[inline(always)]
+    fn given(&self, rubbed: Rubbed) -> [Given; 2] {
+        let [mut momentum, mut pushed, mut back_momentum, mut back_pushed] = [Block3::ZERO; 4];
+        for i in 0..LANES {
+            let normal = self.normal.at(i);
+            let (to, push) =
+                (normal * self.pressed.0[i] - rubbed.braked.at(i), normal * self.pushed.0[i]);
+            momentum.set(i, to);
+            pushed.set(i, push);
+            back_momentum.set(i, -to);
+            back_pushed.set(i, -push);
+        }
+        let [one, other] = rubbed.back;
+        [
+            Given { momentum, pushed, back: one },
+            Given { momentum: back_momentum, pushed: back_pushed, back: other },
+        ]
     }
 
     /// Moves pairs apart.

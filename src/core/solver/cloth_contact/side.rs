@@ -1,10 +1,13 @@
 //! A cloth whose particles meet others, as one side of pairs.
 
-use bevy_math::Vec3;
-
+use crate::solver::cloth_contact::beads::Beads;
 use crate::solver::cloth_contact::faces::FacesAt;
-use crate::solver::cloth_contact::normals::Normals;
+use crate::solver::cloth_contact::grains::{Grains, Spots};
+use crate::solver::cloth_contact::normals;
+use crate::solver::simd::block::{Block, Block3};
+use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
+use crate::solver::simd::transpose::Transpose;
 
 /// Where the particles of a cloth lie on colliders, which bear a part of what pushes them (`contact::active_set`).
 pub(in crate::solver) struct Lying<'a> {
@@ -21,33 +24,11 @@ pub(in crate::solver) struct Lying<'a> {
     pub load: &'a mut [f32],
 }
 
-impl Lying<'_> {
-    /// The same, for a while.
-    pub fn reborrow(&mut self) -> Lying<'_> {
-        Lying { load: self.load, ..*self }
-    }
-}
-
-/// How a particle lies on a collider, if it does.
-pub(super) struct Lies {
-    /// Normal of the collider, zero where it lies on none.
-    pub onto: Vec3,
-    /// Part of its inverse mass that moves it along the surface, and part that is left of that when friction has held it.
-    pub slip: f32,
-    pub loose: f32,
-    /// Part of its displacement that the collider's friction is to undo \[m\].
-    pub undone: Vec3,
-}
-
 /// The particles of a cloth, by slot.
 pub(super) struct Side<'a> {
-    pub inverse_mass: &'a [f32],
-    pub x: &'a mut Soa,
-    pub d: &'a mut Soa,
-    pub lying: Option<Lying<'a>>,
-    /// Particles that stand down, where any do.
-    pub is_down: Option<&'a [bool]>,
-    pub normals: &'a mut Normals,
+    pub beads: &'a mut Beads,
+    /// What colliders bear, where particles lie on any \[kg m\].
+    pub load: Option<&'a mut [f32]>,
     pub faces: &'a FacesAt,
     /// Where its particles were when pairs were found, and the place of its first slot there \[m\].
     pub found_at: &'a Soa,
@@ -57,53 +38,64 @@ pub(super) struct Side<'a> {
     pub is_held: bool,
 }
 
+/// What is given to the particles of one side of a batch.
+pub(super) struct Given {
+    /// Momentum \[kg m\].
+    pub momentum: Block3,
+    /// What moves them without speed: a push \[kg m\], and a way \[m\].
+    pub pushed: Block3,
+    pub back: Block3,
+}
+
 impl Side<'_> {
-    /// The surface's normal at a particle, where it was when pairs were found.
+    /// The surface's normals at the particles that touch, where they were when pairs were found.
     #[inline(always)]
-    pub fn normal(&mut self, slot: usize) -> Vec3 {
-        let Self { normals, faces, found_at, first, .. } = self;
-        normals.get(slot, |slot| faces.normal(slot, |slot| found_at.get(*first + slot as usize)))
+    pub fn normals(
+        &mut self,
+        t: impl Transpose,
+        slots: &[u32; LANES],
+        touches: &[u32; LANES],
+    ) -> Block3 {
+        let Self { beads, faces, found_at, first, .. } = self;
+        let normal = |slot| faces.normal(slot, |slot| found_at.get(*first + slot as usize));
+        normals::gather(t, beads, slots, touches, normal)
     }
 
-    /// How a particle lies on a collider.
+    /// Gives particles momentum, and moves them without speed, those of some lanes.
     #[inline(always)]
-    pub fn lies(&self, slot: usize) -> Lies {
-        match &self.lying {
-            Some(Lying { normal, slip, loose, velocity, step, .. }) => {
-                let (onto, loose) = (normal.get(slot), loose[slot]);
-                let undone = (self.d.get(slot) - velocity.get(slot) * *step) * (1.0 - loose);
-                let undone = undone - onto * onto.dot(undone);
-                let undone = if onto == Vec3::ZERO { Vec3::ZERO } else { undone };
-                Lies { onto, slip: slip[slot], loose, undone }
+    pub fn give(
+        &mut self,
+        t: impl Transpose,
+        slots: &[u32; LANES],
+        lanes: &[u32; LANES],
+        (spots, grains): (&Spots, &Grains),
+        given: &Given,
+    ) {
+        let Spots { mut x, mut d, inverse_mass, down } = *spots;
+        let mut borne = Block::ZERO;
+        for i in 0..LANES {
+            let (mut momentum, mut pushed, mut back) =
+                (given.momentum.at(i), given.pushed.at(i), given.back.at(i));
+            if self.load.is_some() {
+                let onto = grains.onto.at(i);
+                borne.0[i] = onto.dot(momentum);
+                momentum -= onto * borne.0[i];
+                pushed -= onto * onto.dot(pushed);
+                back -= onto * onto.dot(back);
             }
-            None => Lies { onto: Vec3::ZERO, slip: 1.0, loose: 1.0, undone: Vec3::ZERO },
+            d.set(i, d.at(i) + momentum * grains.slipping.0[i]);
+            x.set(i, x.at(i) + pushed * grains.pushed.0[i] + back);
         }
-    }
-
-    #[inline(always)]
-    pub fn is_down(&self, slot: usize) -> bool {
-        match self.is_down {
-            Some(is_down) => is_down[slot],
-            None => false,
+        let x = t.together(&[x.x, x.y, x.z, inverse_mass]);
+        let d = t.together(&[d.x, d.y, d.z, down]);
+        for i in (0..LANES).filter(|&i| lanes[i] != 0) {
+            let bead = &mut self.beads.all[slots[i] as usize];
+            (bead.x, bead.d) = (x[i], d[i]);
         }
-    }
-
-    /// Gives a particle momentum, and moves it without speed: by a push \[kg m\], and by a way \[m\].
-    #[inline(always)]
-    pub fn give(&mut self, slot: usize, mut momentum: Vec3, mut pushed: Vec3, mut back: Vec3) {
-        let mut w = self.inverse_mass[slot];
-        let mut held = 1.0;
-        if let Some(Lying { normal, slip, loose, load, .. }) = &mut self.lying {
-            let onto = normal.get(slot);
-            let borne = onto.dot(momentum);
-            load[slot] += borne;
-            momentum -= onto * borne;
-            pushed -= onto * onto.dot(pushed);
-            back -= onto * onto.dot(back);
-            w *= slip[slot];
-            held = if self.is_held { loose[slot] } else { 1.0 };
+        if let Some(load) = &mut self.load {
+            for i in (0..LANES).filter(|&i| lanes[i] != 0) {
+                load[slots[i] as usize] += borne.0[i];
+            }
         }
-        self.d.set(slot, self.d.get(slot) + momentum * w);
-        self.x.set(slot, self.x.get(slot) + pushed * (w * held) + back);
     }
 }
