@@ -28,6 +28,7 @@
 //! | `respond` | pairs that touch are moved apart |
 //! | `history` | where pairs that touch began to, from tick to tick |
 //! | `friction` | pairs that touch rub on each other, and are held where they began to |
+//! | `rings` | the faces at a particle in a few numbers |
 //! | `tangles` | faces that pierce each other, whose particles stand down |
 //! | `crossings` | edges that pierce faces |
 //! | `itself` | contact of a cloth with itself |
@@ -58,6 +59,7 @@ mod others;
 mod parts;
 mod patches;
 mod respond;
+mod rings;
 mod side;
 mod sweep;
 mod tangles;

@@ -10,6 +10,7 @@ use bevy_math::{DVec3, Vec3};
 use crate::solver::cloth_contact::crossings::pierces;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::Pair;
+use crate::solver::cloth_contact::rings::Rings;
 use crate::solver::cloth_contact::{CALM, Memory};
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::topology::Topology;
@@ -35,17 +36,19 @@ pub(super) struct Tangles {
     pub is_suspected: bool,
     /// Ticks until the next search.
     pub wait: u32,
+    rings: Rings,
 }
 
 impl Tangles {
     pub fn new(topology: &Topology, faces: Arc<FacesAt>) -> Self {
-        let is_down = vec![false; topology.layout().len()];
-        Self { faces, is_down, any: false, is_suspected: true, wait: 0 }
+        let slots = topology.layout().len();
+        let (is_down, rings) = (vec![false; slots], Rings::new(slots));
+        Self { faces, is_down, any: false, is_suspected: true, wait: 0, rings }
     }
 
     /// Takes out all that later bits of tangles depend on. The rest is left as it is where nothing has touched.
     pub fn memory(&self) -> Memory {
-        let Self { is_down, any: _, is_suspected, wait, faces: _ } = self;
+        let Self { is_down, any: _, is_suspected, wait, faces: _, rings: _ } = self;
         Memory {
             found_at: None,
             since_touch: CALM,
@@ -92,10 +95,14 @@ impl Tangles {
         self.wait = EVERY;
         self.is_suspected = false;
         self.put_down(&[]);
+        self.rings.forget();
     }
 
     /// Searches among the faces at two particles of the cloth's own that are a pair, where `at` says where particles are.
     pub fn search(&mut self, pair: &Pair, at: impl Fn(u32) -> Vec3 + Copy) {
+        if !is_near(pair, at, at) || self.is_clear(pair, at) {
+            return;
+        }
         let faces = self.faces.clone();
         let shares = |one: &[u32; 3], two: &[u32; 3]| one.iter().any(|corner| two.contains(corner));
         for [one, two] in piercing([&faces, &faces], pair, at, at, shares) {
@@ -113,11 +120,37 @@ impl Tangles {
         at: impl Fn(u32) -> Vec3 + Copy,
         there: impl Fn(u32) -> Vec3 + Copy,
     ) {
+        if !is_near(pair, at, there) || self.is_clear_of(other, pair, at, there) {
+            return;
+        }
         let (faces, others) = (self.faces.clone(), other.faces.clone());
         for [one, two] in piercing([&faces, &others], pair, at, there, |_, _| false) {
             self.stand_down(one);
             other.stand_down(two);
         }
+    }
+
+    /// Whether the faces at two particles of the cloth's own are apart at a glance.
+    fn is_clear(&mut self, pair: &Pair, at: impl Fn(u32) -> Vec3 + Copy) -> bool {
+        let Self { faces, rings, .. } = self;
+        let [a, b] = pair.slots;
+        let apart = at(b) - at(a);
+        let [one, other] = [a, b].map(|slot| rings.get(faces, slot as usize, at));
+        one.is_clear_of(&other, apart)
+    }
+
+    /// The same of two particles of which the second one is another cloth's.
+    fn is_clear_of(
+        &mut self,
+        other: &mut Self,
+        pair: &Pair,
+        at: impl Fn(u32) -> Vec3 + Copy,
+        there: impl Fn(u32) -> Vec3 + Copy,
+    ) -> bool {
+        let [a, b] = pair.slots;
+        let one = self.rings.get(&self.faces, a as usize, at);
+        let two = other.rings.get(&other.faces, b as usize, there);
+        one.is_clear_of(&two, there(b) - at(a))
     }
 
     fn stand_down(&mut self, corners: [u32; 3]) {
@@ -128,6 +161,13 @@ impl Tangles {
     }
 }
 
+/// Whether two particles are near enough for faces at them to pierce each other.
+fn is_near(pair: &Pair, at: impl Fn(u32) -> Vec3, there: impl Fn(u32) -> Vec3) -> bool {
+    let [a, b] = pair.slots;
+    let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
+    apart.dot(apart) < near * near
+}
+
 /// The faces at two particles that pierce each other. Those that share a corner do not count.
 fn piercing<'a>(
     [faces, others]: [&'a FacesAt; 2],
@@ -136,10 +176,8 @@ fn piercing<'a>(
     there: impl Fn(u32) -> Vec3 + Copy + 'a,
     shares: impl Fn(&[u32; 3], &[u32; 3]) -> bool + Copy + 'a,
 ) -> impl Iterator<Item = [[u32; 3]; 2]> + 'a {
-    let [a, b] = pair.slots;
-    let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
-    let (a, b) = (a as usize, b as usize);
-    let may = apart.dot(apart) < near * near && !are_apart(faces, a, at, others, b, there);
+    let [a, b] = pair.slots.map(|slot| slot as usize);
+    let may = !are_apart(faces, a, at, others, b, there);
     let ones = may.then(|| faces.of(a)).into_iter().flatten();
     ones.flat_map(move |one| others.of(b).map(move |two| [one, two])).filter(move |[one, two]| {
         !shares(one, two) && meet(one.map(|c| at(c).as_dvec3()), two.map(|c| there(c).as_dvec3()))
