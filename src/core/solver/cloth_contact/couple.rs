@@ -7,7 +7,7 @@ use crate::solver::cloth_contact::history::{History, Stuck, stamp, take_shared};
 use crate::solver::cloth_contact::others::OthersContact;
 use crate::solver::cloth_contact::parts::{Body, Parts};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
-use crate::solver::cloth_contact::travel::Travelled;
+use crate::solver::cloth_contact::travel::{Allowance, Travelled};
 use crate::solver::simd::block::smaller;
 use crate::solver::simd::soa::Soa;
 
@@ -19,8 +19,8 @@ pub(super) struct Couple {
     pub friction: f32,
     pub pairs: Vec<Pair>,
     pub batches: Batches,
-    /// How far each region of the one may move relative to each of the other \[m\].
-    pub allowed: Vec<f32>,
+    /// How far the regions of both may move relative to each other.
+    pub allowance: Allowance,
     pub travelled: Travelled,
     /// Room for what both keep of pairs that touch, each its half.
     halves: [History; 2],
@@ -154,8 +154,8 @@ impl Couple {
         let (here, tangles) = one.places();
         let (there, theirs) = other.places();
         for pair in &self.pairs {
-            let at = |slot| here.at(slot) + shift;
-            tangles.search_with(theirs, pair, at, |slot| there.at(slot));
+            let at = |slot| here.at(slot);
+            tangles.search_with(theirs, pair, (at, shift), |slot| there.at(slot));
         }
     }
 }

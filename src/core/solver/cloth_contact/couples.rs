@@ -11,8 +11,9 @@ use crate::solver::cloth_contact::find::FindPairs;
 use crate::solver::cloth_contact::grid::Grid;
 use crate::solver::cloth_contact::many::{ManyCloths, NONE};
 use crate::solver::cloth_contact::parts::Body;
+use crate::solver::cloth_contact::regions::{AddUp, Extent, Since};
 use crate::solver::cloth_contact::respond::Touched;
-use crate::solver::cloth_contact::travel::{AddUp, Extent, Since, Travelled, allowed};
+use crate::solver::cloth_contact::travel::{Moved, Travelled};
 use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::lanes::LANES;
@@ -228,17 +229,12 @@ impl Couples {
         }
         let mut is_too_far = false;
         for couple in &mut self.couples[..self.count] {
-            let [some, others] = couple.of.map(|of| self.first_box[of]..self.first_box[of + 1]);
-            let mut travelled = Travelled::NOTHING;
-            let mut allowed = couple.allowed.iter();
-            for a in some {
-                for (b, &allowed) in others.clone().zip(&mut allowed) {
-                    let moved = [&self.boxes, &self.moved].map(|of| of[a].difference(&of[b]));
-                    travelled.add(moved, allowed, self.margin);
-                }
-            }
-            couple.travelled = travelled.finished();
-            is_too_far |= travelled.is_too_far;
+            let moved = couple.of.map(|of| {
+                let regions = self.first_box[of]..self.first_box[of + 1];
+                Moved { all: &self.boxes[regions.clone()], step: &self.moved[regions] }
+            });
+            couple.travelled = couple.allowance.measure(moved);
+            is_too_far |= couple.travelled.is_too_far;
         }
         is_too_far
     }
@@ -323,12 +319,9 @@ impl Couples {
         self.margin = smaller(larger(expected, self.widest * LEAST_MARGIN), most);
         let (margin, reach) = (self.margin, self.widest + self.margin);
         for couple in &mut self.couples[..self.count] {
-            let [some, others] =
+            let regions =
                 couple.of.map(|of| &self.boxes[self.first_box[of]..self.first_box[of + 1]]);
-            couple.allowed.clear();
-            for a in some {
-                couple.allowed.extend(others.iter().map(|b| allowed(a, b, margin, reach)));
-            }
+            couple.allowance.begin(regions, margin, reach);
         }
     }
 

@@ -13,10 +13,11 @@ use crate::solver::cloth_contact::grid::{Grid, room_for};
 use crate::solver::cloth_contact::in_patches::InPatches;
 use crate::solver::cloth_contact::kin::find_kin;
 use crate::solver::cloth_contact::patches::Patches;
+use crate::solver::cloth_contact::regions::{AddUp, Regions, Since};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
 use crate::solver::cloth_contact::side::{Lying, Side};
 use crate::solver::cloth_contact::tangles::Tangles;
-use crate::solver::cloth_contact::travel::{AddUp, Since, Travel, Travelled};
+use crate::solver::cloth_contact::travel::{Allowance, Moved, Travelled};
 use crate::solver::cloth_contact::{AT_LEAST, CALM, MARGIN, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
 use crate::solver::simd::isa::Isa;
@@ -65,7 +66,8 @@ pub(in crate::solver) struct SelfContact {
     widest: f32,
     layout: Layout,
     finding: Finding,
-    travel: Travel,
+    regions: Regions,
+    allowance: Allowance,
     tangles: Tangles,
     batches: Batches,
     beads: Beads,
@@ -139,11 +141,13 @@ impl SelfContact {
                 Finding::Grid(Box::new(InGrid { grid, rest_of, rest }))
             }
         };
+        let regions = Regions::new(topology);
         Self {
             settings,
             layout,
             finding,
-            travel: Travel::new(layout),
+            allowance: Allowance::with_room(regions.extents.capacity()),
+            regions,
             tangles: Tangles::new(topology, faces),
             batches: Batches::default(),
             beads: Beads::new(layout.len()),
@@ -208,7 +212,9 @@ impl SelfContact {
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
             let since = Since { from: &self.found_at, last: &mut self.last, first: 0 };
-            travelled = self.travel.measure(isa, (x, d), since, self.margin);
+            self.regions.measure(isa, (x, d, Vec3::ZERO), since);
+            let Regions { extents: all, steps: step, .. } = &self.regions;
+            travelled = self.allowance.measure([Moved { all, step }; 2]);
         }
         if travelled.is_too_far {
             isa.run(AddUp { x, d, shift: Vec3::ZERO, to: &mut self.found_at, first: 0 });
@@ -286,7 +292,8 @@ impl SelfContact {
     fn find(&mut self, isa: Isa) {
         let Self {
             finding,
-            travel,
+            regions,
+            allowance,
             found_at: at,
             last,
             pairs,
@@ -299,7 +306,8 @@ impl SelfContact {
             ..
         } = self;
         let reach = *widest + *margin;
-        travel.begin(isa, at, *margin, reach);
+        regions.look(isa, at, 0);
+        allowance.begin_with_one(&regions.extents, *margin, reach);
         last.copy_from(at);
         pairs.clear();
         match finding {

@@ -20,6 +20,7 @@
 //! | `sweep` | boxes that are near each other |
 //! | `in_patches` | pairs of particles of a sheet, found patch by patch |
 //! | `normals` | the direction to push apart, by which layers slide on each other |
+//! | `regions` | the regions of a cloth, and the boxes of their particles |
 //! | `travel` | how far particles have moved relative to each other since then |
 //! | `batches` | pairs in batches that are met side by side |
 //! | `beads` | the particles of a cloth one after the other, as batches take them |
@@ -58,6 +59,7 @@ mod normals;
 mod others;
 mod parts;
 mod patches;
+mod regions;
 mod respond;
 mod rings;
 mod side;

@@ -7,8 +7,8 @@ use bevy_math::Mat3;
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::beads::Beads;
 use crate::solver::cloth_contact::faces::FacesAt;
+use crate::solver::cloth_contact::regions::Regions;
 use crate::solver::cloth_contact::tangles::Tangles;
-use crate::solver::cloth_contact::travel::Regions;
 use crate::solver::cloth_contact::{CALM, History, Memory, check_numbers, substeps_for};
 use crate::solver::settings::ParameterError;
 use crate::solver::topology::Topology;
@@ -70,7 +70,7 @@ impl OthersContact {
         Self {
             settings,
             balls: Balls::of(topology, settings.distance),
-            regions: Regions::new(layout),
+            regions: Regions::new(topology),
             tangles: Tangles::new(topology, faces),
             beads: Beads::new(layout.len()),
             since_touch: CALM,

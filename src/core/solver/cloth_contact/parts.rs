@@ -80,6 +80,7 @@ pub(super) struct Places<'a> {
 }
 
 impl Places<'_> {
+    #[inline]
     pub(super) fn at(&self, slot: u32) -> Vec3 {
         let slot = slot as usize;
         self.x.get(slot) + self.d.map_or(Vec3::ZERO, |d| d.get(slot))

@@ -6,8 +6,8 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::cloth_contact::regions::Extent;
 use crate::solver::cloth_contact::sweep::Sweep;
-use crate::solver::cloth_contact::travel::Extent;
 use crate::solver::simd::block::{Block3, larger, smaller};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;

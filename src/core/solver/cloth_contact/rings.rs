@@ -11,6 +11,8 @@ const SLACK: f32 = 1e-4;
 /// The faces at a particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
+    /// Where the particle is \[m\].
+    pub at: Vec3,
     /// Of length one.
     normal: Vec3,
     /// How far corners reach along the normal, from the particle, and in any direction \[m\].
@@ -22,7 +24,7 @@ pub(super) struct Ring {
 impl Ring {
     /// Of a slot, where `at` says where particles are.
     fn of(faces: &FacesAt, slot: usize, at: impl Fn(u32) -> Vec3) -> Self {
-        let (normal, here) = (faces.normal(slot, &at), at(slot as u32));
+        let (here, normal) = (at(slot as u32), faces.normal(slot, &at));
         let (mut low, mut high, mut square) = (0.0, 0.0, 0.0);
         for corner in faces.of(slot).flatten() {
             let from = at(corner) - here;
@@ -30,11 +32,16 @@ impl Ring {
             (low, high) = (smaller(along, low), larger(along, high));
             square = larger(from.dot(from), square);
         }
-        Self { normal, low, high, radius: square.sqrt() }
+        Self { at: here, normal, low, high, radius: square.sqrt() }
     }
 
-    /// Whether a plane along this surface lies between all its faces and all of another, whose particle is that far from this one.
-    pub fn is_clear_of(&self, other: &Self, apart: Vec3) -> bool {
+    /// Whether faces here may pierce some of another particle, which is `apart` from this one: it is nearer than `near`, and no plane
+    /// along this surface lies between all of them at a glance.
+    pub fn may_meet(&self, other: &Self, apart: Vec3, near: f32) -> bool {
+        apart.dot(apart) < near * near && !self.is_clear_of(other, apart)
+    }
+
+    fn is_clear_of(&self, other: &Self, apart: Vec3) -> bool {
         let cosine = self.normal.dot(other.normal);
         let sine = larger(1.0 - cosine * cosine, 0.0).sqrt();
         // Along the other normal as far as the other faces reach, and across it as far as they are wide.
@@ -59,7 +66,8 @@ impl Rings {
         self.0.fill(None);
     }
 
-    pub fn get(&mut self, faces: &FacesAt, slot: usize, at: impl Fn(u32) -> Vec3) -> Ring {
-        *self.0[slot].get_or_insert_with(|| Ring::of(faces, slot, at))
+    #[inline]
+    pub fn get(&mut self, faces: &FacesAt, slot: u32, at: impl Fn(u32) -> Vec3) -> Ring {
+        *self.0[slot as usize].get_or_insert_with(|| Ring::of(faces, slot as usize, at))
     }
 }

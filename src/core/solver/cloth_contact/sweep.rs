@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::grid::{NOWHERE, room_for};
-use crate::solver::cloth_contact::travel::Extent;
+use crate::solver::cloth_contact::regions::Extent;
 use crate::solver::simd::block::{Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;

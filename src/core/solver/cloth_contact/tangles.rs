@@ -100,7 +100,8 @@ impl Tangles {
 
     /// Searches among the faces at two particles of the cloth's own that are a pair, where `at` says where particles are.
     pub fn search(&mut self, pair: &Pair, at: impl Fn(u32) -> Vec3 + Copy) {
-        if !is_near(pair, at, at) || self.is_clear(pair, at) {
+        let [one, two] = pair.slots.map(|slot| self.rings.get(&self.faces, slot, at));
+        if !one.may_meet(&two, two.at - one.at, pair.reach * NEAR) {
             return;
         }
         let faces = self.faces.clone();
@@ -112,45 +113,26 @@ impl Tangles {
     }
 
     /// Searches among the faces at two particles that are a pair, of which the second one is another cloth's. Either function tells
-    /// where particles are.
+    /// where particles are; those of the first cloth are a shift further.
     pub fn search_with(
         &mut self,
         other: &mut Self,
         pair: &Pair,
-        at: impl Fn(u32) -> Vec3 + Copy,
+        (at, shift): (impl Fn(u32) -> Vec3 + Copy, Vec3),
         there: impl Fn(u32) -> Vec3 + Copy,
     ) {
-        if !is_near(pair, at, there) || self.is_clear_of(other, pair, at, there) {
+        let [a, b] = pair.slots;
+        let one = self.rings.get(&self.faces, a, at);
+        let two = other.rings.get(&other.faces, b, there);
+        if !one.may_meet(&two, two.at - (one.at + shift), pair.reach * NEAR) {
             return;
         }
+        let at = |slot| at(slot) + shift;
         let (faces, others) = (self.faces.clone(), other.faces.clone());
         for [one, two] in piercing([&faces, &others], pair, at, there, |_, _| false) {
             self.stand_down(one);
             other.stand_down(two);
         }
-    }
-
-    /// Whether the faces at two particles of the cloth's own are apart at a glance.
-    fn is_clear(&mut self, pair: &Pair, at: impl Fn(u32) -> Vec3 + Copy) -> bool {
-        let Self { faces, rings, .. } = self;
-        let [a, b] = pair.slots;
-        let apart = at(b) - at(a);
-        let [one, other] = [a, b].map(|slot| rings.get(faces, slot as usize, at));
-        one.is_clear_of(&other, apart)
-    }
-
-    /// The same of two particles of which the second one is another cloth's.
-    fn is_clear_of(
-        &mut self,
-        other: &mut Self,
-        pair: &Pair,
-        at: impl Fn(u32) -> Vec3 + Copy,
-        there: impl Fn(u32) -> Vec3 + Copy,
-    ) -> bool {
-        let [a, b] = pair.slots;
-        let one = self.rings.get(&self.faces, a as usize, at);
-        let two = other.rings.get(&other.faces, b as usize, there);
-        one.is_clear_of(&two, there(b) - at(a))
     }
 
     fn stand_down(&mut self, corners: [u32; 3]) {
@@ -159,13 +141,6 @@ impl Tangles {
         }
         self.any = true;
     }
-}
-
-/// Whether two particles are near enough for faces at them to pierce each other.
-fn is_near(pair: &Pair, at: impl Fn(u32) -> Vec3, there: impl Fn(u32) -> Vec3) -> bool {
-    let [a, b] = pair.slots;
-    let (apart, near) = (at(a) - there(b), pair.reach * NEAR);
-    apart.dot(apart) < near * near
 }
 
 /// The faces at two particles that pierce each other. Those that share a corner do not count.
