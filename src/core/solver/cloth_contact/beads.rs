@@ -3,13 +3,27 @@
 //! A batch takes its particles from anywhere. Out of one array for each coordinate they would be picked number by number, which takes
 //! several times as long as all that is computed with them.
 
-use crate::solver::cloth_contact::side::Lying;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::store;
 use crate::solver::simd::isa::{Isa, TransposingKernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 use crate::solver::simd::transpose::{Four, Transpose};
+
+/// Where the particles of a cloth lie on colliders, which bear a part of what pushes them (`contact::active_set`).
+pub(in crate::solver) struct Lying<'a> {
+    /// By slot, of length one; zero where a particle lies on none.
+    pub normal: &'a Soa,
+    /// By slot, the part of its inverse mass that moves a particle along the surface.
+    pub slip: &'a [f32],
+    /// By slot, the part of its way along the surface that the collider's friction leaves it.
+    pub loose: &'a [f32],
+    /// By slot, velocity of the collider's surface \[m/s\], and the substep's length \[s\].
+    pub velocity: &'a Soa,
+    pub step: f32,
+    /// By slot, what the collider bears \[kg m\].
+    pub load: &'a mut [f32],
+}
 
 /// A particle.
 #[derive(Clone, Copy, Debug, Default)]

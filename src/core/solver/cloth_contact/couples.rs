@@ -185,7 +185,7 @@ impl Couples {
     /// Keeps apart what the strain limits have pulled together, after it met in the same substep.
     pub fn keep_apart(&mut self, bodies: &mut [impl Body]) {
         let couples = &mut self.couples[..self.count];
-        if !couples.iter().any(|couple| couple.is_pressed()) {
+        if !couples.iter().any(Couple::is_pressed) {
             return;
         }
         take_in(bodies);
@@ -340,7 +340,7 @@ impl Couples {
                     if self.table[member * members + other] != NONE {
                         let theirs = &self.boxes[self.first_box[other]..self.first_box[other + 1]];
                         let near = theirs.iter().filter(|other| own.gap(other) < reach);
-                        around = near.fold(around, |around, other| around.with(other));
+                        around = near.fold(around, Extent::with);
                     }
                 }
                 let around = around.grown(reach);

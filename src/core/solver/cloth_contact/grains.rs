@@ -3,7 +3,6 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::beads::Beads;
-use crate::solver::cloth_contact::side::Side;
 use crate::solver::contact::LEAST_MOBILITY;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
@@ -58,29 +57,18 @@ pub(super) struct Grains {
 }
 
 impl Grains {
+    /// Those of particles that lie on nothing, with the cloth's normals.
     #[inline(always)]
-    pub fn gather(
-        t: impl Transpose,
-        side: &mut Side<'_>,
-        slots: &[u32; LANES],
-        touches: &[u32; LANES],
-        spots: &Spots,
-    ) -> Self {
+    pub fn free(normal: Block3, spots: &Spots) -> Self {
         let w = spots.inverse_mass;
-        let normal = side.normals(t, slots, touches);
         let [onto, undone] = [Block3::ZERO; 2];
-        let mut grains =
-            Self { normal, onto, undone, inverse_mass: w, slipping: w, loose: w, pushed: w };
-        if side.load.is_some() {
-            grains.lie(t, side, slots, &spots.d);
-        }
-        grains
+        Self { normal, onto, undone, inverse_mass: w, slipping: w, loose: w, pushed: w }
     }
 
     /// Takes in how particles lie on colliders, whose displacements are `d`.
     #[inline(always)]
-    fn lie(&mut self, t: impl Transpose, side: &Side<'_>, slots: &[u32; LANES], d: &Block3) {
-        let Beads { onto, carried, .. } = &*side.beads;
+    pub fn lie(&mut self, t: impl Transpose, beads: &Beads, slots: &[u32; LANES], d: &Block3) {
+        let Beads { onto, carried, .. } = beads;
         // Of one length, so that one check of a slot does for both.
         let carried = &carried[..onto.len()];
         let [x, y, z, slip] = t.apart(|i| onto[slots[i] as usize]);
@@ -95,7 +83,6 @@ impl Grains {
             self.undone.set(i, if lies { undone } else { Vec3::ZERO });
             self.slipping.0[i] = w * slip.0[i];
             self.loose.0[i] = w * slip.0[i] * loose.0[i];
-            self.pushed.0[i] = if side.is_held { self.loose.0[i] } else { self.slipping.0[i] };
         }
     }
 

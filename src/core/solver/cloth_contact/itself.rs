@@ -6,7 +6,7 @@ use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::batches::Batches;
-use crate::solver::cloth_contact::beads::{Beads, TakenFrom};
+use crate::solver::cloth_contact::beads::{Beads, Lying, TakenFrom};
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
 use crate::solver::cloth_contact::grid::{Grid, room_for};
@@ -15,7 +15,7 @@ use crate::solver::cloth_contact::kin::find_kin;
 use crate::solver::cloth_contact::patches::Patches;
 use crate::solver::cloth_contact::regions::{AddUp, Regions, Since};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
-use crate::solver::cloth_contact::side::{Lying, Side};
+use crate::solver::cloth_contact::side::Side;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{Allowance, Moved, Travelled};
 use crate::solver::cloth_contact::{AT_LEAST, CALM, MARGIN, Memory, check_numbers, substeps_for};

@@ -67,6 +67,7 @@ mod sweep;
 mod tangles;
 mod travel;
 
+pub(super) use crate::solver::cloth_contact::beads::Lying;
 pub(super) use crate::solver::cloth_contact::couples::Couples;
 pub(super) use crate::solver::cloth_contact::crossings::{crossing_edges, edges_through};
 pub(super) use crate::solver::cloth_contact::faces::FacesAt;
@@ -76,7 +77,6 @@ pub(super) use crate::solver::cloth_contact::itself::{SelfContact, Substep};
 pub use crate::solver::cloth_contact::others::InterCollision;
 pub(super) use crate::solver::cloth_contact::others::OthersContact;
 pub(super) use crate::solver::cloth_contact::parts::{Body, Parts};
-pub(super) use crate::solver::cloth_contact::side::Lying;
 
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::settings::{ParameterError, Settings, check};

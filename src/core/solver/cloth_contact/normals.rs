@@ -7,9 +7,8 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::beads::Beads;
-use crate::solver::cloth_contact::respond::is_any;
 use crate::solver::simd::block::{Block3, larger, smaller};
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::lanes::{LANES, is_any};
 use crate::solver::simd::transpose::{Four, Transpose};
 
 /// Cosines of the angle between two normals from which on layers face each other a little, and wholly.

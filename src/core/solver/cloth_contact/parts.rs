@@ -2,9 +2,9 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::beads::TakenFrom;
+use crate::solver::cloth_contact::beads::{Lying, TakenFrom};
 use crate::solver::cloth_contact::others::OthersContact;
-use crate::solver::cloth_contact::side::{Lying, Side};
+use crate::solver::cloth_contact::side::Side;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::soa::Soa;

@@ -259,3 +259,50 @@ impl Kernel for AddUp<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use bevy_math::Vec2;
+
+    use super::*;
+    use crate::solver::settings::MassLumping;
+    use crate::solver::topology::graph::Graph;
+    use crate::solver::topology::lattice::Lattice;
+
+    #[test]
+    fn each_particle_is_in_one_region_whose_box_holds_it_alone() {
+        for (rows, columns) in [(2, 2), (9, 17), (64, 64), (5, 200)] {
+            let sheet = Lattice::sheet(Vec2::ONE, rows, columns, MassLumping::Lumped).unwrap();
+            let cells = (0..rows - 1).flat_map(|r| (0..columns - 1).map(move |c| r * columns + c));
+            let cells =
+                cells.map(|a| [a, a + columns, a + columns + 1].map(|corner| corner as u32));
+            let triangles: Vec<_> =
+                cells.flat_map(|[a, b, c]| [[a, b, c], [a, c, a + 1]]).collect();
+            let mesh = Graph::new(sheet.rest_positions(), &triangles, MassLumping::Lumped).unwrap();
+            for topology in [Topology::from(Arc::new(sheet)), Topology::from(Arc::new(mesh))] {
+                let mut regions = Regions::new(&topology);
+                let mut at = Soa::zeros(topology.layout().len());
+                for (particle, &rest) in topology.rest_positions().iter().enumerate() {
+                    at.set(topology.slot(particle), rest);
+                }
+                regions.look(Isa::detect(), &at, 0);
+                let mut slots = Vec::new();
+                for (region, extent) in regions.extents.iter().enumerate() {
+                    let mut own = Extent::NOTHING;
+                    for slot in regions.slots(region) {
+                        own = own.with(&Extent { low: at.get(slot), high: at.get(slot) });
+                        slots.push(slot);
+                    }
+                    assert_eq!([own.low, own.high], [extent.low, extent.high], "region {region}");
+                }
+                slots.sort_unstable();
+                let mut all: Vec<_> = topology.layout().slots().collect();
+                all.sort_unstable();
+                assert_eq!(slots, all, "{rows} x {columns}");
+                assert!(regions.extents.len() <= MOST * MOST);
+            }
+        }
+    }
+}

@@ -12,7 +12,7 @@ use crate::solver::cloth_contact::side::{Given, Side};
 use crate::solver::cloth_contact::tangles::DEEP;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::isa::TransposingKernel;
-use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::lanes::{LANES, is_any};
 use crate::solver::simd::transpose::Transpose;
 
 /// Part of the distance at which pairs touch, by which batches wake earlier than they need to: more than rounding is worth.
@@ -122,8 +122,8 @@ impl TransposingKernel for Respond<'_, '_> {
             if !is_any(&met.touches) {
                 continue;
             }
-            let a = Grains::gather(t, &mut sides[0], slots, &met.touches, &here);
-            let b = Grains::gather(t, &mut sides[second], others, &met.touches, &there);
+            let a = sides[0].grains(t, slots, &met.touches, &here);
+            let b = sides[second].grains(t, others, &met.touches, &there);
             met.press([&a, &b], &reach, drift, most_push);
             let rubbing = Rubbing {
                 touches: &met.touches,
@@ -149,16 +149,6 @@ impl TransposingKernel for Respond<'_, '_> {
     }
 }
 
-/// Whether any lane is not zero.
-#[inline(always)]
-pub(super) fn is_any(lanes: &[u32; LANES]) -> bool {
-    let mut any = 0;
-    for lane in lanes {
-        any |= lane;
-    }
-    any != 0
-}
-
 /// The outcome of a batch.
 struct Met {
     /// From the second particle to the first \[m\], and its square.
@@ -178,19 +168,29 @@ struct Met {
 }
 
 impl Met {
+    const NOTHING: Self = Self {
+        apart: Block3::ZERO,
+        square: Block::ZERO,
+        relative: Block3::ZERO,
+        touches: [0; LANES],
+        depth: Block::ZERO,
+        normal: Block3::ZERO,
+        pressed: Block::ZERO,
+        pushed: Block::ZERO,
+    };
+
     /// Finds out which pairs touch. What is no number touches nothing.
     #[inline(always)]
     fn measure([a, b]: [&Spots; 2], reach: &Block, shift: Vec3) -> Self {
-        let relative = a.further_than(b);
-        let (mut apart, mut square, mut touches) = (Block3::ZERO, Block::ZERO, [0; LANES]);
+        let mut met = Self { relative: a.further_than(b), ..Self::NOTHING };
         for i in 0..LANES {
-            apart.set(i, a.x.at(i) - b.x.at(i) + shift + relative.at(i));
-            let apart = apart.at(i);
-            square.0[i] = apart.dot(apart);
-            touches[i] = u32::from(square.0[i] < reach.0[i] * reach.0[i]);
+            let apart = a.x.at(i) - b.x.at(i) + shift + met.relative.at(i);
+            let square = apart.dot(apart);
+            met.apart.set(i, apart);
+            met.square.0[i] = square;
+            met.touches[i] = u32::from(square < reach.0[i] * reach.0[i]);
         }
-        let [depth, pressed, pushed] = [Block::ZERO; 3];
-        Self { apart, square, relative, touches, depth, normal: Block3::ZERO, pressed, pushed }
+        met
     }
 
     /// Leaves out pairs of which neither particle moves, and those of which both stand down.

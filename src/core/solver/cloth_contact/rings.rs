@@ -71,3 +71,64 @@ impl Rings {
         *self.0[slot as usize].get_or_insert_with(|| Ring::of(faces, slot as usize, at))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use bevy_math::{Quat, Vec2};
+
+    use super::*;
+    use crate::solver::settings::MassLumping;
+    use crate::solver::topology::Topology;
+    use crate::solver::topology::lattice::Lattice;
+
+    /// Numbers from -1 to 1.
+    fn dice() -> impl FnMut() -> f32 {
+        let mut state = 7_u32;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        }
+    }
+
+    #[test]
+    fn what_is_clear_at_a_glance_has_a_plane_between() {
+        let sheet = Lattice::sheet(Vec2::splat(2.0), 3, 3, MassLumping::Lumped).unwrap();
+        let topology = Topology::from(Arc::new(sheet));
+        let faces = FacesAt::new(&topology);
+        let mut roll = dice();
+        let mut clear = 0;
+        for _ in 0..2000 {
+            let mut crumpled = |turn: Quat, by: f32, place: Vec3| {
+                let mut all = vec![Vec3::ZERO; topology.layout().len()];
+                for (particle, &rest) in topology.rest_positions().iter().enumerate() {
+                    let off = Vec3::new(roll(), roll(), roll()) * by;
+                    all[topology.slot(particle)] = place + turn * (rest + off);
+                }
+                all
+            };
+            let one = crumpled(Quat::IDENTITY, 0.2, Vec3::ZERO);
+            let turn = Quat::from_rotation_x(one[topology.slot(4)].x * 4.0);
+            let other = crumpled(turn, 0.2, Vec3::Y * (1.0 + one[topology.slot(4)].y * 5.0));
+            let middle = topology.slot(4);
+            let ring = |all: &[Vec3]| Ring::of(&faces, middle, |slot| all[slot as usize]);
+            let (a, b) = (ring(&one), ring(&other));
+            if !a.is_clear_of(&b, b.at - a.at) {
+                continue;
+            }
+            clear += 1;
+            let along = |all: &[Vec3]| {
+                let reaches =
+                    faces.of(middle).flatten().map(|slot| a.normal.dot(all[slot as usize]));
+                reaches.fold([f32::MAX, f32::MIN], |[low, high], it| [low.min(it), high.max(it)])
+            };
+            let ([low, high], [their_low, their_high]) = (along(&one), along(&other));
+            assert!(
+                high < their_low || their_high < low,
+                "{low} to {high}, {their_low} to {their_high}"
+            );
+        }
+        assert!((200..1900).contains(&clear), "{clear} of 2000 are clear");
+    }
+}

@@ -9,21 +9,6 @@ use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 use crate::solver::simd::transpose::Transpose;
 
-/// Where the particles of a cloth lie on colliders, which bear a part of what pushes them (`contact::active_set`).
-pub(in crate::solver) struct Lying<'a> {
-    /// By slot, of length one; zero where a particle lies on none.
-    pub normal: &'a Soa,
-    /// By slot, the part of its inverse mass that moves a particle along the surface.
-    pub slip: &'a [f32],
-    /// By slot, the part of its way along the surface that the collider's friction leaves it.
-    pub loose: &'a [f32],
-    /// By slot, velocity of the collider's surface \[m/s\], and the substep's length \[s\].
-    pub velocity: &'a Soa,
-    pub step: f32,
-    /// By slot, what the collider bears \[kg m\].
-    pub load: &'a mut [f32],
-}
-
 /// The particles of a cloth, by slot.
 pub(super) struct Side<'a> {
     pub beads: &'a mut Beads,
@@ -50,7 +35,7 @@ pub(super) struct Given {
 impl Side<'_> {
     /// The surface's normals at the particles that touch, where they were when pairs were found.
     #[inline(always)]
-    pub fn normals(
+    fn normals(
         &mut self,
         t: impl Transpose,
         slots: &[u32; LANES],
@@ -59,6 +44,23 @@ impl Side<'_> {
         let Self { beads, faces, found_at, first, .. } = self;
         let normal = |slot| faces.normal(slot, |slot| found_at.get(*first + slot as usize));
         normals::gather(t, beads, slots, touches, normal)
+    }
+
+    /// The numbers of particles at some slots, those that touch.
+    #[inline(always)]
+    pub fn grains(
+        &mut self,
+        t: impl Transpose,
+        slots: &[u32; LANES],
+        touches: &[u32; LANES],
+        spots: &Spots,
+    ) -> Grains {
+        let mut grains = Grains::free(self.normals(t, slots, touches), spots);
+        if self.load.is_some() {
+            grains.lie(t, self.beads, slots, &spots.d);
+            grains.pushed = if self.is_held { grains.loose } else { grains.slipping };
+        }
+        grains
     }
 
     /// Gives particles momentum, and moves them without speed, those of some lanes.

@@ -116,3 +116,58 @@ impl Allowance {
         Travelled { most: f32::sqrt(most), step: f32::sqrt(step), is_too_far }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy_math::Vec3;
+
+    use super::*;
+
+    /// Some boxes of a size along a line, so far from each other.
+    fn boxes(count: usize, step: f32, size: f32, shift: Vec3) -> Vec<Extent> {
+        let low = |i: usize| shift + Vec3::X * step * i as f32;
+        (0..count).map(|i| Extent { low: low(i), high: low(i) + size }).collect()
+    }
+
+    #[test]
+    fn what_is_far_may_move_further_and_no_further_than_that() {
+        let [some, others] = [0.0, 2.0].map(|up| boxes(6, 1.0, 0.5, Vec3::Y * up));
+        let (margin, reach) = (0.1, 0.2);
+        let mut allowance = Allowance::default();
+        allowance.begin([&some, &others], margin, reach);
+        let still = vec![Extent::ZERO; 6];
+        // All are 1.5 m apart at least, and may move by that without the reach.
+        let least = 1.5 - reach + margin;
+        for (place, by, is_too_far) in [(0, least - 0.01, false), (5, least + 0.01, true)] {
+            let mut moved = still.clone();
+            moved[place] = moved[place].with(&Extent { low: Vec3::ZERO, high: Vec3::Y * by });
+            let sides = [&moved, &still].map(|all| Moved { all, step: &still });
+            let travelled = allowance.measure(sides);
+            assert_eq!(
+                travelled,
+                Travelled { is_too_far, ..Travelled::NOTHING },
+                "{place} by {by}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_near_is_measured_and_held_to_the_margin() {
+        let regions = boxes(4, 1.0, 0.5, Vec3::ZERO);
+        let (margin, reach) = (0.1, 0.6);
+        let mut allowance = Allowance::default();
+        allowance.begin_with_one(&regions, margin, reach);
+        let still = vec![Extent::ZERO; 4];
+        for (by, is_too_far) in [(0.09, false), (0.11, true)] {
+            let moved = vec![
+                still[0],
+                still[1],
+                Extent { low: Vec3::Z * by, high: Vec3::Z * by },
+                still[3],
+            ];
+            let travelled = allowance.measure([Moved { all: &moved, step: &still }; 2]);
+            assert!((travelled.most - by).abs() < 1e-6, "{travelled:?}");
+            assert_eq!((travelled.step, travelled.is_too_far), (0.0, is_too_far));
+        }
+    }
+}
