@@ -75,8 +75,12 @@ impl Beads {
 
     /// There are other pairs from now on, of which none is known yet.
     pub fn forget_pairs(&mut self) {
-        self.is_in_pairs.fill(false);
-        self.normals.fill(Four::default());
+        let Self { normals, is_in_pairs, .. } = self;
+        // No others are known.
+        for at in Self::blocks(is_in_pairs) {
+            normals[at..at + LANES].fill(Four::default());
+        }
+        is_in_pairs.fill(false);
     }
 
     /// The particle at a slot is in a pair.
