@@ -85,6 +85,10 @@ impl Allowance {
     }
 
     fn add(&mut self, regions: [usize; 2], gap: f32, margin: f32, reach: f32) {
+        // The last page of a mesh may hold no particle.
+        if gap == f32::INFINITY {
+            return;
+        }
         let regions = regions.map(|region| region as u16);
         let allowed = larger(gap - reach, 0.0) + margin;
         if allowed <= margin {
@@ -149,6 +153,21 @@ mod tests {
                 "{place} by {by}"
             );
         }
+    }
+
+    #[test]
+    fn what_is_empty_goes_nowhere() {
+        let mut regions = boxes(3, 2.0, 0.5, Vec3::ZERO);
+        regions.push(Extent::NOTHING);
+        let mut allowance = Allowance::default();
+        allowance.begin_with_one(&regions, 0.1, 0.2);
+        // Further than neighbours may, but not than what is at the other end.
+        let still = [Extent::ZERO, Extent::ZERO, Extent::ZERO, Extent::NOTHING];
+        let mut moved = still;
+        moved[1] = Extent { low: Vec3::X * 0.8, high: Vec3::X * 0.8 };
+        moved[2] = Extent { low: Vec3::X * 1.6, high: Vec3::X * 1.6 };
+        let travelled = allowance.measure([Moved { all: &moved, step: &still }; 2]);
+        assert_eq!(travelled, Travelled::NOTHING);
     }
 
     #[test]
