@@ -25,7 +25,7 @@ pub(super) struct Batch {
     pub anchors: Anchors,
 }
 
-/// What is asked of a batch before it is looked at, apart from the rest, which takes some cache lines.
+/// The part of a batch that is asked for before it is looked at. The rest takes some cache lines.
 #[derive(Clone, Copy, Debug)]
 struct State {
     /// Length of the path until which none of its pairs touches \[m\]; [`TOUCHES`] where one did when it was looked at last.

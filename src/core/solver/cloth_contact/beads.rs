@@ -1,7 +1,7 @@
 //! The particles of a cloth one after the other, while pairs of them are met.
 //!
-//! A batch takes its particles from anywhere. Out of one array for each coordinate they would be picked number by number, which takes
-//! several times as long as all that is computed with them.
+//! A batch takes its particles from anywhere. Picked number by number, out of one array for each coordinate, they took nearly half of
+//! the response's time.
 
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::store;

@@ -14,7 +14,7 @@ pub(super) struct Spots {
     /// Where the substep began, and displacements since \[m\].
     pub x: Block3,
     pub d: Block3,
-    /// \[1/kg\]
+    /// Inverse masses \[1/kg\].
     pub inverse_mass: Block,
     /// 1 where a particle stands down, else 0.
     pub down: Block,
@@ -57,7 +57,7 @@ pub(super) struct Grains {
 }
 
 impl Grains {
-    /// Those of particles that lie on nothing, with the cloth's normals.
+    /// The numbers of particles that lie on nothing, with the cloth's normals.
     #[inline(always)]
     pub fn free(normal: Block3, spots: &Spots) -> Self {
         let w = spots.inverse_mass;

@@ -6,7 +6,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::regions::Extent;
+use crate::solver::cloth_contact::regions::{Extent, Wide};
 use crate::solver::cloth_contact::sweep::Sweep;
 use crate::solver::simd::block::{Block3, larger, smaller};
 use crate::solver::simd::isa::{Isa, Kernel};
@@ -162,8 +162,7 @@ impl Kernel for LookAtPatches<'_> {
 
 /// Boxes and normals of the patches in a block, a column each.
 struct Seen {
-    low: Block3,
-    high: Block3,
+    wide: Wide,
     /// Normals of the cells of each row, of length one; zero beside the sheet.
     normals: [Block3; SIDE],
     sum: Block3,
@@ -172,23 +171,13 @@ struct Seen {
 impl Seen {
     #[inline(always)]
     fn new(layout: &Layout, at: &Soa, first_row: usize, rows: usize, column: usize) -> Self {
-        let mut seen = Self {
-            low: Block3::splat(Vec3::INFINITY),
-            high: Block3::splat(Vec3::NEG_INFINITY),
-            normals: [Block3::ZERO; SIDE],
-            sum: Block3::ZERO,
-        };
+        let mut seen =
+            Self { wide: Wide::nothing(), normals: [Block3::ZERO; SIDE], sum: Block3::ZERO };
         let inside = layout.inside(first_row, column);
         for (normals, row) in seen.normals.iter_mut().zip(first_row..first_row + rows) {
             let slot = layout.slot(row, column);
             let here = Block3::load(at, slot);
-            for i in 0..LANES {
-                let (p, a, b) = (here.at(i), seen.low.at(i), seen.high.at(i));
-                let least = Vec3::new(smaller(p.x, a.x), smaller(p.y, a.y), smaller(p.z, a.z));
-                let most = Vec3::new(larger(p.x, b.x), larger(p.y, b.y), larger(p.z, b.z));
-                seen.low.set(i, if i < inside { least } else { a });
-                seen.high.set(i, if i < inside { most } else { b });
-            }
+            seen.wide.take(&here, inside);
             if row + 1 == layout.rows {
                 continue;
             }
@@ -213,7 +202,7 @@ impl Seen {
     fn patch(&self, first: usize) -> Patch {
         let (mut low, mut high, mut axis) = (Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::ZERO);
         for i in first..first + SIDE {
-            let (p, q) = (self.low.at(i), self.high.at(i));
+            let (p, q) = (self.wide.low.at(i), self.wide.high.at(i));
             low = Vec3::new(smaller(p.x, low.x), smaller(p.y, low.y), smaller(p.z, low.z));
             high = Vec3::new(larger(q.x, high.x), larger(q.y, high.y), larger(q.z, high.z));
             axis += self.sum.at(i);

@@ -123,21 +123,21 @@ pub(super) struct Since<'a> {
     pub first: usize,
 }
 
-/// A box of vectors in lanes.
-struct Wide {
-    low: Block3,
-    high: Block3,
+/// A box of vectors in each lane.
+pub(super) struct Wide {
+    pub low: Block3,
+    pub high: Block3,
 }
 
 impl Wide {
     #[inline(always)]
-    fn nothing() -> Self {
+    pub fn nothing() -> Self {
         Self { low: Block3::splat(Vec3::INFINITY), high: Block3::splat(Vec3::NEG_INFINITY) }
     }
 
     /// Takes in the lanes that are inside a cloth.
     #[inline(always)]
-    fn take(&mut self, p: &Block3, inside: usize) {
+    pub fn take(&mut self, p: &Block3, inside: usize) {
         for i in 0..LANES {
             let (p, a, b) = (p.at(i), self.low.at(i), self.high.at(i));
             let least = Vec3::new(smaller(p.x, a.x), smaller(p.y, a.y), smaller(p.z, a.z));

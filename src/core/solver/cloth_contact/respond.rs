@@ -215,7 +215,7 @@ impl Met {
         touched.deepest = larger(touched.deepest, deep.largest());
     }
 
-    /// What the particles of both sides are given.
+    /// The momentum and the pushes that the particles of both sides are given.
     #[inline(always)]
     fn given(&self, rubbed: Rubbed) -> [Given; 2] {
         let [mut momentum, mut pushed, mut back_momentum, mut back_pushed] = [Block3::ZERO; 4];

@@ -13,7 +13,7 @@ const SLACK: f32 = 1e-4;
 pub(super) struct Ring {
     /// Where the particle is \[m\].
     pub at: Vec3,
-    /// Of length one.
+    /// The normal of the surface, of length one.
     normal: Vec3,
     /// How far corners reach along the normal, from the particle, and in any direction \[m\].
     low: f32,
@@ -22,7 +22,7 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// Of a slot, where `at` says where particles are.
+    /// The ring of a slot, where `at` says where particles are.
     fn of(faces: &FacesAt, slot: usize, at: impl Fn(u32) -> Vec3) -> Self {
         let (here, normal) = (at(slot as u32), faces.normal(slot, &at));
         let (mut low, mut high, mut square) = (0.0, 0.0, 0.0);

@@ -12,7 +12,7 @@ use crate::solver::simd::transpose::Transpose;
 /// The particles of a cloth, by slot.
 pub(super) struct Side<'a> {
     pub beads: &'a mut Beads,
-    /// What colliders bear, where particles lie on any \[kg m\].
+    /// Momentum that colliders bear, where particles lie on any \[kg m\].
     pub load: Option<&'a mut [f32]>,
     pub faces: &'a FacesAt,
     /// Where its particles were when pairs were found, and the place of its first slot there \[m\].
@@ -23,11 +23,11 @@ pub(super) struct Side<'a> {
     pub is_held: bool,
 }
 
-/// What is given to the particles of one side of a batch.
+/// Momentum and moves for the particles of one side of a batch.
 pub(super) struct Given {
     /// Momentum \[kg m\].
     pub momentum: Block3,
-    /// What moves them without speed: a push \[kg m\], and a way \[m\].
+    /// A push \[kg m\] and a way \[m\] that move them without speed.
     pub pushed: Block3,
     pub back: Block3,
 }

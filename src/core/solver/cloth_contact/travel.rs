@@ -33,9 +33,9 @@ pub(super) struct Moved<'a> {
     pub step: &'a [Extent],
 }
 
-/// Two regions, and how far they may move relative to each other \[m\].
+/// Two regions that are far from each other, and how far they may move relative to each other \[m\].
 #[derive(Clone, Copy, Debug)]
-struct Meeting {
+struct Far {
     regions: [u16; 2],
     allowed: f32,
 }
@@ -43,10 +43,11 @@ struct Meeting {
 /// How far the regions of two cloths, or of one, may move relative to each other before particles that are no pair may touch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Allowance {
-    /// Of regions that were near each other when pairs were found.
-    near: Vec<Meeting>,
-    /// Of the others, and the least of it.
-    far: Vec<Meeting>,
+    /// Regions that were near each other when pairs were found, two by two, which may move by the margin \[m\].
+    near: Vec<[u16; 2]>,
+    margin: f32,
+    /// The others, and the least that any of them may move \[m\].
+    far: Vec<Far>,
     least: f32,
 }
 
@@ -54,67 +55,67 @@ impl Allowance {
     /// With room for the regions of one cloth, of which there are so many.
     pub fn with_room(regions: usize) -> Self {
         let room = regions * (regions + 1) / 2;
-        Self { near: Vec::with_capacity(room), far: Vec::with_capacity(room), least: 0.0 }
+        let (near, far) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        Self { near, margin: 0.0, far, least: 0.0 }
     }
 
     /// Begins anew with the regions of one cloth that are in these boxes, where particles are pairs that are up to `margin` further apart
     /// than they touch, `reach` apart at most.
     pub fn begin_with_one(&mut self, regions: &[Extent], margin: f32, reach: f32) {
-        self.clear();
+        self.clear(margin);
         for (i, a) in regions.iter().enumerate() {
             for (j, b) in regions[..=i].iter().enumerate() {
-                self.add([i, j], a.gap(b), margin, reach);
+                self.add([i, j], a.gap(b), reach);
             }
         }
     }
 
-    /// The same with the regions of two cloths.
+    /// Begins anew with the regions of two cloths, in the same way.
     pub fn begin(&mut self, [some, others]: [&[Extent]; 2], margin: f32, reach: f32) {
-        self.clear();
+        self.clear(margin);
         for (i, a) in some.iter().enumerate() {
             for (j, b) in others.iter().enumerate() {
-                self.add([i, j], a.gap(b), margin, reach);
+                self.add([i, j], a.gap(b), reach);
             }
         }
     }
 
-    fn clear(&mut self) {
+    fn clear(&mut self, margin: f32) {
         self.near.clear();
         self.far.clear();
-        self.least = f32::INFINITY;
+        (self.margin, self.least) = (margin, f32::INFINITY);
     }
 
-    fn add(&mut self, regions: [usize; 2], gap: f32, margin: f32, reach: f32) {
+    fn add(&mut self, regions: [usize; 2], gap: f32, reach: f32) {
         // The last page of a mesh may hold no particle.
         if gap == f32::INFINITY {
             return;
         }
         let regions = regions.map(|region| region as u16);
-        let allowed = larger(gap - reach, 0.0) + margin;
-        if allowed <= margin {
-            self.near.push(Meeting { regions, allowed });
+        let allowed = larger(gap - reach, 0.0) + self.margin;
+        if allowed <= self.margin {
+            self.near.push(regions);
         } else {
-            self.far.push(Meeting { regions, allowed });
+            self.far.push(Far { regions, allowed });
             self.least = smaller(allowed, self.least);
         }
     }
 
     /// Measures how far particles have moved, by the boxes of the regions of both cloths, or twice of one.
     pub fn measure(&self, [some, others]: [Moved<'_>; 2]) -> Travelled {
-        let (mut most, mut step, mut is_too_far) = (0.0, 0.0, false);
-        for Meeting { regions: [a, b], allowed } in &self.near {
-            let (a, b) = (*a as usize, *b as usize);
-            let moved = some.all[a].difference(&others.all[b]);
-            is_too_far |= moved >= allowed * allowed;
-            most = larger(moved, most);
+        let (mut most, mut step) = (0.0, 0.0);
+        for regions in &self.near {
+            let [a, b] = regions.map(usize::from);
+            most = larger(some.all[a].difference(&others.all[b]), most);
             step = larger(some.step[a].difference(&others.step[b]), step);
         }
+        let mut is_too_far = most >= self.margin * self.margin;
         // What is far need not be looked at one by one, unless the whole cloths have moved as far.
         let whole = |moved: Moved<'_>| moved.all.iter().fold(Extent::NOTHING, Extent::with);
         if whole(some).difference(&whole(others)) >= self.least * self.least {
-            is_too_far |= self.far.iter().any(|Meeting { regions: [a, b], allowed }| {
-                let moved = some.all[*a as usize].difference(&others.all[*b as usize]);
-                moved >= allowed * allowed
+            is_too_far |= self.far.iter().any(|Far { regions, allowed }| {
+                let [a, b] = regions.map(usize::from);
+                some.all[a].difference(&others.all[b]) >= allowed * allowed
             });
         }
         Travelled { most: f32::sqrt(most), step: f32::sqrt(step), is_too_far }
