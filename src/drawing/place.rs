@@ -3,7 +3,7 @@
 use bevy::camera::primitives::Aabb;
 use bevy::math::{Mat3A, ops};
 use bevy::prelude::*;
-use bevy_drape_core::surface::Placing;
+use bevy_drape_core::surface::{Placing, bounds};
 
 use crate::drawing::carried::carry;
 use crate::mesh::drawn::{ClothMesh, Drawn};
@@ -62,7 +62,8 @@ pub(super) fn place(cloth: &ClothSimulation, own: &mut ClothMesh, now: Drawn) ->
     place_pinned(attachments, anchors, points, now, &inverse);
     let scale = ops::cbrt(inverse.determinant().abs());
     carry(cloth, own, scale, |place| inverse * (place - origin));
-    let bounds = Aabb::enclosing(&own.points)?;
+    let (least, greatest) = bounds(&own.points);
+    let bounds = Aabb::from_min_max(least, greatest);
     (bounds.center.is_finite() && bounds.half_extents.is_finite()).then_some(bounds)
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_drape_core::surface::{GridNormals, Tangents};
+use bevy_drape_core::surface::{GridNormals, GroupSums, Tangents};
 
 use crate::mesh::intake::NormalPlan;
 use crate::mesh::proxy::Proxy;
@@ -28,7 +28,7 @@ pub(crate) struct ClothMesh {
     pub written: Vec<Vec3>,
     /// Room to work out normals in, by rows or by groups.
     pub cells: GridNormals,
-    pub sums: Vec<Vec3>,
+    pub sums: GroupSums,
     /// The mesh's tangents, once it has been looked at.
     pub tangents: Option<Option<Box<Tangents>>>,
     pub drawn: Option<Drawn>,
@@ -48,7 +48,7 @@ pub(crate) struct Carrier {
     pub held: Vec<Held>,
     /// Room to work out normals in.
     pub cells: GridNormals,
-    pub sums: Vec<Vec3>,
+    pub sums: GroupSums,
 }
 
 /// What holds a particle hard.
@@ -93,7 +93,7 @@ impl ClothMesh {
             points: vec![Vec3::ZERO; count],
             written: vec![Vec3::ZERO; count],
             cells: GridNormals::new(columns),
-            sums: Vec::new(),
+            sums: GroupSums::default(),
             tangents: None,
             drawn: None,
             anchors: Vec::new(),
@@ -116,7 +116,7 @@ impl Carrier {
             normals: vec![[0.0; 3]; count],
             held: vec![Held::Free; count],
             cells: GridNormals::new(columns(&proxy.simulated.normals)),
-            sums: Vec::new(),
+            sums: GroupSums::default(),
             proxy,
         }
     }

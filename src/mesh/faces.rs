@@ -1,7 +1,7 @@
 //! A rest shape as points, triangles and normals.
 
 use bevy::math::{UVec2, Vec3};
-use bevy_drape_core::surface::{Binding, GridNormals, NormalGroups};
+use bevy_drape_core::surface::{Binding, GridNormals, GroupSums, NormalGroups};
 
 use crate::error::problems::GridProblem;
 use crate::mesh::intake::{Connection, MeshShape};
@@ -57,7 +57,7 @@ impl Faces {
             Err(_) => {
                 let each: Vec<_> = (0..points.len() as u32).collect();
                 let groups = NormalGroups::new(&each, points.len(), None, triangles);
-                groups.write(points, &mut Vec::new(), normals);
+                groups.write(points, &mut GroupSums::default(), normals);
             }
         }
     }

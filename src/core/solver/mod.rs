@@ -76,6 +76,7 @@ mod integrate;
 mod island;
 mod model;
 mod particles;
+mod placing;
 mod plan;
 mod rest_detection;
 mod rigid_motion;

@@ -74,35 +74,6 @@ impl ClothSolver {
         self.state.start.get(self.slot(particle))
     }
 
-    /// Calls `act` with every particle and its place at part `blend` of the last tick, relative to
-    /// [`ClothSolver::origin`].
-    #[inline]
-    pub(crate) fn for_each_blended(&self, blend: f32, mut act: impl FnMut(usize, Vec3)) {
-        let (start, end) = (&self.state.start, &self.state.x);
-        let place = |slot: usize| {
-            if blend >= 1.0 {
-                return end.get(slot);
-            }
-            let from = start.get(slot);
-            from + (end.get(slot) - from) * blend
-        };
-        match &self.topology {
-            Topology::Lattice(lattice) => {
-                let layout = lattice.layout;
-                for row in 0..layout.rows {
-                    for column in 0..layout.columns {
-                        act(row * layout.columns + column, place(layout.slot(row, column)));
-                    }
-                }
-            }
-            Topology::Graph(graph) => {
-                for particle in 0..graph.particle_count() {
-                    act(particle, place(graph.slot(particle)));
-                }
-            }
-        }
-    }
-
     /// A particle's velocity \[m/s\], at the middle of the last substep.
     pub fn velocity(&self, particle: usize) -> Vec3 {
         self.state.d.get(self.slot(particle)) / self.state.unit

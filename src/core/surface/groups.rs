@@ -1,7 +1,7 @@
 //! Area-weighted normals of any triangles: smooth across seams, split where the mesh was split.
 
 use super::normals::unit;
-use bevy_math::Vec3;
+use bevy_math::{Vec3, Vec3A};
 
 /// Cosine of the largest angle, 10 degrees, between two normals that are meant to be one. Both
 /// sides of a UV seam differ by rounding, both sides of a hard edge by more than this.
@@ -62,27 +62,41 @@ impl NormalGroups {
         }
     }
 
-    /// Writes the normal of every vertex, for particles at these points. `sums` is room to work in.
+    /// Writes the normal of every vertex, for particles at these points, in `sums`.
     ///
     /// A normal is the sum of the vector areas of its group's triangles; +y where they cancel.
     ///
     /// # Panics
     /// If there are fewer points than particles.
-    pub fn write(&self, points: &[Vec3], sums: &mut Vec<Vec3>, out: &mut [[f32; 3]]) {
+    pub fn write(&self, points: &[Vec3], sums: &mut GroupSums, out: &mut [[f32; 3]]) {
+        let GroupSums { places, sums } = sums;
+        places.clear();
+        places
+            .extend(self.particles.iter().map(|&particle| Vec3A::from(points[particle as usize])));
         sums.clear();
-        sums.resize(self.particles.len(), Vec3::ZERO);
-        for corners in &self.triangles {
-            let [a, b, c] = corners.map(|group| points[self.particles[group as usize] as usize]);
-            let area = (b - a).cross(c - a);
-            for &group in corners {
-                sums[group as usize] += area;
-            }
+        sums.resize(self.particles.len(), Vec3A::ZERO);
+        for &[a, b, c] in &self.triangles {
+            let [a, b, c] = [a as usize, b as usize, c as usize];
+            let area = (places[b] - places[a]).cross(places[c] - places[a]);
+            sums[a] += area;
+            sums[b] += area;
+            sums[c] += area;
         }
-        sums.iter_mut().for_each(|sum| *sum = unit(*sum));
+        for sum in &mut *sums {
+            *sum = unit(Vec3::from(*sum)).into();
+        }
         for (out, &group) in out.iter_mut().zip(&self.of_vertex) {
             *out = sums[group as usize].to_array();
         }
     }
+}
+
+/// Room to work out the normals of groups in.
+#[derive(Debug, Default)]
+pub struct GroupSums {
+    /// By group: where it is, and the sum of what its triangles are.
+    places: Vec<Vec3A>,
+    sums: Vec<Vec3A>,
 }
 
 /// Whether two normals, of whatever length, point the same way. What has no direction agrees.
@@ -120,7 +134,7 @@ mod tests {
 
     fn normals(groups: &NormalGroups, points: &[Vec3], vertices: usize) -> Vec<Vec3> {
         let mut out = vec![[f32::NAN; 3]; vertices];
-        groups.write(points, &mut Vec::new(), &mut out);
+        groups.write(points, &mut GroupSums::default(), &mut out);
         out.into_iter().map(Vec3::from_array).collect()
     }
 

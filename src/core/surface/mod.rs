@@ -10,8 +10,8 @@ mod skinning;
 mod tangents;
 
 pub use binding::{Binding, Bond};
-pub use groups::NormalGroups;
+pub use groups::{GroupSums, NormalGroups};
 pub use normals::GridNormals;
-pub use points::{Placing, has_moved};
+pub use points::{Placing, bounds, has_moved};
 pub use skinning::{Influences, skin, skin_with_normals};
 pub use tangents::Tangents;

@@ -1,7 +1,7 @@
 //! The particles as points of a frame.
 
 use crate::solver::ClothSolver;
-use bevy_math::{Mat3, Vec3};
+use bevy_math::{Mat3, Vec3, Vec3A};
 
 /// How a cloth's own coordinates become those of the frame that it is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +21,19 @@ impl Placing {
     /// If `points` are fewer than the particles.
     pub fn write(&self, solver: &ClothSolver, points: &mut [Vec3]) {
         let &Self { blend, turn, shift } = self;
-        let (x, y, z) = (turn.x_axis, turn.y_axis, turn.z_axis);
-        solver.for_each_blended(blend, |particle, p| {
-            points[particle] = x * p.x + y * p.y + z * p.z + shift;
-        });
+        solver.write_places(blend, &turn, shift, points);
     }
+}
+
+/// The least and the greatest coordinates of all points; infinite, and the wrong way round, where there is none.
+pub fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    // Four numbers at once.
+    let (mut least, mut greatest) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+    for point in points {
+        let point = Vec3A::from(*point);
+        (least, greatest) = (least.min(point), greatest.max(point));
+    }
+    (least.into(), greatest.into())
 }
 
 /// Whether any point is further than this \[m\] from where it was; so is what is NaN. Points that only one of the
@@ -63,6 +71,14 @@ mod tests {
                 assert!(point.distance(expected) < 1e-5, "{blend}: {point} not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn bounds_hold_all_points_and_no_more() {
+        let points =
+            [Vec3::new(1.0, -2.0, 3.0), Vec3::new(-1.0, 5.0, 0.0), Vec3::new(0.0, 0.0, 4.0)];
+        assert_eq!(bounds(&points), (Vec3::new(-1.0, -2.0, 0.0), Vec3::new(1.0, 5.0, 4.0)));
+        assert_eq!(bounds(&[]), (Vec3::INFINITY, Vec3::NEG_INFINITY));
     }
 
     #[test]

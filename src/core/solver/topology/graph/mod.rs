@@ -241,6 +241,11 @@ impl Graph {
         self.slot_of[particle] as usize
     }
 
+    /// The particles of so many slots.
+    pub(crate) fn particles(&self, slot: usize, count: usize) -> &[u32] {
+        &self.particle_at[slot..slot + count]
+    }
+
     /// The particle of a slot.
     pub(crate) fn particle(&self, slot: usize) -> usize {
         self.particle_at[slot] as usize
