@@ -310,6 +310,7 @@ impl ClothSolver {
             / self.topology.particle_count() as f32;
         self.state.contacts.begin_tick(input.colliders, self.state.origin, particle);
         self.begin_pulling(input);
+        self.workspace.looked = None;
         self.done = 0;
         self.plan.substeps
     }

@@ -1,5 +1,6 @@
 //! Springs of a triangle mesh, corrected batch by batch: shear, and Provot's limit of strain.
 
+use crate::solver::constraints::strain_check::Limit;
 use crate::solver::constraints::strain_limit::{
     CLOSE, LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
 };
@@ -22,9 +23,15 @@ pub(crate) struct CorrectPairs<'a> {
     /// Whether any particle lies on a collider.
     pub touches: bool,
     pub places: PlacesMut<'a>,
+    /// Of the springs of each domain, row by row, whether any was near its limit when it was last looked at; nothing where a rule
+    /// looks at all of them.
+    pub near: Option<&'a mut [NearLimit]>,
 }
 
-cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; places);
+/// By rows of springs.
+pub(crate) type NearLimit = Box<[bool]>;
+
+cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; places; near);
 
 impl TransposingKernel for CorrectPairs<'_> {
     type Output = bool;
@@ -32,19 +39,20 @@ impl TransposingKernel for CorrectPairs<'_> {
     #[inline(always)]
     fn run(mut self, t: impl Transpose) -> bool {
         let mut is_beyond = false;
-        for Domain { slots, work: pairs } in self.domains {
+        for (at, Domain { slots, work: pairs }) in self.domains.iter().enumerate() {
             let (touches, places) = (self.touches, self.places.within(slots));
             match self.rule {
                 Rule::Shear { compliance, limit } => {
-                    correct(t, pairs, touches, places, |spring| {
+                    correct(t, pairs, touches, places, None, |spring| {
                         let elastic = (spring.length - spring.rest)
                             / (spring.inverse_masses + spring.factor * compliance);
                         larger(elastic, spring.pull_to(limit))
                     });
                 }
-                Rule::Limit { limit, .. } => {
-                    let law = |spring: Spring| larger(spring.pull_to(limit), 0.0);
-                    is_beyond |= correct(t, pairs, touches, places, law);
+                Rule::Limit(limit) => {
+                    let near = self.near.as_mut().map(|near| (limit, &mut *near[at]));
+                    let law = |spring: Spring| larger(spring.pull_to(limit.longest), 0.0);
+                    is_beyond |= correct(t, pairs, touches, places, near, law);
                 }
             }
         }
@@ -52,17 +60,24 @@ impl TransposingKernel for CorrectPairs<'_> {
     }
 }
 
-/// Corrects springs by a law. Tells whether any is moved by more than [`CLOSE`] of its rest length.
+/// Corrects springs by a law, of the limit perhaps only those that are near it. Tells whether any is moved by more than [`CLOSE`] of
+/// its rest length.
 #[inline(always)]
 fn correct(
     t: impl Transpose,
     pairs: &Pairs,
     touches: bool,
     mut places: PlacesMut<'_>,
+    mut near: Option<(Limit, &mut [bool])>,
     law: impl Fn(Spring) -> f32 + Copy,
 ) -> bool {
     let mut farthest = Block::ZERO;
-    for at in (0..pairs.first.len()).step_by(LANES) {
+    for (row, at) in (0..pairs.first.len()).step_by(LANES).enumerate() {
+        if let Some((limit, near)) = &near
+            && !(limit.all || near[row])
+        {
+            continue;
+        }
         let (first, second) = (&pairs.first, &pairs.second);
         let rest = Block::load(&pairs.rest, at);
         let factor = Block::load(&pairs.compliance, at);
@@ -75,7 +90,7 @@ fn correct(
         } else {
             None
         };
-        let mut pulls = Block3::ZERO;
+        let (mut pulls, mut lengths) = (Block3::ZERO, Block::ZERO);
         let mut strongest = Block::ZERO;
         for i in 0..LANES {
             let way = xq.at(i) - xp.at(i);
@@ -95,6 +110,10 @@ fn correct(
             // What is held at both ends does not move.
             farthest.0[i] = larger(farthest.0[i], strength * both - CLOSE * rest.0[i]);
             pulls.set(i, way * (strength / length));
+            lengths.0[i] = length;
+        }
+        if let Some((limit, near)) = &mut near {
+            near[row] = is_any_longer(&lengths, &rest, limit.near());
         }
         // Few springs are beyond their limit, and to put back what has not moved is dear.
         if strongest.largest() == 0.0 {
@@ -116,6 +135,17 @@ fn correct(
         places.scatter(t, second, at, dq);
     }
     farthest.largest() > 0.0
+}
+
+/// Whether any spring is longer than so many rest lengths.
+#[inline(always)]
+fn is_any_longer(lengths: &Block, rest: &Block, many: f32) -> bool {
+    let mut over = Block::ZERO;
+    for i in 0..LANES {
+        // Unused lanes have no rest length.
+        over.0[i] = if rest.0[i] > 0.0 { lengths.0[i] - rest.0[i] * many } else { 0.0 };
+    }
+    over.is_any_above(0.0)
 }
 
 /// The largest strain of springs.

@@ -1,60 +1,135 @@
-//! Whether any spring is beyond the strain limit: one look in the order of memory, where holding springs to
-//! it takes a pass for each colour. Where none is, nothing has to be held.
+//! Where springs are beyond the strain limit: one look in the order of memory, where holding springs to
+//! it takes a pass for each colour. Where none is, nothing has to be held; and no more than around those that are.
 
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::{Band, cut_between_rows};
+use crate::solver::simd::slots::ByBlock;
 use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::topology::lattice::Lattice;
 
-/// Looks for a spring that is longer than it may be at the substep's end.
+/// The limit of strain, and which springs are held to it.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit {
+    /// Longest that a spring may be, in rest lengths: 1 + max strain.
+    pub longest: f32,
+    /// Whether shear springs are limited.
+    pub shear: bool,
+    /// Whether a mesh looks at all of its springs, or only at those that were near their limit when it last did.
+    pub all: bool,
+}
+
+impl Limit {
+    /// Length from which on a spring is near its limit, in rest lengths.
+    pub fn near(&self) -> f32 {
+        0.5 * (1.0 + self.longest)
+    }
+}
+
+/// Rows that one pass over the springs goes beyond those where any is beyond its limit: it moves particles of a row more with each of its
+/// four batches.
+const SPREAD: [usize; 3] = [1, 2, 1];
+
+/// The blocks of a sheet where springs are beyond their limit, or a pass may bring them there.
+#[derive(Clone, Debug)]
+pub(crate) struct Beyond {
+    /// Where they are. Never in the padding.
+    found: Vec<bool>,
+    /// Where a pass may come.
+    reached: Vec<bool>,
+    /// Room to spread in.
+    before: Vec<bool>,
+    /// Blocks from row to row.
+    across: usize,
+}
+
+impl Beyond {
+    pub fn new(layout: Layout) -> Self {
+        let none = vec![false; layout.len() / LANES];
+        let across = layout.stride / LANES;
+        Self { found: none.clone(), reached: none.clone(), before: none, across }
+    }
+
+    /// Where springs are beyond their limit, to be written.
+    pub fn found(&mut self) -> ByBlock<'_, bool> {
+        ByBlock::all(&mut self.found)
+    }
+
+    /// Finds where a pass may come to from there.
+    pub fn spread(&mut self) {
+        self.reached.copy_from_slice(&self.found);
+        // To the blocks beside them, which are padding beside a row; then from row to row.
+        self.spread_by(1);
+        for rows in SPREAD {
+            self.spread_by(rows * self.across);
+        }
+    }
+
+    fn spread_by(&mut self, blocks: usize) {
+        self.before.copy_from_slice(&self.reached);
+        for (to, from) in self.reached.iter_mut().skip(blocks).zip(&self.before) {
+            *to |= *from;
+        }
+        for (to, from) in self.reached.iter_mut().zip(self.before.iter().skip(blocks)) {
+            *to |= *from;
+        }
+    }
+
+    /// Whether a pass may come to the block that begins at a slot.
+    #[inline(always)]
+    pub fn reaches(&self, slot: usize) -> bool {
+        self.reached[slot / LANES]
+    }
+}
+
+/// Looks for springs that are longer than they may be at the substep's end. Tells whether any is.
 pub(crate) struct ExceedsLimit<'a> {
     pub band: Band,
     pub lattice: &'a Lattice,
-    /// 1 + max strain.
-    pub limit: f32,
-    /// Whether shear springs are limited.
-    pub shear: bool,
+    pub limit: Limit,
     pub x: &'a Soa,
     pub d: &'a Soa,
+    /// Where springs are that begin in a block.
+    pub beyond: ByBlock<'a, bool>,
 }
 
 impl Kernel for ExceedsLimit<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run(self) -> bool {
-        let Self { lattice, shear, .. } = self;
+    fn run(mut self) -> bool {
+        let Self { lattice, limit: Limit { shear, .. }, .. } = self;
         let layout = lattice.layout;
+        let mut any = false;
         for row in self.band.rows.clone() {
-            let mut excess = Block::ZERO;
             for column in (0..layout.columns).step_by(LANES) {
+                let mut excess = Block::ZERO;
                 let slot = layout.slot(row, column);
                 let below = slot + layout.stride;
                 let here = self.places(slot);
                 let right = self.places(slot + 1);
                 self.look(&here, &right, &lattice.weft.rest, slot, &mut excess);
-                if row + 1 == layout.rows {
-                    continue;
+                if row + 1 < layout.rows {
+                    let under = self.places(below);
+                    self.look(&here, &under, &lattice.warp.rest, slot, &mut excess);
+                    if shear {
+                        let across = self.places(below + 1);
+                        self.look(&here, &across, &lattice.diagonal.rest, slot, &mut excess);
+                        self.look(&right, &under, &lattice.antidiagonal_rest, slot, &mut excess);
+                    }
                 }
-                let under = self.places(below);
-                self.look(&here, &under, &lattice.warp.rest, slot, &mut excess);
-                if shear {
-                    let across = self.places(below + 1);
-                    self.look(&here, &across, &lattice.diagonal.rest, slot, &mut excess);
-                    self.look(&right, &under, &lattice.antidiagonal_rest, slot, &mut excess);
-                }
-            }
-            if excess.largest() > 0.0 {
-                return true;
+                let is_beyond = excess.is_any_above(0.0);
+                self.beyond.row(slot, 1)[0] = is_beyond;
+                any |= is_beyond;
             }
         }
-        false
+        any
     }
 }
 
-cut_between_rows!(ExceedsLimit);
+cut_between_rows!(ExceedsLimit, beyond);
 
 impl ExceedsLimit<'_> {
     /// Where particles are at the substep's end.
@@ -68,7 +143,7 @@ impl ExceedsLimit<'_> {
         let rest = Block::load(rest, at);
         for i in 0..LANES {
             let span = q.at(i) - p.at(i);
-            let longest = rest.0[i] * self.limit;
+            let longest = rest.0[i] * self.limit.longest;
             let over = span.dot(span) - longest * longest;
             // No spring has the rest length zero.
             let over = if rest.0[i] > 0.0 { over } else { 0.0 };

@@ -3,6 +3,7 @@
 //! Springs of a batch share no particle, so that the order within it does not matter. Corrections in
 //! this coloured order are stable where the order of the particles explodes.
 
+use crate::solver::constraints::strain_check::{Beyond, Limit};
 use crate::solver::contact::{Contacts, LEAST_MOBILITY, divide};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
@@ -25,6 +26,8 @@ pub(crate) struct CorrectSprings<'a> {
     pub x: &'a Soa,
     pub d: &'a mut Soa,
     pub rule: Rule,
+    /// Where a pass of the limit looks at springs.
+    pub beyond: &'a Beyond,
     /// The contacts of particles, where any lies on a collider.
     pub contacts: Option<Contacts<'a>>,
 }
@@ -32,16 +35,17 @@ pub(crate) struct CorrectSprings<'a> {
 impl CorrectSprings<'_> {
     /// Corrects all of the rule's springs, batch by batch.
     pub fn run(self, isa: Isa) {
-        let Self { band, lattice, inverse_mass, x, d, rule, mut contacts } = self;
+        let Self { band, lattice, inverse_mass, x, d, rule, beyond, mut contacts } = self;
         let mut correct = |batch| {
             let (band, d) = (band.clone(), d.part_mut());
             let contacts = contacts.as_mut().map(Contacts::reborrow);
-            let batch = CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch, contacts };
+            let batch =
+                CorrectBatch { band, lattice, inverse_mass, x, d, rule, batch, beyond, contacts };
             parallel::run(isa, batch);
         };
         let shear = match rule {
             Rule::Shear { .. } => true,
-            Rule::Limit { shear, .. } => {
+            Rule::Limit(Limit { shear, .. }) => {
                 correct(Batch::WithinPairs);
                 correct(Batch::BetweenPairs);
                 shear
@@ -83,6 +87,7 @@ pub(super) struct CorrectBatch<'a> {
     pub d: PartMut<'a>,
     rule: Rule,
     batch: Batch,
+    beyond: &'a Beyond,
     pub contacts: Option<Contacts<'a>>,
 }
 
@@ -102,12 +107,7 @@ pub(crate) enum Rule {
     },
     /// Structural springs, then shear springs if they have a stiffness: those longer than `limit`
     /// rest lengths are brought back to it, others are left alone (Provot 1995, section 4).
-    Limit {
-        /// 1 + max strain.
-        limit: f32,
-        /// Whether shear springs are limited.
-        shear: bool,
-    },
+    Limit(Limit),
 }
 
 impl Kernel for CorrectBatch<'_> {
@@ -116,13 +116,13 @@ impl Kernel for CorrectBatch<'_> {
     #[inline(always)]
     fn run(mut self) {
         match (self.rule, self.batch) {
-            (Rule::Limit { limit, .. }, Batch::WithinPairs) => {
-                self.weft(limit);
-                self.warp(limit);
+            (Rule::Limit(Limit { longest, .. }), Batch::WithinPairs) => {
+                self.weft(longest);
+                self.warp(longest);
             }
-            (Rule::Limit { limit, .. }, Batch::BetweenPairs) => self.warp(limit),
-            (Rule::Limit { limit, .. }, _) => {
-                self.diagonals(|spring| larger(spring.pull_to(limit), 0.0));
+            (Rule::Limit(Limit { longest, .. }), Batch::BetweenPairs) => self.warp(longest),
+            (Rule::Limit(Limit { longest, .. }), _) => {
+                self.diagonals(|spring| larger(spring.pull_to(longest), 0.0));
             }
             (Rule::Shear { compliance, limit }, _) => self.diagonals(|spring| {
                 let elastic = (spring.length - spring.rest)
@@ -208,6 +208,12 @@ impl CorrectBatch<'_> {
         w
     }
 
+    /// Whether the springs that begin in a block are looked at.
+    #[inline(always)]
+    pub(super) fn looks_at(&self, slot: usize) -> bool {
+        matches!(self.rule, Rule::Shear { .. }) || self.beyond.reaches(slot)
+    }
+
     /// The first rows of the batch's pairs.
     #[inline(always)]
     fn pairs(&self) -> impl Iterator<Item = usize> + use<> {
@@ -223,12 +229,18 @@ impl CorrectBatch<'_> {
         for row in self.pairs() {
             for column in (0..layout.columns - 1).step_by(LANES) {
                 let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                if !self.looks_at(a) {
+                    continue;
+                }
                 let factor = Block::load(&lattice.diagonal.compliance, a);
                 let rest = Block::load(&lattice.diagonal.rest, a);
                 self.pair(a, b + 1, rest, factor, law);
             }
             for column in (0..layout.columns - 1).step_by(LANES) {
                 let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                if !self.looks_at(a) {
+                    continue;
+                }
                 let factor = Block::load(&lattice.diagonal.compliance, a);
                 let rest = Block::load(&lattice.antidiagonal_rest, a);
                 self.pair(a + 1, b, rest, factor, law);
@@ -243,6 +255,9 @@ impl CorrectBatch<'_> {
         for row in self.pairs() {
             for column in (0..layout.columns).step_by(LANES) {
                 let (a, b) = (layout.slot(row, column), layout.slot(row + 1, column));
+                if !self.looks_at(a) {
+                    continue;
+                }
                 let rest = Block::load(&self.lattice.warp.rest, a);
                 self.pair(a, b, rest, Block::ZERO, |spring| larger(spring.pull_to(limit), 0.0));
             }

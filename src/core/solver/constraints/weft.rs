@@ -44,6 +44,11 @@ impl CorrectBatch<'_> {
         let mut left = self.left_of(row, 0);
         for column in (0..columns).step_by(LANES) {
             let slot = self.lattice.layout.slot(row, column);
+            let is_last = column + LANES >= columns;
+            if !self.looks_at(slot) {
+                left = if is_last { Block3::ZERO } else { self.left_of(row, column + LANES) };
+                continue;
+            }
             let x = Block3::load_sum(self.x, &self.d, slot);
             let right = Block3::load_sum(self.x, &self.d, slot + 1);
             let partner = alternate3::<PARITY>(&right, &left);
@@ -59,7 +64,6 @@ impl CorrectBatch<'_> {
                 excess.0[i] = if rest.0[i] > 0.0 { beyond } else { 0.0 };
             }
             // The next block's last neighbour is needed as it was, before this one is stored.
-            let is_last = column + LANES >= columns;
             left = if is_last { Block3::ZERO } else { self.left_of(row, column + LANES) };
             if excess.is_any() {
                 self.shorten::<PARITY>(slot, &span, &length, &excess);

@@ -1,6 +1,7 @@
 //! Third stage: threads are solved whole, or springs are held to Provot's limit; then tethers; then the skin.
 
 use crate::solver::ClothSolver;
+use crate::solver::constraints::strain_check::Limit;
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -9,6 +10,9 @@ use crate::solver::model::{Particles, Stages};
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
 use crate::solver::state::State;
+
+/// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
+const LOOK_EVERY: u32 = 4;
 
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers, then the skin.
@@ -116,19 +120,36 @@ impl ClothSolver {
 
     /// Whether any spring may be beyond the strain limit.
     pub(crate) fn may_exceed_limit(&mut self) -> bool {
-        let (limit, shear) = (self.limit(), self.limits_shear());
+        let limit = self.strain_limit();
         let (model, on) = self.model_and_particles();
-        model.exceeds_limit(on, limit, shear)
+        model.exceeds_limit(on, limit)
     }
 
     /// Holds all springs to the strain limit once. Tells whether any was beyond it.
     pub(crate) fn hold_springs(&mut self) -> bool {
-        let rule = Rule::Limit { limit: self.limit(), shear: self.limits_shear() };
+        let limit = self.strain_limit();
+        if limit.all {
+            self.workspace.looked = Some(self.done);
+        }
+        let rule = Rule::Limit(limit);
         self.begin_corrections();
         let (model, on) = self.model_and_particles();
         let is_beyond = model.correct_springs(on, rule);
         self.end_corrections();
         is_beyond
+    }
+
+    /// The limit of strain, for the next pass. Not every pass looks at all springs of a mesh: what is far within its limit is not beyond
+    /// it a few substeps later, unless it is struck, and is held to it then. All are looked at before a tick ends.
+    fn strain_limit(&self) -> Limit {
+        let is_last = self.done + 1 == self.plan.substeps;
+        let all = match self.workspace.looked {
+            None => true,
+            // The passes that follow in the same substep.
+            Some(at) if at == self.done => false,
+            Some(at) => is_last || self.done - at >= LOOK_EVERY,
+        };
+        Limit { longest: self.limit(), shear: self.limits_shear(), all }
     }
 
     /// Whether the strain limit is one for shear springs. The thread form holds them to it where it corrects them.

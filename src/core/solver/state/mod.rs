@@ -98,6 +98,8 @@ pub(crate) struct Workspace {
     pub study: Option<ExplicitWorkspace>,
     /// Part of the corrections that is carried on in this tick, if any is.
     pub carried: Option<f32>,
+    /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
+    pub looked: Option<u32>,
     /// The memory of contact within a tick.
     pub broad_phase: BroadPhase,
 }
@@ -109,6 +111,7 @@ impl Workspace {
             a: Soa::zeros(layout.len()),
             study: None,
             carried: None,
+            looked: None,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }
     }

@@ -6,6 +6,7 @@ mod workspace;
 use std::sync::Arc;
 
 use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
+use crate::solver::constraints::strain_check::Limit;
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -85,6 +86,29 @@ impl Mesh {
             a: a.part_mut(),
         };
         parallel::run(on.isa, forces);
+    }
+
+    /// Corrects springs once. Tells whether any was beyond its limit.
+    fn pass_over_springs(&mut self, on: &Particles<'_>, rule: Rule) -> bool {
+        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
+        let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
+        let MeshWorkspace { places, near_limit, .. } = &mut self.workspace;
+        let mut correct = |domains, near| {
+            let (band, places) = (DomainBand::all(domains, shared), places.part_mut());
+            parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places, near })
+        };
+        let mut is_beyond = false;
+        if let Rule::Limit(_) = rule {
+            for (domains, near) in structural_pairs.0.iter().zip(near_limit) {
+                is_beyond |= correct(domains, Some(near));
+            }
+        }
+        if let Rule::Shear { .. } | Rule::Limit(Limit { shear: true, .. }) = rule {
+            for domains in &shear_pairs.0 {
+                is_beyond |= correct(domains, None);
+            }
+        }
+        is_beyond
     }
 
     /// Damping, in the two steps that it takes on a sheet.
@@ -179,28 +203,19 @@ impl Stages for Mesh {
     }
 
     /// The pass looks for itself, as it goes.
-    fn exceeds_limit(&self, _: Particles<'_>, _: f32, _: bool) -> bool {
+    fn exceeds_limit(&mut self, _: Particles<'_>, _: Limit) -> bool {
         true
     }
 
-    /// One batch of springs after the other.
+    /// One batch of springs after the other. Where those that were near their limit are not beyond it, others are, perhaps.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool {
-        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
-        let (structural, shear) = match rule {
-            Rule::Shear { .. } => (false, true),
-            Rule::Limit { shear, .. } => (true, shear),
-        };
-        let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
-        let families = [(structural, structural_pairs), (shear, shear_pairs)];
-        let wanted = families.into_iter().filter(|&(wanted, _)| wanted);
-        let mut is_beyond = false;
-        for domains in wanted.flat_map(|(_, pairs)| &pairs.0) {
-            let band = DomainBand::all(domains, shared);
-            let places = self.workspace.places.part_mut();
-            is_beyond |=
-                parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places });
+        let is_beyond = self.pass_over_springs(&on, rule);
+        match rule {
+            Rule::Limit(limit) if !(is_beyond || limit.all) => {
+                self.pass_over_springs(&on, Rule::Limit(Limit { all: true, ..limit }))
+            }
+            _ => is_beyond,
         }
-        is_beyond
     }
 
     fn passes_at_end(&self) -> u32 {

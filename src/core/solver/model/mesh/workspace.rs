@@ -1,6 +1,7 @@
 //! Working memory of the stages of a triangle mesh: particles one after the other, gathered before corrections and
 //! scattered after.
 
+use crate::solver::constraints::graph_strain_limit::NearLimit;
 use crate::solver::constraints::threads::chains::ChainWorkspace;
 use crate::solver::contact::ActiveSet;
 use crate::solver::model::Particles;
@@ -13,8 +14,10 @@ use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::state::State;
 use crate::solver::topology::graph::Graph;
+use crate::solver::topology::graph::coloring::Pairs;
+use crate::solver::topology::graph::domains::Domain;
 
-/// Room that the stages work in; nothing in it outlives a substep.
+/// Room that the stages work in; nothing in it outlives a substep, but for what was near its limit within a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshWorkspace {
     pub places: Places,
@@ -22,6 +25,8 @@ pub(crate) struct MeshWorkspace {
     /// Displacements predicted for the damping.
     pub predicted: Vec<Four>,
     pub chains: Workspaces<ChainWorkspace>,
+    /// Structural springs near their limit, round by round and domain by domain.
+    pub near_limit: Vec<Vec<NearLimit>>,
 }
 
 impl MeshWorkspace {
@@ -32,6 +37,7 @@ impl MeshWorkspace {
             moments: vec![Four::default(); graph.hinges.curved.room()],
             predicted: vec![Four::default(); graph.layout.len()],
             chains: Workspaces::new(chains.most(), || ChainWorkspace::new(chains)),
+            near_limit: graph.structural_pairs.0.iter().map(|round| near_limit(round)).collect(),
         }
     }
 
@@ -65,6 +71,11 @@ impl MeshWorkspace {
             },
         );
     }
+}
+
+/// None of a round's springs is near its limit.
+fn near_limit(round: &[Domain<Pairs>]) -> Vec<NearLimit> {
+    round.iter().map(|domain| vec![false; domain.work.first.len() / LANES].into()).collect()
 }
 
 /// Fills the places.

@@ -6,7 +6,7 @@ mod forces;
 use std::sync::Arc;
 
 use crate::solver::constraints::shear::{RowPulls, bears};
-use crate::solver::constraints::strain_check::ExceedsLimit;
+use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit};
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
 use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
@@ -48,6 +48,8 @@ struct SheetWorkspace {
     rows: Workspaces<SpringRows>,
     /// Moments of the hinges.
     moments: Workspaces<Moments>,
+    /// Where springs were beyond their limit when they were last looked at.
+    beyond: Beyond,
     /// Displacements predicted for the damping.
     predicted: Soa,
     /// Room for braking what bends.
@@ -87,6 +89,7 @@ impl SheetWorkspace {
         Self {
             rows: Workspaces::new(count, || SpringRows::new(layout)),
             moments: Workspaces::new(count, || Moments::new(layout)),
+            beyond: Beyond::new(layout),
             predicted: Soa::zeros(len),
             brakes: Brakes::new(len),
             row_pulls: Workspaces::new(count, || RowPulls::new(layout.columns)),
@@ -151,10 +154,16 @@ impl Stages for Sheet {
         weft_beyond || warp_beyond
     }
 
-    fn exceeds_limit(&self, on: Particles<'_>, limit: f32, shear: bool) -> bool {
+    fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit) -> bool {
         let State { x, d, .. } = on.state;
         let (band, lattice) = (on.bands.rows.clone(), &*self.lattice);
-        parallel::run(on.isa, ExceedsLimit { band, lattice, limit, shear, x, d })
+        let beyond = &mut self.workspace.beyond;
+        let look = ExceedsLimit { band, lattice, limit, x, d, beyond: beyond.found() };
+        let exceeds = parallel::run(on.isa, look);
+        if exceeds {
+            beyond.spread();
+        }
+        exceeds
     }
 
     /// A look before the pass is cheaper than one in it, and tells.
@@ -167,6 +176,7 @@ impl Stages for Sheet {
             x,
             d,
             rule,
+            beyond: &self.workspace.beyond,
             contacts: contacts.contacts(),
         };
         springs.run(on.isa);

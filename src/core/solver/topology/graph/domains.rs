@@ -112,10 +112,10 @@ impl DomainBand {
     }
 }
 
-/// Makes a kernel with `domains` one that can be cut between them, with the field that is by slot. What else it has, both
-/// halves share.
+/// Makes a kernel with `domains` one that can be cut between them, with the field that is by slot, and the one that may be there by
+/// domain. What else it has, both halves share.
 macro_rules! cut_between_domains {
-    ($kernel:ident: $trait:ident, $run:ident; domains $(; $by_slot:ident)?) => {
+    ($kernel:ident: $trait:ident, $run:ident; domains $(; $by_slot:ident $(; $by_domain:ident)?)?) => {
         impl $crate::solver::simd::parallel::Cut for $kernel<'_> {
             type Output = <Self as $crate::solver::simd::isa::$trait>::Output;
 
@@ -131,6 +131,10 @@ macro_rules! cut_between_domains {
                 $(
                     let slot = self.domains[middle].slots.start;
                     let $by_slot = $crate::solver::simd::slots::CutAt::cut(self.$by_slot, slot);
+                    $(
+                        let $by_domain = self.$by_domain.map(|all| all.split_at_mut(middle));
+                        let $by_domain = $by_domain.unzip();
+                    )?
                 )?
                 let domains = self.domains.split_at(middle);
                 let (before, after) = self.band.cut(middle);
@@ -138,13 +142,13 @@ macro_rules! cut_between_domains {
                     Self {
                         band: before,
                         domains: domains.0,
-                        $($by_slot: $by_slot.0,)?
+                        $($by_slot: $by_slot.0, $($by_domain: $by_domain.0,)?)?
                         ..self
                     },
                     Self {
                         band: after,
                         domains: domains.1,
-                        $($by_slot: $by_slot.1,)?
+                        $($by_slot: $by_slot.1, $($by_domain: $by_domain.1,)?)?
                         ..self
                     },
                 )
