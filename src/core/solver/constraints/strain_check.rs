@@ -151,3 +151,38 @@ impl ExceedsLimit<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows and blocks that a pass may come to from those that are given.
+    fn reached(
+        beyond: &mut Beyond,
+        layout: Layout,
+        found: &[(usize, usize)],
+    ) -> Vec<(usize, usize)> {
+        let slot = |row, block| layout.slot(row, block * LANES);
+        let all =
+            (0..layout.rows).flat_map(|row| (0..layout.blocks_across()).map(move |b| (row, b)));
+        for (row, block) in all.clone() {
+            beyond.found().row(slot(row, block), 1)[0] = found.contains(&(row, block));
+        }
+        beyond.spread();
+        all.filter(|&(row, block)| beyond.reaches(slot(row, block))).collect()
+    }
+
+    #[test]
+    fn a_pass_reaches_four_rows_and_a_block_around_what_is_found() {
+        let layout = Layout::new(40, 70);
+        let mut beyond = Beyond::new(layout);
+        let around = |rows: core::ops::RangeInclusive<usize>, blocks: &[usize]| -> Vec<_> {
+            rows.flat_map(|row| blocks.iter().map(move |&block| (row, block))).collect()
+        };
+        assert_eq!(reached(&mut beyond, layout, &[(20, 1)]), around(16..=24, &[0, 1, 2]));
+        // At the border, where padding is beside it; nothing of what was found before is left.
+        assert_eq!(reached(&mut beyond, layout, &[(39, 4)]), around(35..=39, &[3, 4]));
+        assert_eq!(reached(&mut beyond, layout, &[(0, 0)]), around(0..=4, &[0, 1]));
+        assert_eq!(reached(&mut beyond, layout, &[]), []);
+    }
+}

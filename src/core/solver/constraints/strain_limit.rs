@@ -319,3 +319,61 @@ impl CorrectBatch<'_> {
         dq.store(&mut self.d, q);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::constraints::strain_check::ExceedsLimit;
+    use crate::solver::settings::MassLumping;
+    use bevy_math::{Vec2, Vec3};
+
+    /// Displacements after a pass over a sheet that is pulled at its seventh row and its last corner: over all blocks, or over those around
+    /// what is beyond its limit.
+    fn held(everywhere: bool, shear: bool) -> Soa {
+        let lattice = Lattice::sheet(Vec2::ONE, 45, 50, MassLumping::Lumped).unwrap();
+        let layout = lattice.layout;
+        let (mut x, mut d) = (Soa::zeros(layout.len()), Soa::zeros(layout.len()));
+        for (slot, place) in layout.slots().zip(lattice.rest_positions()) {
+            // All at the limit but for rounding: whatever is moved takes what is around along.
+            x.set(slot, *place * 1.099_9);
+        }
+        d.set(layout.slot(6, 17), Vec3::new(2e-3, 1e-3, 4e-3));
+        d.set(layout.slot(44, 49), Vec3::new(-3e-3, 0.0, 2e-3));
+        let limit = Limit { longest: 1.1, shear, all: true };
+        let band = Band::uncut(layout);
+        let mut beyond = Beyond::new(layout);
+        let found = match everywhere {
+            true => {
+                beyond.found().row(0, layout.len() / LANES).fill(true);
+                true
+            }
+            false => {
+                let (band, beyond) = (band.clone(), beyond.found());
+                let look = ExceedsLimit { band, lattice: &lattice, limit, x: &x, d: &d, beyond };
+                parallel::run(Isa::Baseline, look)
+            }
+        };
+        assert!(found);
+        beyond.spread();
+        let inverse_mass = vec![1.0; layout.len()];
+        let correct = CorrectSprings {
+            band,
+            lattice: &lattice,
+            inverse_mass: &inverse_mass,
+            x: &x,
+            d: &mut d,
+            rule: Rule::Limit(limit),
+            beyond: &beyond,
+            contacts: None,
+        };
+        correct.run(Isa::Baseline);
+        d
+    }
+
+    #[test]
+    fn a_pass_around_what_is_beyond_does_what_one_over_all_does() {
+        for shear in [false, true] {
+            assert!(held(false, shear) == held(true, shear), "shear limited: {shear}");
+        }
+    }
+}

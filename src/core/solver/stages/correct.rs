@@ -9,10 +9,10 @@ use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
-use crate::solver::state::State;
+use crate::solver::state::{Looked, State};
 
-/// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
-const LOOK_EVERY: u32 = 4;
+/// Passes of the limit over the springs of a mesh that were near it, until one over all of them.
+const LOOK_EVERY: u32 = 3;
 
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers, then the skin.
@@ -129,7 +129,9 @@ impl ClothSolver {
     pub(crate) fn hold_springs(&mut self) -> bool {
         let limit = self.strain_limit();
         if limit.all {
-            self.workspace.looked = Some(self.done);
+            self.workspace.looked = Some(Looked { substep: self.done, passes_since: 0 });
+        } else if let Some(looked) = &mut self.workspace.looked {
+            looked.passes_since += 1;
         }
         let rule = Rule::Limit(limit);
         self.begin_corrections();
@@ -140,15 +142,14 @@ impl ClothSolver {
     }
 
     /// The limit of strain, for the next pass. Not every pass looks at all springs of a mesh: what is far within its limit is not beyond
-    /// it a few substeps later, unless it is struck, and is held to it then. All are looked at before a tick ends.
+    /// it a few passes later, and is held to it then. All are looked at first in a tick's last substep, and always where the cloth is struck
+    /// or far out of shape.
     fn strain_limit(&self) -> Limit {
         let is_last = self.done + 1 == self.plan.substeps;
-        let all = match self.workspace.looked {
-            None => true,
-            // The passes that follow in the same substep.
-            Some(at) if at == self.done => false,
-            Some(at) => is_last || self.done - at >= LOOK_EVERY,
+        let is_recent = |looked: Looked| {
+            looked.passes_since < LOOK_EVERY && (looked.substep == self.done || !is_last)
         };
+        let all = !(self.state.carries && self.workspace.looked.is_some_and(is_recent));
         Limit { longest: self.limit(), shear: self.limits_shear(), all }
     }
 

@@ -34,8 +34,6 @@ impl ClothSolver {
     fn hold_in_turn(&mut self, input: &StepInput<'_>, from: &Soa) {
         let isa = self.isa;
         for _ in 0..self.settings.provot_passes * self.model.stages().passes_at_end() {
-            // Whatever was far within its limit, contact and skin have moved it since.
-            self.workspace.looked = None;
             if !self.may_exceed_limit() {
                 return;
             }
