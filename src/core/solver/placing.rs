@@ -22,6 +22,7 @@ impl ClothSolver {
     }
 }
 
+/// Writes where particles are, block by block.
 struct Place<'a> {
     topology: &'a Topology,
     /// Where the last tick began, if that matters.

@@ -46,7 +46,7 @@ pub fn has_moved(points: &[Vec3], before: &[Vec3], distance: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::{Lattice, MassLumping, Material, Settings, StepInput};
+    use crate::solver::{Graph, Lattice, MassLumping, Material, Settings, StepInput};
     use bevy_math::Vec2;
     use std::sync::Arc;
 
@@ -71,6 +71,23 @@ mod tests {
                 assert!(point.distance(expected) < 1e-5, "{blend}: {point} not {expected}");
             }
         }
+    }
+
+    #[test]
+    fn the_particles_of_a_mesh_are_placed_as_they_are_counted() {
+        // As many as a page holds: the one after it is empty.
+        let side = 16_u32;
+        let at = |i: u32| Vec3::new((i % side) as f32, 0.1 * (i % 7) as f32, (i / side) as f32);
+        let rest: Vec<_> = (0..side * side).map(at).collect();
+        let cells = (0..side - 1).flat_map(|row| (0..side - 1).map(move |c| row * side + c));
+        let halves = |a| [[a, a + side, a + 1], [a + 1, a + side, a + side + 1]];
+        let triangles: Vec<_> = cells.flat_map(halves).collect();
+        let graph = Arc::new(Graph::new(&rest, &triangles, MassLumping::Lumped).unwrap());
+        let solver = ClothSolver::new(graph, &rest, Material::USUAL, Settings::default()).unwrap();
+        let placing = Placing { blend: 1.0, turn: Mat3::IDENTITY, shift: solver.origin() };
+        let mut points = vec![Vec3::NAN; rest.len()];
+        placing.write(&solver, &mut points);
+        assert_eq!(points, rest);
     }
 
     #[test]

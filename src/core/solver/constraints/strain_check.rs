@@ -28,8 +28,8 @@ impl Limit {
     }
 }
 
-/// Rows that one pass over the springs goes beyond those where any is beyond its limit: it moves particles of a row more with each of its
-/// four batches.
+/// Rows that a pass over the springs goes beyond those where any is beyond its limit, in steps: with each of its four batches it may move
+/// the particles of one row more.
 const SPREAD: [usize; 3] = [1, 2, 1];
 
 /// The blocks of a sheet where springs are beyond their limit, or a pass may bring them there.

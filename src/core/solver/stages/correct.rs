@@ -9,10 +9,10 @@ use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
-use crate::solver::state::{Looked, State};
+use crate::solver::state::State;
 
-/// Passes of the limit over the springs of a mesh that were near it, until one over all of them.
-const LOOK_EVERY: u32 = 3;
+/// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
+const LOOK_EVERY: u32 = 4;
 
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers, then the skin.
@@ -129,9 +129,7 @@ impl ClothSolver {
     pub(crate) fn hold_springs(&mut self) -> bool {
         let limit = self.strain_limit();
         if limit.all {
-            self.workspace.looked = Some(Looked { substep: self.done, passes_since: 0 });
-        } else if let Some(looked) = &mut self.workspace.looked {
-            looked.passes_since += 1;
+            self.workspace.looked = Some(self.done);
         }
         let rule = Rule::Limit(limit);
         self.begin_corrections();
@@ -142,14 +140,12 @@ impl ClothSolver {
     }
 
     /// The limit of strain, for the next pass. Not every pass looks at all springs of a mesh: what is far within its limit is not beyond
-    /// it a few passes later, and is held to it then. All are looked at first in a tick's last substep, and always where the cloth is struck
-    /// or far out of shape.
+    /// it a few substeps later, and is held to it then. All are looked at where a tick ends, and where the cloth is struck or far out of
+    /// shape.
     fn strain_limit(&self) -> Limit {
-        let is_last = self.done + 1 == self.plan.substeps;
-        let is_recent = |looked: Looked| {
-            looked.passes_since < LOOK_EVERY && (looked.substep == self.done || !is_last)
-        };
-        let all = !(self.state.carries && self.workspace.looked.is_some_and(is_recent));
+        let is_calm = self.state.carries && self.done + 1 < self.plan.substeps;
+        let is_recent = |at: u32| self.done - at < LOOK_EVERY;
+        let all = !(is_calm && self.workspace.looked.is_some_and(is_recent));
         Limit { longest: self.limit(), shear: self.limits_shear(), all }
     }
 

@@ -98,18 +98,10 @@ pub(crate) struct Workspace {
     pub study: Option<ExplicitWorkspace>,
     /// Part of the corrections that is carried on in this tick, if any is.
     pub carried: Option<f32>,
-    /// When all springs were last looked at for the strain limit, if they were in this tick.
-    pub looked: Option<Looked>,
+    /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
+    pub looked: Option<u32>,
     /// The memory of contact within a tick.
     pub broad_phase: BroadPhase,
-}
-
-/// The last pass of the strain limit over all springs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Looked {
-    pub substep: u32,
-    /// Passes over some of them since.
-    pub passes_since: u32,
 }
 
 impl Workspace {
