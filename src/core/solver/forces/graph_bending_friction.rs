@@ -20,9 +20,12 @@ impl WideHinges {
 
 impl WideHinge {
     fn brake(&self, part: f32, most: f32, inverse_mass: &Array, x: &Soa, d: &mut Soa) {
-        let [middle, around @ ..] = self.slots.map(|slot| slot as usize);
+        // Not by `map`s of the arrays, which would be calls.
+        let [middle, a, b, c] = self.slots;
+        let (middle, around) = (middle as usize, [a as usize, b as usize, c as usize]);
         let (here, moved) = (x.get(middle), d.get(middle));
-        let ways = around.map(|slot| x.get(slot) - here);
+        let [a, b, c] = around;
+        let ways = [x.get(a) - here, x.get(b) - here, x.get(c) - here];
         let Some(weights) = weights(ways) else { return };
         let (mut bend, mut rate, mut w) = (Vec3::ZERO, Vec3::ZERO, inverse_mass[middle]);
         for (i, &slot) in around.iter().enumerate() {
