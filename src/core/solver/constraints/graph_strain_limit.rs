@@ -23,12 +23,11 @@ pub(crate) struct CorrectPairs<'a> {
     /// Whether any particle lies on a collider.
     pub touches: bool,
     pub places: PlacesMut<'a>,
-    /// Of the springs of each domain, row by row, whether any was near its limit when it was last looked at; nothing where a rule
-    /// looks at all of them.
+    /// Notes of each domain, from the last look at its springs, which ones to look at again; none where a rule looks at all of them.
     pub near: Option<&'a mut [NearLimit]>,
 }
 
-/// By rows of springs.
+/// Whether any spring of a row was near its limit when it was last looked at, by rows.
 pub(crate) type NearLimit = Box<[bool]>;
 
 cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; places; near);
