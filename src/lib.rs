@@ -76,7 +76,7 @@
 //!   minutes: by 0.3 mm in a tick, and by a centimetre in all. What hangs from one particle alone turns about it, by a
 //!   centimetre a second at most where drag is 2 /s.
 //! - **One cloth's trouble is its own**: others go on in the same bits (`h15`, `tests/ecs/bad_input`).
-//! - **The same input gives the same bits**: in every run, with any number of threads, fused or staged, on
+//! - **The same input gives the same bits**: in every run, with any number of CPU threads, fused or staged, on
 //!   every instruction set of x86-64 (`tests/ecs/execution`, `h24`, `tests/solver/determinism` and
 //!   `graph_determinism`), and anywhere in the world where all poses are representable (`h18`).
 //! - **Frames do not matter** to what is moved in the fixed schedule: every frame rate gives the same bits
@@ -207,9 +207,11 @@ pub mod prelude {
     #[cfg(feature = "rapier")]
     pub use crate::RapierClothPlugin;
     pub use crate::{
-        BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothMaterial, ClothPins,
-        ClothPlugin, ClothReady, ClothSettings, ClothSimulation, ClothSystems, ClothWind,
-        HangOnStart, PinSelection, ResetCloth, SdfCollider, SdfShape, TeleportCloth, WindZone,
+        BakeSdf, Cloth, ClothAir, ClothFailure, ClothGravity, ClothInertia, ClothInterCollision,
+        ClothLayers, ClothMaterial, ClothPaused, ClothPins, ClothPlugin, ClothReady,
+        ClothSelfCollision, ClothSettings, ClothSimulation, ClothSnapshot, ClothSystems,
+        ClothTeleport, ClothWind, HangOnStart, PinSelection, PushCloth, ResetCloth, SdfCollider,
+        SdfShape, TeleportCloth, WindZone,
     };
 }
 

@@ -90,6 +90,7 @@ use crate::error::ClothFailure;
 use crate::error::failures::Failures;
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::rest_cache::RestCache;
+use crate::mesh::source::ClothSource;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
@@ -104,6 +105,7 @@ use crate::simulation::pinning::apply_pins;
 use crate::simulation::pushing::ask_for_push;
 use crate::simulation::ready::tell_ready;
 use crate::simulation::reference_frame::{ask_for_reset, ask_for_teleport};
+use crate::simulation::resizing::follow_scales;
 use crate::simulation::self_collision::apply_self_collision;
 use crate::simulation::setup::set_up_cloths;
 use crate::simulation::skin::taken::{TakenSkin, give_back, put_on};
@@ -159,6 +161,7 @@ impl Plugin for ClothPlugin {
         app.register_type::<Cloth>()
             .register_type::<ClothSimulation>()
             .register_type::<ClothFailure>()
+            .register_type::<ClothSource>()
             .register_type::<ClothMaterial>()
             .register_type::<ClothSettings>()
             .register_type::<ClothPins>()
@@ -334,6 +337,7 @@ fn set_up() -> ScheduleConfigs<ScheduleSystem> {
         take_levels,
         set_up_cloths,
         wear_skins,
+        follow_scales,
         apply_changes,
         apply_self_collision,
         apply_inter_collision,
@@ -366,7 +370,7 @@ fn tear_down(
     let mut entity = commands.entity(removed.entity);
     match skins.get(removed.entity) {
         Ok((taken, own)) => put_on(&mut entity, taken, own),
-        Err(_) => drop(entity.try_remove::<(ClothSimulation, ClothMesh)>()),
+        Err(_) => drop(entity.try_remove::<(ClothSimulation, ClothMesh, ClothSource)>()),
     }
     failures.clear_those_of_cloths(removed.entity);
 }

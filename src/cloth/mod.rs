@@ -52,8 +52,8 @@ use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 /// The cloth is simulated in world space. It starts where the entity's transform puts its rest
 /// shape; afterwards moving the entity moves only the pins that follow it, unless it jumps
 /// ([`ClothTeleport`](crate::ClothTeleport)) or the cloth is to ride along ([`ClothInertia`](crate::ClothInertia)). The entity may be scaled
-/// alike along all axes: the cloth is that much larger when it is set up. Another scale is refused
-/// with a [`ClothError`](crate::ClothError).
+/// alike along all axes, at any time: the cloth follows in steps of 1 %, about its entity if it is pinned, else about its middle.
+/// Another scale is refused with a [`ClothError`](crate::ClothError).
 ///
 /// Changing the component starts the cloth anew.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]

@@ -91,8 +91,10 @@ impl ClothInertia {
     }
 }
 
-/// Lets the cloth be carried along, however short the way, to where its entity and anchors are at the
-/// next tick: the explicit form of [`ClothTeleport`].
+/// Moves the cloth with its entity and anchors at the next tick, however short the jump: the explicit form of [`ClothTeleport`].
+///
+/// Trigger it before the next fixed tick after the entity was moved. Once a tick has run, the cloth has been pulled along already;
+/// [`ResetCloth`] then puts it where it belongs.
 ///
 /// ```
 /// # use bevy::prelude::*;

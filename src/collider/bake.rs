@@ -54,7 +54,7 @@ impl Default for SdfCells {
 }
 
 impl BakeSdf {
-    /// Bakes the entity's own mesh with so many cells along its longest side.
+    /// Bakes the entity's own mesh with this many cells along its longest side, at least one.
     pub fn with_cells(count: u32) -> Self {
         Self { cells: SdfCells::Count(count), ..default() }
     }
@@ -96,7 +96,7 @@ pub(crate) fn start_bakes(
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    meshes.note_changes(!failures.are_none());
+    meshes.note_changes();
     for (entity, bake, mesh3d, baking, baked) in &bakes {
         let handle = bake.mesh.as_ref().or(mesh3d.as_deref().map(|mesh3d| &mesh3d.0));
         let failed = failures.blames(entity, Blame::Bake);
@@ -147,6 +147,7 @@ pub(crate) fn bake_mesh(
     cells: SdfCells,
 ) -> Result<DistanceField, BakeError> {
     let settings = match cells {
+        SdfCells::Count(0) => return Err(BakeError::NoCells),
         SdfCells::Count(count) => BakeSettings::for_mesh(positions, count),
         SdfCells::Size { cell_size, margin } => BakeSettings { cell_size, margin },
     };

@@ -279,6 +279,11 @@ pub(crate) fn gather_colliders(
             Err(error) => {
                 // What comes back later has not moved from where it was lost.
                 *pose = ColliderPose::default();
+                if error.blame() != Blame::Pose
+                    && pose_now_scaled(&transforms, entity, scale).is_ok()
+                {
+                    failures.clear(entity, Blame::Pose);
+                }
                 failures.report(entity, error);
                 None
             }

@@ -102,7 +102,7 @@ impl Failures<'_, '_> {
         self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
             let mut others = known_errors(&mut entity);
             others.retain(|other| other.kind.blame() != error.kind.blame());
-            entity.insert(ClothFailure { error, others });
+            entity.insert(ClothFailure::new(error, others));
         });
     }
 
@@ -144,7 +144,7 @@ impl Failures<'_, '_> {
             let mut left = known_errors(&mut entity);
             left.retain(|error| !is_gone(error.kind.blame()));
             if let Some(error) = left.pop() {
-                entity.insert(ClothFailure { error, others: left });
+                entity.insert(ClothFailure::new(error, left));
             }
         });
     }
@@ -155,11 +155,6 @@ impl Failures<'_, '_> {
         self.known.get(entity).is_ok_and(is_to_blame)
     }
 
-    /// Whether no entity has an error.
-    pub fn are_none(&self) -> bool {
-        self.known.is_empty()
-    }
-
     /// Whether the entity has an error.
     pub fn has(&self, entity: Entity) -> bool {
         self.known.contains(entity)
@@ -168,7 +163,7 @@ impl Failures<'_, '_> {
 
 /// Takes all that is known to be wrong off an entity, what came last at the end.
 fn known_errors(entity: &mut EntityWorldMut) -> Vec<ClothError> {
-    let Some(ClothFailure { error, mut others }) = entity.take::<ClothFailure>() else {
+    let Some(ClothFailure { error, mut others, .. }) = entity.take::<ClothFailure>() else {
         return Vec::new();
     };
     others.push(error);

@@ -95,14 +95,13 @@ pub enum ClothErrorKind {
     #[error(transparent)]
     Snapshot(StateError),
     /// The transform of the entity is not finite, scales its axes differently, or scales them to nothing usable.
-    /// The vector is its scale in the world.
-    #[error(
-        "its transform (with its parents') must be finite and its scale uniform, positive and neither \
-         huge nor tiny, but the scale is {0}; put the uneven scale into the mesh or the size"
-    )]
+    /// The vector is its scale in the world, NaN where any part of the transform is.
+    #[error("{}", scale_message(*.0))]
     Scale(Vec3),
     /// The entity or one of its ancestors has no `Transform`.
-    #[error("it or one of its parents has no `Transform`; insert one")]
+    #[error(
+        "it has no `Transform`, or one of its parents has none; insert `Transform::default()` where it is missing"
+    )]
     NoTransform,
     /// The solver refuses to go on. The cloth stays where it was last finite.
     #[error("{0}; the cloth is frozen until this is fixed")]
@@ -163,11 +162,45 @@ pub enum ClothComponent {
     WindZone,
 }
 
+/// What is wrong with a scale in the world, and what to do.
+fn scale_message(scale: Vec3) -> String {
+    let largest = scale.max_element();
+    if !scale.is_finite() {
+        return "its transform (with its parents') is not finite; change what makes it so".into();
+    }
+    let (says, remedy) = if scale.min_element() <= 0.0 {
+        (
+            "but must be positive",
+            "to hide the entity use `Visibility`, to mirror it mirror the mesh",
+        )
+    } else if largest - scale.min_element() > 1e-4 * largest {
+        ("but must be the same along all axes", "put the uneven scale into the mesh or the size")
+    } else if (1e-3..=1e3).contains(&largest) {
+        ("sheared by the uneven scale of a parent", "change that to the same along all axes")
+    } else {
+        ("but must suit its mesh or size", "bring both to metres")
+    };
+    format!("its scale (with its parents') is {scale}, {says}; {remedy}")
+}
+
+impl ClothComponent {
+    /// The noun before the number of an entity that has it.
+    fn subject(self) -> &'static str {
+        match self {
+            Self::SdfCollider | Self::ColliderMass => "collider ",
+            Self::WindZone => "wind zone ",
+            _ => "cloth ",
+        }
+    }
+}
+
 impl ClothErrorKind {
     /// The noun before the entity's number.
     fn subject(&self) -> &'static str {
         match self {
-            Self::Parameter { .. } | Self::Scale(_) | Self::NoTransform => "",
+            Self::Parameter { component, .. } => component.subject(),
+            // A cloth, a collider or a wind zone.
+            Self::Scale(_) | Self::NoTransform => "entity ",
             Self::Bake(_)
             | Self::Shell(_)
             | Self::ColliderMesh(_)
@@ -193,16 +226,30 @@ impl ClothErrorKind {
 /// Is on an entity as long as something is wrong with its cloth, collider or wind zone.
 ///
 /// Each error is logged once. It is removed when the component at fault is changed and found good.
+///
+/// An inspector sees the messages. The component is neither cloned with the entity nor put into a world with it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
-#[reflect(opaque, Component, Debug, PartialEq, Clone)]
+#[component(clone_behavior = Ignore)]
+#[reflect(Component, Debug, PartialEq, Clone, from_reflect = false)]
 pub struct ClothFailure {
     /// The error: of several, the one that came last.
+    #[reflect(ignore)]
     pub error: ClothError,
     /// The other errors, at most one for each `Blame`.
+    #[reflect(ignore)]
     others: Vec<ClothError>,
+    /// What all of them say, what came last first.
+    messages: Vec<String>,
 }
 
 impl ClothFailure {
+    /// For an error that came last, and the others.
+    fn new(error: ClothError, others: Vec<ClothError>) -> Self {
+        let mut failure = Self { error, others, messages: Vec::new() };
+        failure.messages = failure.errors().map(ToString::to_string).collect();
+        failure
+    }
+
     /// Everything that is wrong, what came last first.
     pub fn errors(&self) -> impl Iterator<Item = &ClothError> {
         core::iter::once(&self.error).chain(self.others.iter().rev())

@@ -187,7 +187,9 @@ pub enum PinProblem {
     #[error("its anchor {0} is not there or has no Transform; its particles are released")]
     NoAnchor(Entity),
     /// The anchor is scaled differently along its axes.
-    #[error("its anchor {0} has a scale that is not uniform and positive; use a child of scale 1")]
+    #[error(
+        "its anchor {0} has a scale that is not uniform and positive; anchor to an entity without such a scale, and give it to a child that has the mesh"
+    )]
     AnchorScale(Entity),
     /// A number of a soft pin is out of its range.
     #[error("{0}; change its `hold`")]

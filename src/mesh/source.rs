@@ -8,6 +8,7 @@ use bevy::camera::visibility::NoAutoAabb;
 use bevy::ecs::message::MessageCursor;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
@@ -30,6 +31,24 @@ pub(crate) fn source_of<'a>(
     }
 }
 
+/// What mesh a cloth had before it drew into one of its own. A copy of the entity, cloned or out of a saved world, has this in
+/// place of the handle that another cloth draws into.
+#[derive(Component, Reflect, Clone, Debug)]
+#[reflect(Component, Debug, Clone)]
+pub(crate) struct ClothSource {
+    /// The mesh; none where the cloth is a sheet.
+    source: Option<Handle<Mesh>>,
+    /// The one that was drawn into.
+    drawn: Handle<Mesh>,
+}
+
+impl ClothSource {
+    /// The mesh that an entity had before it was copied, if what it has now is another cloth's own.
+    pub fn of_copy(&self, mesh3d: Option<&Mesh3d>) -> Option<Option<&Handle<Mesh>>> {
+        mesh3d.is_some_and(|mesh3d| mesh3d.0 == self.drawn).then_some(self.source.as_ref())
+    }
+}
+
 /// The app's meshes, where it has any.
 #[derive(SystemParam)]
 pub(crate) struct MeshSource<'w, 's> {
@@ -37,22 +56,33 @@ pub(crate) struct MeshSource<'w, 's> {
     server: Option<Res<'w, AssetServer>>,
     events: Option<Res<'w, Messages<AssetEvent<Mesh>>>>,
     cursor: Local<'s, MessageCursor<AssetEvent<Mesh>>>,
-    /// Meshes that came or were changed.
-    changed: Local<'s, Vec<AssetId<Mesh>>>,
+    /// Meshes that came or were changed, and those that were changed.
+    changed: Local<'s, HashSet<AssetId<Mesh>>>,
+    modified: Local<'s, HashSet<AssetId<Mesh>>>,
 }
 
 impl MeshSource<'_, '_> {
-    /// Notes, where that is wanted, which meshes came or were changed since it was last asked.
-    pub fn note_changes(&mut self, wanted: bool) {
-        self.changed.clear();
-        let Some(events) = &self.events else { return };
-        if !wanted {
-            return self.cursor.clear(events);
+    /// Notes which meshes came or were changed since it was last asked.
+    pub fn note_changes(&mut self) {
+        let Self { events, cursor, changed, modified, .. } = self;
+        changed.clear();
+        modified.clear();
+        let Some(events) = events else { return };
+        for event in cursor.read(events) {
+            match event {
+                AssetEvent::Added { id } => _ = changed.insert(*id),
+                AssetEvent::Modified { id } => _ = (changed.insert(*id), modified.insert(*id)),
+                _ => {}
+            }
         }
-        self.changed.extend(self.cursor.read(events).filter_map(|event| match event {
-            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        }));
+    }
+
+    /// Whether a mesh was changed in what a cloth is made of, since a shape was read from it.
+    pub fn is_another(&self, handle: Option<&Handle<Mesh>>, shape: &RestShape) -> bool {
+        let RestShape::Mesh(shape) = shape else { return false };
+        let modified = handle.filter(|handle| self.modified.contains(&handle.id()));
+        let mesh = modified.and_then(|handle| self.meshes.as_ref()?.get(handle));
+        mesh.is_some_and(|mesh| fingerprint(mesh).is_ok_and(|now| now != shape.fingerprint))
     }
 
     /// Whether a mesh is among those noted.
@@ -122,8 +152,9 @@ impl MeshSource<'_, '_> {
             RestShape::Mesh(_) => (copy_of(meshes.get(source?)?, colors), source.cloned()),
         };
         let handle = meshes.add(mesh);
+        let kept = ClothSource { source: source.clone(), drawn: handle.clone() };
         let own = ClothMesh::new(handle.clone(), source, rest.clone(), proxy.cloned());
-        Some((Mesh3d(handle), own, Aabb::default(), NoAutoAabb))
+        Some((Mesh3d(handle), own, kept, Aabb::default(), NoAutoAabb))
     }
 
     /// Draws the vertex colours of a cloth's mesh, or leaves them out.

@@ -92,7 +92,7 @@ impl PoseTrack {
 pub(crate) enum PoseError {
     /// The entity or one of its ancestors is not there or has no `Transform`.
     Missing,
-    /// The scale is not uniform and positive, or something is not finite.
+    /// The scale is not uniform and positive; NaN where something is not finite.
     Scale(Vec3),
 }
 
@@ -116,11 +116,11 @@ pub(crate) fn pose_now_scaled(
         return pose_now(transforms, entity);
     };
     let global = transforms.compute_global_transform(entity).map_err(|_| PoseError::Missing)?;
-    let (scale, rotation, translation) = global.to_scale_rotation_translation();
-    if scale.is_finite() && translation.is_finite() && rotation.is_finite() {
+    let (_, rotation, translation) = global.to_scale_rotation_translation();
+    if global.affine().is_finite() {
         Ok(Pose { translation, rotation: rotation.normalize(), scale: own.0 })
     } else {
-        Err(PoseError::Scale(scale))
+        Err(PoseError::Scale(Vec3::NAN))
     }
 }
 
@@ -136,7 +136,9 @@ pub(crate) fn pose_of(global: &GlobalTransform) -> Result<Pose, PoseError> {
         + axes.y_axis.dot(axes.z_axis).abs()
         + axes.z_axis.dot(axes.x_axis).abs();
     let square = skew <= 1e-3 * largest * largest;
-    if uniform && square && largest.is_finite() && translation.is_finite() && rotation.is_finite() {
+    if !global.affine().is_finite() {
+        Err(PoseError::Scale(Vec3::NAN))
+    } else if uniform && square {
         Ok(Pose { translation, rotation: rotation.normalize(), scale: scale.x })
     } else {
         Err(PoseError::Scale(scale))

@@ -6,7 +6,7 @@
 //!
 //! | part | what it is | worked on by |
 //! | --- | --- | --- |
-//! | `in_force` | shapes, material, settings, pins and weights that are in force | `shaping`, `setup`, `changes` |
+//! | `in_force` | shapes, material, settings, pins and weights that are in force | `shaping`, `setup`, `changes`, `resizing` |
 //! | `start` | whether the cloth waits to be hung, and has been told of | `hanging`, `ready` |
 //! | `skin` | where the skeleton of a worn cloth moves it | `anchors`, `wear` |
 //! | `holding` | what holds and leads particles: `attachments`, `grabbed` | `pinning`, `anchors`, `grabbing` |
@@ -48,6 +48,7 @@ pub(crate) mod progress;
 pub(crate) mod pushing;
 pub(crate) mod ready;
 pub(crate) mod reference_frame;
+pub(crate) mod resizing;
 pub(crate) mod self_collision;
 pub(crate) mod setup;
 pub(crate) mod shaping;
@@ -84,11 +85,13 @@ use crate::solver::{
 /// that has all it needs.
 ///
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
-/// starts the cloth anew.
+/// starts the cloth anew. It is neither cloned with the entity nor put into a world with it: the copy starts as a new cloth
+/// does, or with a [`ClothSnapshot`](crate::ClothSnapshot) as this one was.
 ///
 /// An inspector sees the shape, material, settings and pins that are in force (`in_force`), the count of ticks,
 /// and whether the cloth has diverged (`progress`).
 #[derive(Component, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(Component, from_reflect = false)]
 pub struct ClothSimulation {
     #[reflect(ignore)]
@@ -245,9 +248,12 @@ impl ClothSimulation {
         self.topology().rest_positions()
     }
 
-    /// Velocity of a particle in the world [m/s], `None` where there is no such particle.
+    /// Velocity of a particle in the world [m/s], zero while the cloth sleeps, `None` where there is no such particle.
     pub fn velocity(&self, particle: usize) -> Option<Vec3> {
         let place = self.position(particle)?;
+        if self.is_asleep() {
+            return Some(Vec3::ZERO);
+        }
         Some(self.solver.velocity(particle) + self.velocity_of_ride(place))
     }
 

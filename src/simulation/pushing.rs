@@ -20,7 +20,7 @@ pub(crate) fn ask_for_push(
         Ok(Ok(())) => failures.clear(entity, Blame::Push),
         Ok(Err(problem)) => failures.report(entity, ClothErrorKind::Push(problem)),
         Err(_) => tracing::warn!(
-            "{entity} is no running cloth, so that nothing was pushed; a new one can be from its `ClothReady` on"
+            "entity {entity} has no running cloth, so the push was ignored; wait for its `ClothReady`"
         ),
     }
 }

@@ -197,7 +197,7 @@ fn ask(
     match cloths.get_mut(entity) {
         Ok(mut cloth) => what(&mut cloth),
         Err(_) => tracing::warn!(
-            "{entity} is no running cloth, so that nothing was teleported or reset; one that is still \
+            "entity {entity} has no running cloth, so nothing was teleported or reset; a cloth that is still \
              loading starts where its entity is"
         ),
     }

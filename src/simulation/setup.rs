@@ -1,6 +1,7 @@
 //! From components to a running cloth, and from changed components to a changed cloth.
 
 use bevy::camera::visibility::DynamicSkinnedMeshBounds;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::reflect::Typed;
@@ -20,7 +21,7 @@ use crate::mesh::drawn::ClothMesh;
 use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
-use crate::mesh::source::{MeshSource, source_of};
+use crate::mesh::source::{ClothSource, MeshSource, source_of};
 use crate::mesh::surface::SkippedTriangles;
 use crate::pose::{pose_now, to_world};
 use crate::simulation::ClothSimulation;
@@ -49,7 +50,7 @@ type Ingredients = (
     Option<Ref<'static, ClothProxy>>,
     Option<Ref<'static, Mesh3d>>,
     Skinned,
-    Option<&'static ClothMesh>,
+    (Option<&'static ClothMesh>, Option<&'static ClothSource>),
     Option<&'static ClothSimulation>,
 );
 
@@ -70,12 +71,28 @@ pub(crate) fn set_up_cloths(
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
+    // Cloths whose mesh was changed while they ran, until they are set up anew.
+    mut outdated: Local<EntityHashSet>,
 ) {
-    meshes.note_changes(!failures.are_none());
-    for (entity, cloth, material, settings, weights, proxy, mesh3d, skinned, own, simulation) in
-        &cloths
+    meshes.note_changes();
+    outdated.retain(|entity| cloths.contains(*entity));
+    for (
+        entity,
+        cloth,
+        material,
+        settings,
+        weights,
+        proxy,
+        mesh3d,
+        skinned,
+        meshes_of,
+        simulation,
+    ) in &cloths
     {
-        let source = source_of(mesh3d.as_deref(), own);
+        let (own, kept) = meshes_of;
+        let copied = if own.is_none() { kept } else { None };
+        let copied = copied.and_then(|kept| kept.of_copy(mesh3d.as_deref()));
+        let source = copied.unwrap_or_else(|| source_of(mesh3d.as_deref(), own));
         let (worn, skinned, has_bounds, taken) = skinned;
         let asked = match simulation {
             Some(running) => running.lod.proxy(proxy.as_deref()),
@@ -83,12 +100,18 @@ pub(crate) fn set_up_cloths(
         };
         let other_proxy =
             |running: &ClothSimulation| running.in_force.asked_proxy.as_ref() != asked;
+        if let Some(running) = simulation
+            && meshes.is_another(source, running.drawn_shape())
+        {
+            outdated.insert(entity);
+        }
         let same = |running: &&ClothSimulation| {
             let other_skin = match running.skin {
                 Some(_) => skinned.is_some(),
                 None => worn.is_some(),
             };
             !other_skin
+                && !outdated.contains(&entity)
                 && !other_proxy(running)
                 && !needs_setup(running, &cloth, mesh3d.as_deref(), own)
         };
@@ -115,6 +138,8 @@ pub(crate) fn set_up_cloths(
         // unseen.
         let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
         let unseen = unseen.map(|blame| failures.blames(entity, blame));
+        // What cannot be drawn has run, and was taken away.
+        let is_taken = simulation.is_none() && failures.blames(entity, Blame::Drawing);
         // Of a proxy that was taken away, or given by another level, nothing else tells.
         let told = failures.blames(entity, Blame::Proxy);
         let is_gone = asked.is_none() && told;
@@ -122,7 +147,7 @@ pub(crate) fn set_up_cloths(
         if is_gone {
             failures.clear(entity, Blame::Proxy);
         }
-        if failures.has(entity) && !changed && !is_other && unseen == [false; 3] {
+        if failures.has(entity) && !changed && !is_other && !is_taken && unseen == [false; 3] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
@@ -138,6 +163,7 @@ pub(crate) fn set_up_cloths(
             // Still loading, or being made.
             Ok(None) => {}
             Ok(Some(mut made)) => {
+                outdated.remove(&entity);
                 // Only elsewhere.
                 made.start.told_ready = same.is_some_and(|running| running.start.told_ready);
                 if let Some(running) = simulation {
@@ -158,10 +184,13 @@ pub(crate) fn set_up_cloths(
                 if made.intake() != told {
                     tell_skipped(entity, &made);
                 }
-                if mesh3d.is_some() && own.is_none() && cloth.shape != ClothShape::Mesh {
+                if mesh3d.is_some()
+                    && own.is_none()
+                    && copied.is_none()
+                    && cloth.shape != ClothShape::Mesh
+                {
                     tracing::warn!(
-                        "cloth {entity}: its `Mesh3d` gives way to the sheet's own mesh; use `Cloth::of_mesh3d()` to \
-                         make a cloth of it"
+                        "cloth {entity}: the sheet replaces the entity's `Mesh3d`; use `Cloth::of_mesh3d()` to make a cloth of that mesh"
                     );
                 }
                 let hides_colors = worn.as_deref().is_some_and(ClothSkin::hides_colors);
@@ -262,7 +291,7 @@ fn set_up(
 }
 
 /// A shape that cannot be used at a huge or tiny scale may be good at another.
-fn scale_at_fault(error: ClothErrorKind, scale: f32) -> ClothErrorKind {
+pub(crate) fn scale_at_fault(error: ClothErrorKind, scale: f32) -> ClothErrorKind {
     match error {
         ClothErrorKind::Shape(_) | ClothErrorKind::Graph(_) if !(1e-3..=1e3).contains(&scale) => {
             ClothErrorKind::Scale(Vec3::splat(scale))

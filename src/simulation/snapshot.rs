@@ -257,7 +257,7 @@ fn restore(
     Ok(())
 }
 
-/// The cloth as its entity's scale was when it was set up: it has that size for good.
+/// The cloth in another size.
 fn scaled(
     cloth: &ClothSimulation,
     scale: f32,

@@ -444,6 +444,12 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
             Box::new(bake(|e| matches!(e, BakeError::CellSize { .. }))),
         ),
         (
+            "no cells at all",
+            count(0),
+            Some(box_mesh(0.3)),
+            Box::new(bake(|e| matches!(e, BakeError::NoCells))),
+        ),
+        (
             "no cells",
             size(0.0, 0.1),
             Some(box_mesh(0.3)),
@@ -505,4 +511,22 @@ fn meshes_and_cells_that_bake_to_nothing_are_told_of() {
         told.iter().all(|(_, collider, _)| app.world().get::<SdfCollider>(*collider).is_some())
     });
     assert!(told.iter().all(|(_, collider, _)| failure(&app, *collider).is_none()));
+}
+
+#[test]
+fn a_mended_pose_is_forgiven_though_a_number_is_bad() {
+    let (mut app, _) = world();
+    let flat = Transform::from_scale(Vec3::ZERO);
+    let collider = spawn(&mut app, (SdfCollider::from(Sphere::new(0.3)), flat));
+    app.update();
+    assert!(matches!(
+        failure(&app, collider),
+        Some(ClothError { kind: ClothErrorKind::Scale(_), .. })
+    ));
+    let bad = SdfCollider::from(Sphere::new(-1.0));
+    app.world_mut().entity_mut(collider).insert((Transform::IDENTITY, bad));
+    app.update();
+    let failure = app.world().get::<ClothFailure>(collider).unwrap();
+    assert_eq!(failure.errors().count(), 1, "{failure:?}");
+    assert!(matches!(failure.error.kind, ClothErrorKind::Parameter { .. }));
 }

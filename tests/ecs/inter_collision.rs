@@ -270,7 +270,6 @@ fn what_is_refused_is_told_until_it_is_mended() {
     };
     let good = ClothInterCollision::default();
     for (name, bad) in [
-        ("layers", ClothInterCollision { layers: ClothLayers::NONE, ..good }),
         ("distance", ClothInterCollision { distance: Some(0.05), ..good }),
         ("friction", ClothInterCollision { friction: f32::NAN, ..good }),
     ] {
@@ -283,4 +282,16 @@ fn what_is_refused_is_told_until_it_is_mended() {
     assert_eq!(is_told(&app), None);
     updates(&mut app, 40);
     assert!(touching(&app, towels[0]) > 0);
+}
+
+#[test]
+fn what_has_no_layers_meets_nobody() {
+    let (mut app, towels) = pile(2);
+    updates(&mut app, 40);
+    assert!(touching(&app, towels[0]) > 0);
+    let none = ClothInterCollision { layers: ClothLayers::NONE, ..default() };
+    app.world_mut().entity_mut(towels[1]).insert(none);
+    updates(&mut app, 40);
+    assert_eq!((failure(&app, towels[1]), touching(&app, towels[0])), (None, 0));
+    assert!((height(&app, towels[1]) - height(&app, towels[0])).abs() < 1e-3);
 }

@@ -315,3 +315,53 @@ fn tangents_of_a_cloth_that_hangs_hang_with_it() {
         assert!(vertex < 16 || tangent.distance(asked) < 0.1, "{vertex}: {tangent}");
     }
 }
+
+#[test]
+fn a_mesh_that_is_changed_starts_its_cloth_anew() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, flat_mesh(5, 5));
+    let cloth = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh.clone())));
+    let other = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh.clone())));
+    updates(&mut app, 20);
+    let before = bits(&app, cloth);
+    let change = |app: &mut App, to: Mesh| {
+        *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&mesh).unwrap() = to;
+        updates(app, 2);
+    };
+    // Nothing that a cloth is made of.
+    change(
+        &mut app,
+        flat_mesh(5, 5).with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0_f32; 2]; 25]),
+    );
+    assert_ne!(bits(&app, cloth), before);
+    assert_eq!(simulation(&app, cloth).tick_count(), 22);
+    change(&mut app, flat_mesh(6, 7));
+    for cloth in [cloth, other] {
+        assert_eq!(failure(&app, cloth), None);
+        assert_eq!(simulation(&app, cloth).particle_count(), 42);
+        assert!(simulation(&app, cloth).tick_count() <= 2);
+    }
+    // What makes no cloth is told of, and the old one goes on until it is mended.
+    change(&mut app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+    assert!(failure(&app, cloth).is_some());
+    assert_eq!(simulation(&app, cloth).particle_count(), 42);
+    change(&mut app, flat_mesh(4, 4));
+    assert_eq!(failure(&app, cloth), None);
+    assert_eq!(simulation(&app, cloth).particle_count(), 16);
+}
+
+#[test]
+fn what_could_not_be_drawn_starts_anew_when_its_simulation_is_removed() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, flat_mesh(5, 5));
+    let cloth = spawn(&mut app, (Cloth::of_mesh3d(), Mesh3d(mesh)));
+    updates(&mut app, 2);
+    let own = app.world().get::<Mesh3d>(cloth).unwrap().id();
+    app.world_mut().resource_mut::<Assets<Mesh>>().remove(own);
+    updates(&mut app, 2);
+    assert!(matches!(failure(&app, cloth), Some(ClothError { kind: ClothErrorKind::Draw(_), .. })));
+    app.world_mut().entity_mut(cloth).remove::<ClothSimulation>();
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, cloth), None);
+    assert_eq!(drawn_positions(&app, cloth).len(), 25);
+}

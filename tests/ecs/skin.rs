@@ -338,7 +338,7 @@ fn saved_and_loaded_it_goes_on_in_the_same_bits_in_either_form() {
         run(&mut app, 0..10);
         let saved = simulation(&app, of.coat).save();
         #[cfg(feature = "serialize")]
-        let saved: bevy_drape::ClothSnapshot =
+        let saved: ClothSnapshot =
             postcard::from_bytes(&postcard::to_allocvec(&saved).unwrap()).unwrap();
         let at = bits(&app, of.coat);
         run(&mut app, 10..30);

@@ -319,3 +319,15 @@ fn a_frozen_cloth_is_carried_by_its_entity() {
     assert!(after.distance(expected) < 0.01, "{after} {expected}");
     assert!(simulation(&app, cloth).strain().max < 0.02);
 }
+
+#[test]
+fn what_sleeps_has_no_velocity() {
+    let mut app = app();
+    let pins = ClothPins::from(PinSelection::FirstRow);
+    let cloth = spawn(&mut app, (sheet(), thick(), pins));
+    until_asleep(&mut app, cloth, 900);
+    let count = simulation(&app, cloth).particle_count();
+    for particle in 0..count {
+        assert_eq!(simulation(&app, cloth).velocity(particle), Some(Vec3::ZERO));
+    }
+}

@@ -103,7 +103,7 @@ fn a_mesh_that_a_sheet_replaces_is_told_of() {
     app.world_mut().entity_mut(loud).insert(Cloth::sheet(Vec2::ONE, UVec2::splat(4)));
     updates(&mut app, 3);
     // No other test gives a sheet a mesh.
-    let said = said("its `Mesh3d` gives way");
+    let said = said("the sheet replaces");
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].contains(&loud.to_string()), "{said:?}");
 }

@@ -582,7 +582,6 @@ fn bad_numbers_are_refused() {
     let mut cloth = cloth(&square(1.0, 11), |p| p);
     let good = InterCollision::default();
     for (name, bad) in [
-        ("layers", InterCollision { layers: 0, ..good }),
         ("distance", InterCollision { distance: Some(0.11), ..good }),
         ("distance", InterCollision { distance: Some(f32::NAN), ..good }),
         ("distance", InterCollision { distance: Some(0.0), ..good }),

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use crate::cloth::skin::ClothSkin;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::drawn::ClothMesh;
+use crate::mesh::source::ClothSource;
 use crate::simulation::ClothSimulation;
 
 /// What was taken off an entity whose cloth is worn.
@@ -42,7 +43,7 @@ pub(crate) fn give_back(
 
 /// Puts the skin on an entity again, whose cloth is gone.
 pub(crate) fn put_on(entity: &mut EntityCommands, taken: &TakenSkin, own: Option<&ClothMesh>) {
-    entity.try_remove::<(ClothSimulation, ClothMesh, TakenSkin, Aabb, NoAutoAabb)>();
+    entity.try_remove::<(ClothSimulation, ClothMesh, ClothSource, TakenSkin, Aabb, NoAutoAabb)>();
     if let Some(source) = own.and_then(|own| own.source.clone()) {
         entity.try_insert(Mesh3d(source));
     }

@@ -11,12 +11,11 @@ use crate::mesh::rest_cache::RestCache;
 use crate::mesh::source::{MeshSource, source_of};
 use crate::simulation::ClothSimulation;
 use crate::simulation::holding::hold_anew;
+use crate::simulation::resizing::OTHER_SIZE;
 use crate::simulation::setup::{solver_error, topology};
 use crate::simulation::skin::make::{Skins, limit};
 use crate::solver::SkinLimit;
 
-/// Change of the skeleton's scale from which on a cloth gets another size \[1\].
-const OTHER_SIZE: f32 = 0.01;
 /// Change that is too much for threads to take up.
 const LEAP: f32 = 0.1;
 

@@ -107,7 +107,6 @@ pub fn rows_of_numbers() -> Vec<Row> {
     });
     let before = rows.len();
     numbers!(rows, ClothInterCollision, [GoesOn; 2], {
-        layers: [0.into()];
         distance: [NAN, INF, -1.0, 0.0, HUGE].map(Some);
         friction: wild;
     });

@@ -67,6 +67,9 @@ pub enum BakeError {
     /// There is no triangle.
     #[error("the mesh has no triangles: give at least a closed tetrahedron")]
     Empty,
+    /// No cell is asked for.
+    #[error("no cells along the mesh's longest side were asked for: give at least 1")]
+    NoCells,
     /// The index count is not a multiple of three.
     #[error(
         "{index_count} indices are not whole triangles: give a triangle list, three indices each"

@@ -51,9 +51,31 @@ impl FacesAt {
         Self { grid, faces, at }
     }
 
+    /// How many slots there are.
+    pub fn slots(&self) -> usize {
+        self.at.slots() as usize
+    }
+
     /// The corners of the faces at a slot.
     pub fn of(&self, slot: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.at.of(slot as u32).iter().map(|&face| self.faces[face as usize])
+    }
+
+    /// Whether two slots are corners of one face.
+    pub fn share_an_edge(&self, [a, b]: [u32; 2]) -> bool {
+        self.of(a as usize).flatten().any(|corner| corner == b)
+    }
+
+    /// Whether two slots are the corners of two faces that lie across an edge from each other.
+    pub fn face_each_other(&self, [a, b]: [u32; 2]) -> bool {
+        let edge =
+            |corners: [u32; 3], own: u32| corners.map(|it| if it == own { u32::MAX } else { it });
+        self.of(a as usize).any(|here| {
+            let here = edge(here, a);
+            let across =
+                |there: [u32; 3]| edge(there, b).iter().filter(|it| here.contains(it)).count();
+            self.of(b as usize).any(|there| across(there) == 3)
+        })
     }
 
     /// The normal of the surface at a slot, of length one; either of both. `at` says where particles are.

@@ -22,6 +22,15 @@ pub(super) struct Pair {
     pub gap: f32,
 }
 
+impl Pair {
+    /// It, as it is now, if its gap is within a margin.
+    pub fn now(&self, at: &Soa, margin: f32) -> Option<Self> {
+        let [a, b] = self.slots.map(|slot| at.get(slot as usize));
+        let gap = a.distance(b) - self.reach;
+        (gap < margin).then_some(Self { gap, ..*self })
+    }
+}
+
 /// Radii of the larger of two balls that their centres are apart at least where they touch: the smaller ones of a finer cloth are
 /// to find no way between those of a coarser one.
 const UNEVEN: f32 = 1.7;
@@ -40,27 +49,6 @@ pub(super) struct FindPairs<'a, C> {
     pub grid: &'a Grid,
     pub margin: f32,
     pub company: C,
-}
-
-/// The particles of one cloth. Those that are neighbours at rest are left alone.
-pub(super) struct OneCloth<'a> {
-    /// Rest positions by place \[m\].
-    pub rest: &'a Soa,
-    pub radius: &'a [f32],
-    pub pairs: &'a mut Vec<Pair>,
-}
-
-impl Company for OneCloth<'_> {
-    #[inline(always)]
-    fn among(&self, lanes: u32, at: usize, place: usize) -> u32 {
-        let at_rest = Group::<WIDE>::load(self.rest, self.radius, at);
-        lanes & !at_rest.near(self.rest.get(place), self.radius[place], NEIGHBOURS, 0.0)
-    }
-
-    #[inline(always)]
-    fn take(&mut self, _: [usize; 2], pair: Pair) {
-        self.pairs.push(pair);
-    }
 }
 
 impl<C: Company> Kernel for FindPairs<'_, C> {
@@ -127,7 +115,7 @@ impl<const N: usize> Group<N> {
 
 /// Distance at which two balls touch \[m\].
 #[inline(always)]
-fn reach(a: f32, b: f32) -> f32 {
+pub(super) fn reach(a: f32, b: f32) -> f32 {
     larger(a + b, UNEVEN * larger(a, b))
 }
 

@@ -45,13 +45,6 @@ pub(super) const ROWS: [u32; 4] = {
 };
 
 impl Grid {
-    /// With room for so many particles.
-    pub fn with_room(count: usize) -> Self {
-        let mut grid = Self::default();
-        grid.make_room(count);
-        grid
-    }
-
     /// Makes room for so many particles, where there is less.
     pub fn make_room(&mut self, count: usize) {
         if self.spare.len() < count {

@@ -7,14 +7,17 @@ use bevy_math::Vec3;
 use crate::solver::cloth_contact::balls::Balls;
 use crate::solver::cloth_contact::batches::Batches;
 use crate::solver::cloth_contact::beads::{Beads, Lying, TakenFrom};
+use crate::solver::cloth_contact::clusters::Clusters;
 use crate::solver::cloth_contact::faces::FacesAt;
-use crate::solver::cloth_contact::find::{FindPairs, OneCloth, Pair};
-use crate::solver::cloth_contact::grid::{Grid, room_for};
+use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::in_patches::InPatches;
-use crate::solver::cloth_contact::kin::find_kin;
-use crate::solver::cloth_contact::patches::Patches;
+use crate::solver::cloth_contact::kin::{AtRest, find_beside, find_kin};
+use crate::solver::cloth_contact::mesh_patches::MeshPatches;
+use crate::solver::cloth_contact::patch::PARTICLES;
+use crate::solver::cloth_contact::patches::Division;
 use crate::solver::cloth_contact::regions::{AddUp, Regions, Since};
 use crate::solver::cloth_contact::respond::{LookAtPairs, Respond, Touched};
+use crate::solver::cloth_contact::sheet_patches::SheetPatches;
 use crate::solver::cloth_contact::side::Side;
 use crate::solver::cloth_contact::tangles::Tangles;
 use crate::solver::cloth_contact::travel::{Allowance, Moved, Travelled};
@@ -56,16 +59,15 @@ impl SelfCollision {
     }
 }
 
-/// A cloth's contact with itself: its balls, and the pairs of them that may touch. All but the balls follows from where the particles
+/// A cloth's contact with itself: the pairs of its particles that may touch. They follow from where the particles
 /// were when pairs were found last.
 #[derive(Clone, Debug)]
 pub(in crate::solver) struct SelfContact {
     pub settings: SelfCollision,
-    balls: Balls,
     /// Largest distance at which two particles touch \[m\].
     widest: f32,
     layout: Layout,
-    finding: Finding,
+    particles: InPatches,
     regions: Regions,
     allowance: Allowance,
     tangles: Tangles,
@@ -86,24 +88,6 @@ pub(in crate::solver) struct SelfContact {
     kin: Vec<Pair>,
     /// Gap up to which pairs are kept \[m\].
     margin: f32,
-}
-
-/// How pairs of a cloth's own are found.
-#[derive(Clone, Debug)]
-enum Finding {
-    /// A sheet's are found by its patches.
-    Patches(Box<InPatches>),
-    /// A mesh's are found in a grid.
-    Grid(Box<InGrid>),
-}
-
-/// The particles of a mesh, in a grid.
-#[derive(Clone, Debug)]
-struct InGrid {
-    grid: Grid,
-    /// Rest positions by slot, and by place in the grid \[m\].
-    rest_of: Soa,
-    rest: Soa,
 }
 
 /// A substep of a cloth, as its contact with itself takes it.
@@ -127,25 +111,24 @@ impl SelfContact {
         for (particle, &rest) in topology.rest_positions().iter().enumerate() {
             rest_of.set(topology.slot(particle), rest);
         }
-        let (mut grid, widest) = (Grid::with_room(count), balls.widest());
-        let slots = layout.slots();
-        let kin =
-            find_kin(Isa::detect(), &mut grid, (&rest_of, &balls.radius), widest, &faces, slots);
-        let finding = match topology.as_lattice() {
-            Some(lattice) => {
-                let patches = Patches::new(lattice.layout);
-                Finding::Patches(Box::new(InPatches::new(patches, &rest_of, &balls.radius)))
-            }
+        let (isa, widest, margin) = (Isa::detect(), balls.widest(), balls.widest() * MARGIN);
+        let rest = AtRest { faces: &faces, at: &rest_of, radius: &balls.radius, widest };
+        let kin = find_kin(isa, &rest, layout.slots());
+        let division = match topology.as_lattice() {
+            Some(lattice) => Division::Sheet(SheetPatches::new(lattice.layout)),
             None => {
-                let rest = Soa::zeros(room_for(count));
-                Finding::Grid(Box::new(InGrid { grid, rest_of, rest }))
+                let beside = find_beside(isa, &rest, margin, layout.slots());
+                let at = |slot: u32| rest_of.get(slot as usize);
+                let clusters = Clusters::new(&faces, layout.slots(), at, PARTICLES);
+                Division::Mesh(MeshPatches::new(&faces, &clusters, beside))
             }
         };
+        let particles = InPatches::new(division, &rest_of, &balls.radius);
         let regions = Regions::new(topology);
         Self {
             settings,
             layout,
-            finding,
+            particles,
             allowance: Allowance::with_room(regions.extents.capacity()),
             regions,
             tangles: Tangles::new(topology, faces),
@@ -158,9 +141,8 @@ impl SelfContact {
             touched: Touched::default(),
             pairs: Vec::with_capacity(ROOM * count),
             kin,
-            margin: widest * MARGIN,
+            margin,
             widest,
-            balls,
         }
     }
 
@@ -291,7 +273,7 @@ impl SelfContact {
     /// Finds the pairs of particles that are at `found_at`.
     fn find(&mut self, isa: Isa) {
         let Self {
-            finding,
+            particles,
             regions,
             allowance,
             found_at: at,
@@ -300,7 +282,6 @@ impl SelfContact {
             kin,
             margin,
             widest,
-            balls,
             batches,
             beads,
             ..
@@ -310,27 +291,8 @@ impl SelfContact {
         allowance.begin_with_one(&regions.extents, *margin, reach);
         last.copy_from(at);
         pairs.clear();
-        match finding {
-            Finding::Patches(particles) => particles.find(isa, at, *margin, reach, pairs),
-            Finding::Grid(particles) => {
-                let InGrid { grid, rest_of, rest } = &mut **particles;
-                grid.begin(reach);
-                grid.take(at, self.layout.slots());
-                grid.sort(isa, at, &balls.radius);
-                for (place, &slot) in grid.slots.iter().enumerate() {
-                    rest.set(place, rest_of.get(slot as usize));
-                }
-                let company = OneCloth { rest, radius: &grid.radius, pairs };
-                isa.run(FindPairs { grid, margin: *margin, company });
-            }
-        }
-        for pair in kin.iter() {
-            let [a, b] = pair.slots.map(|slot| at.get(slot as usize));
-            let gap = a.distance(b) - pair.reach;
-            if gap < *margin {
-                pairs.push(Pair { gap, ..*pair });
-            }
-        }
+        particles.find(isa, at, *margin, reach, pairs);
+        pairs.extend(kin.iter().filter_map(|pair| pair.now(at, *margin)));
         beads.forget_pairs();
         pairs.iter().flat_map(|pair| pair.slots).for_each(|slot| beads.note(slot));
         batches.begin(pairs, *margin, [self.layout.len(), 0]);

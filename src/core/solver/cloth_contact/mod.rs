@@ -4,7 +4,7 @@
 //! So a particle's ball is as large as the triangles around it ask for, with some reserve ([`balls`]). Particles that are near each
 //! other at rest are left alone: a cloth does not push its own neighbours.
 //!
-//! Pairs that may touch are found a few times a tick, with a margin: of a sheet patch by patch ([`in_patches`]), else in a grid ([`find`]). A pair sleeps until the cloth has moved by
+//! Pairs that may touch are found a few times a tick, with a margin: of one cloth patch by patch ([`in_patches`]), of two in a grid ([`find`]). A pair sleeps until the cloth has moved by
 //! the pair's gap ([`travel`]). Pairs that touch are met in every substep, after the threads and before the strain limit ([`respond`]).
 //! Where they are pressed into each other, they are met once more after the limit, and kept half of their distance apart.
 //! A pair gives one particle what it takes from the other, so momentum is kept.
@@ -16,9 +16,12 @@
 //! | `grid` | particles sorted by the cells of a grid |
 //! | `find` | pairs of particles that may touch before they have moved by the margin |
 //! | `kin` | particles that are near at rest, and share no edge |
-//! | `patches` | parts of a sheet, of which smooth neighbours are passed over |
+//! | `patch` | a part of a cloth, and whether it is flat |
+//! | `patches` | all of them, of which smooth neighbours are passed over |
+//! | `sheet_patches`, `mesh_patches` | how a sheet and a mesh are divided into patches |
+//! | `clusters` | the particles of a mesh in compact clusters |
 //! | `sweep` | boxes that are near each other |
-//! | `in_patches` | pairs of particles of a sheet, found patch by patch |
+//! | `in_patches` | pairs of a cloth's own particles, found patch by patch |
 //! | `normals` | the direction to push apart, by which layers slide on each other |
 //! | `regions` | the regions of a cloth, and the boxes of their particles |
 //! | `travel` | how far particles have moved relative to each other since then |
@@ -42,6 +45,7 @@
 mod balls;
 mod batches;
 mod beads;
+mod clusters;
 mod couple;
 mod couples;
 mod crossings;
@@ -55,13 +59,16 @@ mod in_patches;
 mod itself;
 mod kin;
 mod many;
+mod mesh_patches;
 mod normals;
 mod others;
 mod parts;
+mod patch;
 mod patches;
 mod regions;
 mod respond;
 mod rings;
+mod sheet_patches;
 mod side;
 mod sweep;
 mod tangles;

@@ -36,13 +36,9 @@ impl InterCollision {
     /// Checks every number, for a cloth.
     ///
     /// # Errors
-    /// [`ParameterError`] for layers of which there are none, or for the first number that is not finite or out of its range. A
+    /// [`ParameterError`] for the first number that is not finite or out of its range. A
     /// distance may be at most the automatic one over 0.92, which is the particle spacing of a square sheet.
     pub fn validate(&self, topology: &Topology) -> Result<(), ParameterError> {
-        if self.layers == 0 {
-            let range = "at least one: a cloth without layers meets none; let it not collide with others instead";
-            return Err(ParameterError { name: "layers", value: 0.0, range });
-        }
         check_numbers(topology, self.distance, self.friction)
     }
 }

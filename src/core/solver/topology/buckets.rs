@@ -40,7 +40,7 @@ impl<T: Copy> Buckets<T> {
     }
 
     /// How many slots there are.
-    fn slots(&self) -> u32 {
+    pub fn slots(&self) -> u32 {
         self.first.len() as u32 - 1
     }
 

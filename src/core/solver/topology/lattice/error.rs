@@ -4,13 +4,16 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
     /// Fewer than two rows or columns.
-    #[error("a lattice needs at least 2 x 2 particles, got {rows} rows x {columns} columns")]
+    #[error("a sheet needs at least 2 x 2 particles, got {rows} rows x {columns} columns")]
     TooSmall {
         /// Rows asked for.
         rows: usize,
         /// Columns asked for.
         columns: usize,
     },
+    /// The size of a sheet is not positive and finite.
+    #[error("the size of a sheet is {0} m, but must be positive and finite along both sides")]
+    BadSize(bevy_math::Vec2),
     /// More particles than the indices of a mesh can count.
     #[error("{rows} rows x {columns} columns are more than {limit} particles")]
     TooLarge {

@@ -140,6 +140,9 @@ impl Lattice {
         lumping: MassLumping,
     ) -> Result<Self, LatticeError> {
         check_count(rows, columns)?;
+        if !size.is_finite() || size.min_element() <= 0.0 {
+            return Err(LatticeError::BadSize(size));
+        }
         // In halves of a cell from the middle, so that both sides are mirror images to the bit.
         let along = |i: usize, n: usize, length: f32| {
             0.5 * length * ((2 * i) as f32 - (n - 1) as f32) / (n - 1) as f32
