@@ -6,7 +6,7 @@ use crate::cloth::inter_collision::ClothInterCollision;
 use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
-use crate::simulation::setup::component_error;
+use crate::simulation::complaints::component_error;
 use crate::solver::InterCollision;
 
 const COMPONENT: ClothComponent = ClothComponent::ClothInterCollision;

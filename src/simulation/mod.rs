@@ -29,12 +29,13 @@
 //! | `grabbing` | system: begins, drags and ends grabs |
 //! | `holding` | attachments and grab together, as the solver takes them: pins, springs, and the motion of each in a tick |
 //!
-//! `self_collision` and `inter_collision` hand on how the cloth collides with itself and with others. `snapshot` takes the full state out and puts it back. `stage_times` is a component of its own, on cloths that
+//! `self_collision` and `inter_collision` hand on how the cloth collides with itself and with others. `snapshot` takes the full state out and puts it back. `complaints` tells the solver's errors to the components they are about. `stage_times` is a component of its own, on cloths that
 //! are measured.
 
 pub(crate) mod anchors;
 pub(crate) mod attachments;
 pub(crate) mod changes;
+pub(crate) mod complaints;
 pub(crate) mod culling;
 pub(crate) mod grabbed;
 pub(crate) mod grabbing;

@@ -7,7 +7,8 @@ use crate::error::failures::Failures;
 use crate::mesh::rest_cache::RestCache;
 use crate::pose::{PoseTrack, pose_now};
 use crate::simulation::ClothSimulation;
-use crate::simulation::setup::{scale_at_fault, solver_error, topology};
+use crate::simulation::complaints::{scale_at_fault, solver_error};
+use crate::simulation::setup::topology;
 use crate::solver::Pose;
 
 /// Change of the scale from which on a cloth gets another size \[1\].

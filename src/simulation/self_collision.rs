@@ -8,7 +8,7 @@ use crate::cloth::self_collision::ClothSelfCollision;
 use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
 use crate::simulation::ClothSimulation;
-use crate::simulation::setup::component_error;
+use crate::simulation::complaints::component_error;
 use crate::solver::SelfCollision;
 
 const COMPONENT: ClothComponent = ClothComponent::ClothSelfCollision;

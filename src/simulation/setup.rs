@@ -4,7 +4,6 @@ use bevy::camera::visibility::DynamicSkinnedMeshBounds;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy::reflect::Typed;
 
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
@@ -16,7 +15,7 @@ use crate::cloth::{Cloth, ClothShape};
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
 use crate::error::skin::SkinProblem;
-use crate::error::{ClothComponent, ClothErrorKind, ClothFailure};
+use crate::error::{ClothErrorKind, ClothFailure};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
@@ -25,6 +24,7 @@ use crate::mesh::source::{ClothSource, MeshSource, source_of};
 use crate::mesh::surface::SkippedTriangles;
 use crate::pose::{pose_now, to_world};
 use crate::simulation::ClothSimulation;
+use crate::simulation::complaints::{scale_at_fault, solver_error};
 use crate::simulation::culling::Culling;
 use crate::simulation::holding::Holding;
 use crate::simulation::in_force::InForce;
@@ -290,16 +290,6 @@ fn set_up(
     Ok(Some(simulation))
 }
 
-/// A shape that cannot be used at a huge or tiny scale may be good at another.
-pub(crate) fn scale_at_fault(error: ClothErrorKind, scale: f32) -> ClothErrorKind {
-    match error {
-        ClothErrorKind::Shape(_) | ClothErrorKind::Graph(_) if !(1e-3..=1e3).contains(&scale) => {
-            ClothErrorKind::Scale(Vec3::splat(scale))
-        }
-        error => error,
-    }
-}
-
 /// The rest shape as the solver has it.
 pub(crate) fn topology(
     rest: &RestShape,
@@ -391,31 +381,4 @@ fn build(
         progress: Progress::default(),
         shape_version: 0,
     })
-}
-
-/// The solver's complaint about a component.
-pub(crate) fn component_error(component: ClothComponent, problem: SolverError) -> ClothErrorKind {
-    match problem {
-        SolverError::Parameter(problem) => ClothErrorKind::Parameter { component, problem },
-        problem => solver_error(problem),
-    }
-}
-
-/// A solver's complaint, told to the component that it is about.
-pub(crate) fn solver_error(problem: SolverError) -> ClothErrorKind {
-    match problem {
-        SolverError::Parameter(problem) => {
-            let settings = ClothSettings::type_info().as_struct();
-            let of_settings = settings.is_ok_and(|it| it.field(problem.name).is_some());
-            let component = if of_settings {
-                ClothComponent::ClothSettings
-            } else {
-                ClothComponent::ClothMaterial
-            };
-            ClothErrorKind::Parameter { component, problem }
-        }
-        SolverError::Lattice(problem) => ClothErrorKind::Shape(problem),
-        SolverError::Graph(problem) => ClothErrorKind::Graph(problem),
-        problem => ClothErrorKind::Solver(problem),
-    }
 }

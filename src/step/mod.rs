@@ -18,7 +18,7 @@ use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
 use crate::simulation::anchors::note_anchors;
-use crate::simulation::setup::solver_error;
+use crate::simulation::complaints::solver_error;
 use crate::simulation::stage_times::{self, StageTimes};
 use crate::simulation::tick_state::{ClothStep, TickState, input};
 use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
