@@ -52,13 +52,14 @@ use crate::cloth::settings::{ClothInterpolation, ClothSettings};
 /// The cloth is simulated in world space. It starts where the entity's transform puts its rest
 /// shape; afterwards moving the entity moves only the pins that follow it, unless it jumps
 /// ([`ClothTeleport`](crate::ClothTeleport)) or the cloth is to ride along ([`ClothInertia`](crate::ClothInertia)). The entity may be scaled
-/// alike along all axes, at any time: the cloth follows in steps of 1 %, about its entity if it is pinned, else about its middle.
+/// alike along all axes, at any time: the cloth follows in steps of 1 %, about the anchor that leads it if it is pinned, else about its middle.
+/// A large mesh is made anew at each step, in the frame.
 /// Another scale is refused with a [`ClothError`](crate::ClothError).
 ///
 /// Changing the component starts the cloth anew.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, PartialEq, Clone)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(ClothMaterial, ClothSettings, ClothPins, ClothInterpolation, Transform, Visibility)]
 #[component(on_add = forgotten::ask_for_plugin)]
 pub struct Cloth {
@@ -81,6 +82,13 @@ pub enum ClothShape {
     },
     /// The entity's own `Mesh3d`.
     Mesh,
+}
+
+impl Default for Cloth {
+    /// A square sheet of 1 m with 32 x 32 particles.
+    fn default() -> Self {
+        Self::sheet(Vec2::ONE, UVec2::splat(32))
+    }
 }
 
 impl Cloth {

@@ -44,7 +44,7 @@ const JUMP: f32 = 10.0;
 /// ```
 #[derive(Component, Reflect, Clone, Debug)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, Clone)]
+#[reflect(Component, Default, Debug, Clone)]
 #[require(Transform, ColliderPose)]
 pub struct SdfCollider {
     /// The solid, in the entity's frame.
@@ -55,6 +55,13 @@ pub struct SdfCollider {
     /// The layers that it is in. A cloth passes through unless
     /// [`ClothSettings::layers`](crate::ClothSettings::layers) shares one.
     pub layers: ClothLayers,
+}
+
+impl Default for SdfCollider {
+    /// Bevy's default sphere, of a radius of 0.5 m.
+    fn default() -> Self {
+        Self::new(Sphere::default())
+    }
 }
 
 impl SdfCollider {

@@ -20,7 +20,7 @@ pub(super) fn carry(
         NormalPlan::Grid { .. } => cells.write(points, None, normals),
         NormalPlan::Groups(groups) => groups.write(points, sums, normals),
     }
-    // The cloth has the size for good that its entity, or its skeleton, gave it.
+    // The cloth has the size that its entity, or its skeleton, gave it last.
     let scale = scale * cloth.in_force.placed.scale;
     proxy.binding.write(points, normals, scale, out);
 

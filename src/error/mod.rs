@@ -166,7 +166,8 @@ pub enum ClothComponent {
 fn scale_message(scale: Vec3) -> String {
     let largest = scale.max_element();
     if !scale.is_finite() {
-        return "its transform (with its parents') is not finite; change what makes it so".into();
+        return "its transform (with its parents') is not finite; change it to finite numbers"
+            .into();
     }
     let (says, remedy) = if scale.min_element() <= 0.0 {
         (
@@ -176,9 +177,9 @@ fn scale_message(scale: Vec3) -> String {
     } else if largest - scale.min_element() > 1e-4 * largest {
         ("but must be the same along all axes", "put the uneven scale into the mesh or the size")
     } else if (1e-3..=1e3).contains(&largest) {
-        ("sheared by the uneven scale of a parent", "change that to the same along all axes")
+        ("but must not be sheared by the uneven scale of a parent", "make that uniform")
     } else {
-        ("but must suit its mesh or size", "bring both to metres")
+        ("but must be neither too large nor too small for its mesh or size", "use metres")
     };
     format!("its scale (with its parents') is {scale}, {says}; {remedy}")
 }
@@ -227,7 +228,7 @@ impl ClothErrorKind {
 ///
 /// Each error is logged once. It is removed when the component at fault is changed and found good.
 ///
-/// An inspector sees the messages. The component is neither cloned with the entity nor put into a world with it.
+/// An inspector sees the messages. The component is neither cloned with the entity nor saved with a world.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Debug, PartialEq, Clone, from_reflect = false)]

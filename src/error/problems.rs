@@ -188,7 +188,7 @@ pub enum PinProblem {
     NoAnchor(Entity),
     /// The anchor is scaled differently along its axes.
     #[error(
-        "its anchor {0} has a scale that is not uniform and positive; anchor to an entity without such a scale, and give it to a child that has the mesh"
+        "its anchor {0} has a scale that is not uniform and positive; anchor to an entity of uniform scale, and put the uneven scale on a child that has the mesh"
     )]
     AnchorScale(Entity),
     /// A number of a soft pin is out of its range.

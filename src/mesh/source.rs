@@ -77,11 +77,15 @@ impl MeshSource<'_, '_> {
         }
     }
 
-    /// Whether a mesh was changed in what a cloth is made of, since a shape was read from it.
+    /// Whether a mesh that was there is among those that were changed.
+    pub fn was_modified(&self, handle: Option<&Handle<Mesh>>) -> bool {
+        handle.is_some_and(|handle| self.modified.contains(&handle.id()))
+    }
+
+    /// Whether a mesh is another than a shape was read from, in what a cloth is made of.
     pub fn is_another(&self, handle: Option<&Handle<Mesh>>, shape: &RestShape) -> bool {
         let RestShape::Mesh(shape) = shape else { return false };
-        let modified = handle.filter(|handle| self.modified.contains(&handle.id()));
-        let mesh = modified.and_then(|handle| self.meshes.as_ref()?.get(handle));
+        let mesh = handle.and_then(|handle| self.meshes.as_ref()?.get(handle));
         mesh.is_some_and(|mesh| fingerprint(mesh).is_ok_and(|now| now != shape.fingerprint))
     }
 

@@ -75,6 +75,14 @@ impl PoseTrack {
         self.start = start;
     }
 
+    /// Scales where it has been, about a place. Where it is to be is told in the tick.
+    pub fn scale(&mut self, about: Vec3, ratio: f32) {
+        for pose in [&mut self.start, &mut self.end, &mut self.from] {
+            pose.translation = about + (pose.translation - about) * ratio;
+            pose.scale *= ratio;
+        }
+    }
+
     /// Goes on by a tick.
     pub fn advance(&mut self, now: Pose) {
         self.start = self.end;

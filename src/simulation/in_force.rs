@@ -38,7 +38,7 @@ pub(crate) struct InForce {
     /// What is simulated: unscaled, in the entity's frame.
     #[reflect(ignore)]
     pub(crate) rest_shape: RestShape,
-    /// The entity's pose at setup, whose scale is the cloth's for good; of a worn one, the scale alone, which is its skeleton's.
+    /// The entity's pose at setup, whose scale follows the entity's; of a worn one, the scale alone, which is its skeleton's.
     #[reflect(ignore)]
     pub(crate) placed: Pose,
 }

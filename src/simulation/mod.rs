@@ -86,7 +86,7 @@ use crate::solver::{
 /// that has all it needs.
 ///
 /// Positions are in world space, at the end of the last tick, row by row. Removing the component
-/// starts the cloth anew. It is neither cloned with the entity nor put into a world with it: the copy starts as a new cloth
+/// starts the cloth anew. It is neither cloned with the entity nor saved with a world: the copy starts as a new cloth
 /// does, or with a [`ClothSnapshot`](crate::ClothSnapshot) as this one was.
 ///
 /// An inspector sees the shape, material, settings and pins that are in force (`in_force`), the count of ticks,
@@ -244,7 +244,7 @@ impl ClothSimulation {
         self.skin.as_ref().map(|skin| skin.places())
     }
 
-    /// Rest positions of all particles \[m\], in the entity's frame times its scale at setup.
+    /// Rest positions of all particles \[m\], in the entity's frame times its scale.
     pub fn rest_positions(&self) -> &[Vec3] {
         self.topology().rest_positions()
     }

@@ -2,14 +2,14 @@
 
 use bevy::prelude::*;
 
-use crate::error::ClothErrorKind;
-use crate::error::failures::Failures;
+use crate::error::failures::{Blame, Failures};
+use crate::error::{ClothComponent, ClothErrorKind};
 use crate::mesh::rest_cache::RestCache;
-use crate::pose::{PoseTrack, pose_now};
+use crate::pose::pose_now;
 use crate::simulation::ClothSimulation;
+use crate::simulation::attachments::Attachments;
 use crate::simulation::complaints::{scale_at_fault, solver_error};
 use crate::simulation::setup::topology;
-use crate::solver::Pose;
 
 /// Change of the scale from which on a cloth gets another size \[1\].
 pub(crate) const OTHER_SIZE: f32 = 0.01;
@@ -22,53 +22,92 @@ pub(crate) fn follow_scales(
     mut failures: Failures,
 ) {
     for (entity, mut cloth) in &mut cloths {
-        if cloth.progress.tick_count == 0 || cloth.skin.is_some() || cloth.is_culled() {
+        let has_begun = cloth.progress.tick_count > 0 || cloth.start.has_begun();
+        if !has_begun || cloth.is_hanging() || cloth.skin.is_some() || cloth.is_culled() {
             continue;
         }
         // A scale that cannot be used is told in the tick, and the cloth keeps its size.
         let Ok(pose) = pose_now(&transforms, entity) else { continue };
         let ratio = pose.scale / cloth.in_force.placed.scale;
-        if (ratio - 1.0).abs() > OTHER_SIZE
-            && let Err(problem) = resize(&mut cloth, entity, pose, &mut cache)
-        {
-            failures.report(entity, problem);
+        if (ratio - 1.0).abs() <= OTHER_SIZE {
+            continue;
+        }
+        let cloth = &mut *cloth;
+        let about = match resize(cloth, pose.scale, &mut cache) {
+            Ok(about) => about,
+            Err(problem) => {
+                failures.report(entity, problem);
+                continue;
+            }
+        };
+        scale_anchors(&mut cloth.held.attachments, &transforms, about, ratio);
+        // What was refused in one size may be good in another.
+        for component in [ClothComponent::ClothSelfCollision, ClothComponent::ClothInterCollision] {
+            failures.clear(entity, Blame::Component(component));
         }
     }
 }
 
-/// Gives a cloth another size: about its entity if anything holds it, about its middle if not. It moves on, as much faster.
+/// Gives a cloth another size: about the anchor that leads it if anything holds it, about its middle if not. Its velocities relative to
+/// their mean grow alike. Returns the place that it is scaled about.
 fn resize(
     cloth: &mut ClothSimulation,
-    entity: Entity,
-    pose: Pose,
+    scale: f32,
     cache: &mut RestCache,
-) -> Result<(), ClothErrorKind> {
-    let scale = pose.scale;
+) -> Result<Vec3, ClothErrorKind> {
     let ratio = scale / cloth.in_force.placed.scale;
     let (shape, weights) = (&cloth.in_force.rest_shape, cloth.in_force.weights.as_ref());
     let settings = cloth.in_force.settings;
     let topology = topology(shape, scale, settings.masses, weights, cache)
         .map_err(|error| scale_at_fault(error, scale))?;
-    let mut solver = cloth.solver.remade(topology, settings.into()).map_err(solver_error)?;
+    // Distances of layers that this size does not allow are told as the cloth's other changes are.
+    let (own, others) = (cloth.solver.self_collision(), cloth.solver.inter_collision());
+    let mut bare = cloth.solver.clone();
+    bare.set_self_collision(None).map_err(solver_error)?;
+    bare.set_inter_collision(None).map_err(solver_error)?;
+    let mut solver = bare.remade(topology, settings.into()).map_err(solver_error)?;
+    let _ = solver.set_self_collision(own);
+    let _ = solver.set_inter_collision(others);
+
     let particles = 0..solver.topology().particle_count();
     let places: Vec<_> = particles.clone().map(|i| solver.position(i)).collect();
-    let velocities: Vec<_> = particles.map(|i| solver.velocity(i) * ratio).collect();
-    let is_held = !cloth.pinned().is_empty();
-    let middle = || places.iter().sum::<Vec3>() / places.len() as f32;
-    let about = if is_held { pose.translation } else { middle() };
+    let velocities: Vec<_> = particles.map(|i| solver.velocity(i)).collect();
+    let mean = |vectors: &[Vec3]| vectors.iter().sum::<Vec3>() / vectors.len() as f32;
+    let about = held_about(&cloth.held.attachments).unwrap_or_else(|| mean(&places));
+    let drift = mean(&velocities);
     let places: Vec<_> = places.iter().map(|place| about + (place - about) * ratio).collect();
     solver.place(&places).map_err(ClothErrorKind::Solver)?;
     for (particle, velocity) in velocities.into_iter().enumerate() {
+        let velocity = drift + (velocity - drift) * ratio;
         solver.set_velocity(particle, velocity).map_err(ClothErrorKind::Solver)?;
     }
     cloth.solver = solver;
-    // What it holds itself is where it is put, and is not led there in the tick.
-    let anchors = cloth.held.attachments.anchors.iter_mut();
-    for anchor in anchors.filter(|anchor| anchor.entity == entity) {
-        anchor.pose = PoseTrack::new(pose);
-    }
     cloth.in_force.placed.scale = scale;
     cloth.shape_version += 1;
     cloth.wake();
-    Ok(())
+    Ok(about)
+}
+
+/// Where the anchor is that leads a cloth, if it is held at all.
+fn held_about(attachments: &Attachments) -> Option<Vec3> {
+    let is_held = !attachments.attached.is_empty() || !attachments.pulled.is_empty();
+    let leading = attachments.reference().filter(|_| is_held)?;
+    Some(attachments.anchors[leading].pose.end().translation)
+}
+
+/// Scales the ways of the anchors that have got the same scale, so that what they hold goes on from its new place. Those that keep theirs
+/// hold particles where they held them.
+fn scale_anchors(
+    attachments: &mut Attachments,
+    transforms: &TransformHelper,
+    about: Vec3,
+    ratio: f32,
+) {
+    for anchor in &mut attachments.anchors {
+        let Ok(now) = pose_now(transforms, anchor.entity) else { continue };
+        let own = now.scale / anchor.pose.end().scale;
+        if (own / ratio - 1.0).abs() <= OTHER_SIZE {
+            anchor.pose.scale(about, own);
+        }
+    }
 }

@@ -101,9 +101,14 @@ pub(crate) fn set_up_cloths(
         let other_proxy =
             |running: &ClothSimulation| running.in_force.asked_proxy.as_ref() != asked;
         if let Some(running) = simulation
-            && meshes.is_another(source, running.drawn_shape())
+            && (meshes.was_modified(source) || outdated.contains(&entity))
         {
-            outdated.insert(entity);
+            // It may have been set up anew, or have become the same again, since it was listed.
+            if meshes.is_another(source, running.drawn_shape()) {
+                outdated.insert(entity);
+            } else {
+                outdated.remove(&entity);
+            }
         }
         let same = |running: &&ClothSimulation| {
             let other_skin = match running.skin {

@@ -18,6 +18,7 @@ use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::MeshSource;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
+use crate::simulation::resizing::OTHER_SIZE;
 use crate::simulation::start::Start;
 use crate::solver::{Lattice, SolverError};
 
@@ -86,7 +87,7 @@ impl ClothSimulation {
         before.progress.tick_count > 0
             && !before.progress.quarantined
             && !before.is_hanging()
-            && before.in_force.placed.scale == self.in_force.placed.scale
+            && (before.in_force.placed.scale / self.in_force.placed.scale - 1.0).abs() <= OTHER_SIZE
             && before.skin.is_some() == self.skin.is_some()
             && before.drawn_shape().is(self.drawn_shape())
             && !before.in_force.rest_shape.is(&self.in_force.rest_shape)

@@ -29,7 +29,7 @@ use crate::solver::{ParameterError, WindFlow, WindShape, Zone};
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Debug, PartialEq, Clone)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
 pub struct WindZone {
     /// Where it blows, in the entity's frame.
@@ -40,6 +40,13 @@ pub struct WindZone {
     /// smoothly. Higher is softer, 0 is a hard border. Where the shape is nowhere as deep the wind is
     /// weaker everywhere. Scales with the entity.
     pub falloff: f32,
+}
+
+impl Default for WindZone {
+    /// A fan that blows along its own -z at 5 m/s, in a cube of 1 m.
+    fn default() -> Self {
+        Self::directional(Cuboid::default(), Vec3::NEG_Z * 5.0)
+    }
 }
 
 impl WindZone {

@@ -152,3 +152,21 @@ fn an_inspector_sees_a_running_cloth() {
     assert_eq!(simulation.path::<f32>("in_force.material.thickness"), Ok(&0.007));
     assert_eq!(simulation.path::<bool>("progress.quarantined"), Ok(&false));
 }
+
+#[test]
+fn components_can_be_written_in_scenes() {
+    fn has_template<T: bevy::ecs::template::FromTemplate>() {}
+    has_template::<Cloth>();
+    has_template::<WindZone>();
+    has_template::<ClothMaterial>();
+    has_template::<ClothPins>();
+    has_template::<ClothSettings>();
+    let mut app = app();
+    let cloth = spawn(&mut app, Cloth::default());
+    spawn(&mut app, (SdfCollider::default(), Transform::from_xyz(0.0, -0.6, 0.0)));
+    spawn(&mut app, WindZone::default());
+    updates(&mut app, 30);
+    assert_eq!(failure(&app, cloth), None);
+    assert_eq!(simulation(&app, cloth).particle_count(), 1024);
+    assert!(position(&app, cloth, 0).y < -0.1);
+}

@@ -348,6 +348,8 @@ fn a_mesh_that_is_changed_starts_its_cloth_anew() {
     change(&mut app, flat_mesh(4, 4));
     assert_eq!(failure(&app, cloth), None);
     assert_eq!(simulation(&app, cloth).particle_count(), 16);
+    // Once.
+    assert_eq!(simulation(&app, cloth).tick_count(), 2);
 }
 
 #[test]

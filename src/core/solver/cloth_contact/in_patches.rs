@@ -265,4 +265,53 @@ mod tests {
             assert!(pairs.binary_search(pair).is_ok(), "{pair:?}");
         }
     }
+
+    #[test]
+    fn a_fold_between_halves_that_go_round_otherwise_is_found() {
+        let (rest, mut triangles) = uneven();
+        for corners in &mut triangles {
+            // Of the columns beyond the middle.
+            if corners.iter().all(|&corner| corner as usize % SIDE >= SIDE / 2) {
+                corners.swap(1, 2);
+            }
+        }
+        let mesh = Mesh::new(&rest, &triangles);
+        let fold = |p: Vec3| folded(p - Vec3::X * 0.5 / SIDE as f32, 0.012);
+        let (pairs, needed) = (mesh.pairs(fold), mesh.needed(fold));
+        assert!(needed.len() > SIDE * SIDE / 2);
+        for pair in &needed {
+            assert!(pairs.binary_search(pair).is_ok(), "{pair:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_tacked_on_by_a_vertex_or_an_edge_meets_what_it_lies_on() {
+        for shared in [1, 2] {
+            let (mut rest, mut triangles) = uneven();
+            let (all, middle) = (triangles.clone(), SIDE * SIDE / 2 + SIDE / 2);
+            let mut own: Vec<_> = (0..rest.len() as u32).collect();
+            let tab = |corner: &u32| {
+                let (row, column) = (*corner as usize / SIDE, *corner as usize % SIDE);
+                (SIDE / 2..SIDE / 2 + 6).contains(&row)
+                    && (SIDE / 2..SIDE / 2 + 6).contains(&column)
+            };
+            let sewn: Vec<_> = all.iter().filter(|corners| corners.iter().all(tab)).collect();
+            for &corner in sewn.iter().copied().flatten() {
+                let corner = corner as usize;
+                let is_shared = (middle..middle + shared).contains(&corner);
+                if own[corner] == corner as u32 && !is_shared {
+                    own[corner] = rest.len() as u32;
+                    rest.push(rest[corner] + Vec3::Y * 0.3);
+                }
+            }
+            triangles.extend(sewn.iter().map(|corners| corners.map(|it| own[it as usize])));
+            let mesh = Mesh::new(&rest, &triangles);
+            let laid = |p: Vec3| if p.y > 0.1 { p.with_y(0.02) } else { p };
+            let (pairs, needed) = (mesh.pairs(laid), mesh.needed(laid));
+            assert!(needed.len() > 36, "{}", needed.len());
+            for pair in &needed {
+                assert!(pairs.binary_search(pair).is_ok(), "{shared}: {pair:?}");
+            }
+        }
+    }
 }

@@ -32,10 +32,10 @@ pub(super) fn find_kin(
     slots: impl Iterator<Item = usize>,
 ) -> Vec<Pair> {
     let margin = (NEIGHBOURS - 1.0) * rest.widest;
-    let mut pairs = find_near(isa, rest, margin, slots);
-    pairs.retain(|pair| {
+    let is_kin = |pair: &Pair| {
         pair.gap + pair.reach < NEIGHBOURS * pair.reach && !rest.faces.share_an_edge(pair.slots)
-    });
+    };
+    let mut pairs = find_near(isa, rest, margin, slots, is_kin);
     for Pair { reach, gap, .. } in &mut pairs {
         *reach = smaller(*reach, PART * (*gap + *reach));
     }
@@ -51,22 +51,22 @@ pub(super) fn find_beside(
     slots: impl Iterator<Item = usize>,
 ) -> Vec<Pair> {
     let most = |reach: f32| (reach + margin) / NARROW;
-    let mut pairs = find_near(isa, rest, most(rest.widest) - rest.widest, slots);
-    pairs.retain(|pair| {
+    let is_beside = |pair: &Pair| {
         let distance = pair.gap + pair.reach;
         (NEIGHBOURS * pair.reach..most(pair.reach)).contains(&distance)
             && !rest.faces.share_an_edge(pair.slots)
             && !rest.faces.face_each_other(pair.slots)
-    });
-    pairs
+    };
+    find_near(isa, rest, most(rest.widest) - rest.widest, slots, is_beside)
 }
 
-/// Finds pairs up to a gap, neighbours with them.
+/// Finds the wanted ones of all pairs up to a gap.
 fn find_near(
     isa: Isa,
     rest: &AtRest<'_>,
     margin: f32,
     slots: impl Iterator<Item = usize>,
+    is_wanted: impl Fn(&Pair) -> bool,
 ) -> Vec<Pair> {
     let mut grid = Grid::default();
     let slots: Vec<_> = slots.collect();
@@ -74,19 +74,24 @@ fn find_near(
     grid.begin(rest.widest + margin);
     grid.take(rest.at, slots.into_iter());
     grid.sort(isa, rest.at, rest.radius);
-    let mut company = All(Vec::new());
+    let mut company = Wanted { is_wanted, pairs: Vec::new() };
     isa.run(FindPairs { grid: &grid, margin, company: &mut company });
-    company.0
+    company.pairs
 }
 
-struct All(Vec<Pair>);
+struct Wanted<F> {
+    is_wanted: F,
+    pairs: Vec<Pair>,
+}
 
-impl Company for &mut All {
+impl<F: Fn(&Pair) -> bool> Company for &mut Wanted<F> {
     fn among(&self, lanes: u32, _: usize, _: usize) -> u32 {
         lanes
     }
 
     fn take(&mut self, _: [usize; 2], pair: Pair) {
-        self.0.push(pair);
+        if (self.is_wanted)(&pair) {
+            self.pairs.push(pair);
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! The patches of a mesh: clusters of its particles, with all faces that touch them.
 //!
 //! Between two neighbours lie the patches that touch both: what is near on the cloth, on either side of their seam, is within these.
-//! A patch at which more than one sheet of cloth begins, as a pocket does on a shirt, is never passed over.
+//! A patch at which more than one sheet of cloth begins, as a pocket does on a shirt, is never passed over, and neither is one whose faces
+//! go round in different ways.
 
 use core::ops::Range;
 
@@ -49,7 +50,7 @@ struct Members {
     count: usize,
     /// Where the blocks of its faces are among all.
     faces: Range<usize>,
-    /// Whether one of its particles is where more than one sheet of cloth begins.
+    /// Whether normals at one of its particles do not tell a fold.
     is_seam: bool,
 }
 
@@ -142,8 +143,14 @@ impl MeshPatches {
 
     /// Finds those of them that may touch, in patches that were passed over.
     pub fn find_beside(&self, at: &Soa, margin: f32, pairs: &mut Vec<Pair>) {
+        // Where particles were seen last, each in one line of memory.
+        let place = |slot: u32| {
+            let Four([x, y, z, _]) = self.at[slot as usize];
+            Vec3::new(x, y, z)
+        };
         for (pair, number) in &self.beside {
-            if self.is_flat[*number as usize] {
+            let (apart, most) = (place(pair.slots[0]) - place(pair.slots[1]), pair.reach + margin);
+            if apart.dot(apart) < most * most && self.is_flat[*number as usize] {
                 pairs.extend(pair.now(at, margin));
             }
         }
@@ -181,13 +188,25 @@ fn put_faces(corners: &mut Vec<[[u32; LANES]; 3]>, faces: &FacesAt, cluster: &[u
     }
 }
 
-/// Whether more than one sheet of cloth begins at a particle: a single one has as many neighbours there as faces, or one more.
+/// Whether the faces at a particle are anything but one fan, each with the next one across an edge that both run along in opposite
+/// directions: where more than one sheet of cloth begins, or where faces go round another way, their normals do not tell a fold.
 fn is_seam(faces: &FacesAt, slot: u32) -> bool {
-    let mut around: Vec<_> = faces.of(slot as usize).flatten().filter(|&it| it != slot).collect();
-    let count = around.len() / 2;
-    around.sort_unstable();
-    around.dedup();
-    !(count..=count + 1).contains(&around.len())
+    // The corners before and after the particle, of each face.
+    let around: Vec<_> = faces
+        .of(slot as usize)
+        .filter_map(|corners| {
+            let own = corners.iter().position(|&corner| corner == slot)?;
+            Some([corners[(own + 2) % 3], corners[(own + 1) % 3]])
+        })
+        .collect();
+    let next = |corner: u32| around.iter().find(|[before, _]| *before == corner);
+    let is_first = |[before, _]: &&[u32; 2]| around.iter().all(|[_, after]| after != before);
+    let Some(first) = around.iter().find(is_first).or(around.first()) else { return false };
+    let (mut count, mut at) = (1, first[1]);
+    while let Some(face) = next(at).filter(|face| *face != first && count < around.len()) {
+        (count, at) = (count + 1, face[1]);
+    }
+    count < around.len()
 }
 
 /// The neighbours of each cluster that have higher numbers, and all that touch both.
