@@ -15,6 +15,9 @@ use crate::mesh::proxy::Proxy;
 use crate::mesh::rest_shape::RestShape;
 use crate::solver::Pose;
 
+/// Change of the scale from which on a cloth gets another size \[1\].
+pub(crate) const OTHER_SIZE: f32 = 0.01;
+
 /// The values that a running cloth uses. The components beside it may hold numbers that were refused.
 #[derive(Reflect)]
 #[reflect(from_reflect = false)]

@@ -9,10 +9,8 @@ use crate::pose::pose_now;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Attachments;
 use crate::simulation::complaints::{scale_at_fault, solver_error};
+use crate::simulation::in_force::OTHER_SIZE;
 use crate::simulation::setup::topology;
-
-/// Change of the scale from which on a cloth gets another size \[1\].
-pub(crate) const OTHER_SIZE: f32 = 0.01;
 
 /// Gives cloths the size that the scale of their entities asks for. Worn ones have that of their skeleton.
 pub(crate) fn follow_scales(

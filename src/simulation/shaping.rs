@@ -18,7 +18,7 @@ use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::MeshSource;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
-use crate::simulation::resizing::OTHER_SIZE;
+use crate::simulation::in_force::OTHER_SIZE;
 use crate::simulation::start::Start;
 use crate::solver::{Lattice, SolverError};
 

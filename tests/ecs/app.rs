@@ -155,7 +155,7 @@ fn an_inspector_sees_a_running_cloth() {
 
 #[test]
 fn components_can_be_written_in_scenes() {
-    fn has_template<T: bevy::ecs::template::FromTemplate>() {}
+    fn has_template<T: FromTemplate>() {}
     has_template::<Cloth>();
     has_template::<WindZone>();
     has_template::<ClothMaterial>();

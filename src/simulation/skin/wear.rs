@@ -12,7 +12,7 @@ use crate::mesh::source::{MeshSource, source_of};
 use crate::simulation::ClothSimulation;
 use crate::simulation::complaints::solver_error;
 use crate::simulation::holding::hold_anew;
-use crate::simulation::resizing::OTHER_SIZE;
+use crate::simulation::in_force::OTHER_SIZE;
 use crate::simulation::setup::topology;
 use crate::simulation::skin::make::{Skins, limit};
 use crate::solver::SkinLimit;
