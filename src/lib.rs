@@ -166,7 +166,8 @@ pub use engines::rapier::RapierClothPlugin;
 pub use error::body::BodyProblem;
 pub use error::engine::EngineProblem;
 pub use error::problems::{
-    FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
+    FieldProblem, GrabProblem, GridProblem, HangProblem, MeshProblem, PinProblem, ScaleProblem,
+    WeightProblem,
 };
 pub use error::proxy::ProxyProblem;
 pub use error::skin::SkinProblem;

@@ -96,6 +96,9 @@ pub(crate) fn start_bakes(
     mut commands: Commands,
     mut failures: Failures,
 ) {
+    if bakes.is_empty() {
+        return;
+    }
     meshes.note_changes();
     for (entity, bake, mesh3d, baking, baked) in &bakes {
         let handle = bake.mesh.as_ref().or(mesh3d.as_deref().map(|mesh3d| &mesh3d.0));

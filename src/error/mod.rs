@@ -12,7 +12,7 @@ use bevy::prelude::*;
 use crate::error::body::BodyProblem;
 use crate::error::engine::EngineProblem;
 use crate::error::problems::{
-    FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, WeightProblem,
+    FieldProblem, GrabProblem, HangProblem, MeshProblem, PinProblem, ScaleProblem, WeightProblem,
 };
 use crate::error::proxy::ProxyProblem;
 use crate::error::skin::SkinProblem;
@@ -94,10 +94,9 @@ pub enum ClothErrorKind {
     /// `ClothSnapshot` cannot be put back. The cloth stays as it was.
     #[error(transparent)]
     Snapshot(StateError),
-    /// The transform of the entity is not finite, scales its axes differently, or scales them to nothing usable.
-    /// The vector is its scale in the world, NaN where any part of the transform is.
-    #[error("{}", scale_message(*.0))]
-    Scale(Vec3),
+    /// The transform of the entity cannot be used.
+    #[error(transparent)]
+    Scale(ScaleProblem),
     /// The entity or one of its ancestors has no `Transform`.
     #[error(
         "it has no `Transform`, or one of its parents has none; insert `Transform::default()` where it is missing"
@@ -162,28 +161,6 @@ pub enum ClothComponent {
     WindZone,
 }
 
-/// What is wrong with a scale in the world, and what to do.
-fn scale_message(scale: Vec3) -> String {
-    let largest = scale.max_element();
-    if !scale.is_finite() {
-        return "its transform (with its parents') is not finite; change it to finite numbers"
-            .into();
-    }
-    let (says, remedy) = if scale.min_element() <= 0.0 {
-        (
-            "but must be positive",
-            "to hide the entity use `Visibility`, to mirror it mirror the mesh",
-        )
-    } else if largest - scale.min_element() > 1e-4 * largest {
-        ("but must be the same along all axes", "put the uneven scale into the mesh or the size")
-    } else if (1e-3..=1e3).contains(&largest) {
-        ("but must not be sheared by the uneven scale of a parent", "make that uniform")
-    } else {
-        ("but must be neither too large nor too small for its mesh or size", "use metres")
-    };
-    format!("its scale (with its parents') is {scale}, {says}; {remedy}")
-}
-
 impl ClothComponent {
     /// The noun before the number of an entity that has it.
     fn subject(self) -> &'static str {
@@ -239,7 +216,7 @@ pub struct ClothFailure {
     /// The other errors, at most one for each `Blame`.
     #[reflect(ignore)]
     others: Vec<ClothError>,
-    /// What all of them say, what came last first.
+    /// The messages of all errors, the one that came last first: an inspector shows them.
     messages: Vec<String>,
 }
 

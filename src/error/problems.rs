@@ -122,6 +122,34 @@ pub enum GridProblem {
     },
 }
 
+/// Why the transform of a cloth, a collider or a wind zone cannot be used. Vectors are its scale in the world.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ScaleProblem {
+    /// Any part of the transform is NaN or infinite.
+    #[error("its transform (with its parents') is not finite; change it to finite numbers")]
+    NotFinite,
+    /// An axis is scaled to nothing, or mirrored.
+    #[error(
+        "its scale (with its parents') is {0}, but must be positive; to hide the entity use `Visibility`, to mirror it mirror the mesh"
+    )]
+    NotPositive(Vec3),
+    /// Axes are scaled differently.
+    #[error(
+        "its scale (with its parents') is {0}, but must be the same along all axes; put the uneven scale into the mesh or the size"
+    )]
+    Uneven(Vec3),
+    /// It is turned below a parent that scales axes differently.
+    #[error(
+        "its scale (with its parents') is {0}, but must not be sheared by the uneven scale of a parent; make that uniform"
+    )]
+    Sheared(Vec3),
+    /// The shape cannot be used in this size.
+    #[error(
+        "its scale (with its parents') is {0}, but must be neither too large nor too small for its mesh or size; use metres"
+    )]
+    OutOfRange(f32),
+}
+
 /// Why a [`ClothGrab`](crate::ClothGrab) holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GrabProblem {

@@ -8,7 +8,7 @@ use bevy::camera::visibility::NoAutoAabb;
 use bevy::ecs::message::MessageCursor;
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::{Indices, PrimitiveTopology};
-use bevy::platform::collections::HashSet;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::error::problems::MeshProblem;
@@ -31,7 +31,7 @@ pub(crate) fn source_of<'a>(
     }
 }
 
-/// What mesh a cloth had before it drew into one of its own. A copy of the entity, cloned or out of a saved world, has this in
+/// The mesh that a cloth had before it drew into one of its own. A copy of the entity, cloned or out of a saved world, has this in
 /// place of the handle that another cloth draws into.
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Debug, Clone)]
@@ -56,22 +56,20 @@ pub(crate) struct MeshSource<'w, 's> {
     server: Option<Res<'w, AssetServer>>,
     events: Option<Res<'w, Messages<AssetEvent<Mesh>>>>,
     cursor: Local<'s, MessageCursor<AssetEvent<Mesh>>>,
-    /// Meshes that came or were changed, and those that were changed.
-    changed: Local<'s, HashSet<AssetId<Mesh>>>,
-    modified: Local<'s, HashSet<AssetId<Mesh>>>,
+    /// Meshes that came or were changed, and whether they were changed.
+    changed: Local<'s, HashMap<AssetId<Mesh>, bool>>,
 }
 
 impl MeshSource<'_, '_> {
     /// Notes which meshes came or were changed since it was last asked.
     pub fn note_changes(&mut self) {
-        let Self { events, cursor, changed, modified, .. } = self;
+        let Self { events, cursor, changed, .. } = self;
         changed.clear();
-        modified.clear();
         let Some(events) = events else { return };
         for event in cursor.read(events) {
             match event {
-                AssetEvent::Added { id } => _ = changed.insert(*id),
-                AssetEvent::Modified { id } => _ = (changed.insert(*id), modified.insert(*id)),
+                AssetEvent::Added { id } => _ = changed.entry(*id).or_insert(false),
+                AssetEvent::Modified { id } => _ = changed.insert(*id, true),
                 _ => {}
             }
         }
@@ -79,7 +77,7 @@ impl MeshSource<'_, '_> {
 
     /// Whether a mesh that was there is among those that were changed.
     pub fn was_modified(&self, handle: Option<&Handle<Mesh>>) -> bool {
-        handle.is_some_and(|handle| self.modified.contains(&handle.id()))
+        handle.is_some_and(|handle| self.changed.get(&handle.id()) == Some(&true))
     }
 
     /// Whether a mesh is another than a shape was read from, in what a cloth is made of.
@@ -91,7 +89,7 @@ impl MeshSource<'_, '_> {
 
     /// Whether a mesh is among those noted.
     pub fn has_changed(&self, handle: Option<&Handle<Mesh>>) -> bool {
-        handle.is_some_and(|handle| self.changed.contains(&handle.id()))
+        handle.is_some_and(|handle| self.changed.contains_key(&handle.id()))
     }
 
     /// The mesh; `None` while it is loading.

@@ -10,6 +10,7 @@ pub(crate) mod skeleton;
 use bevy::prelude::*;
 
 use crate::error::ClothErrorKind;
+use crate::error::problems::ScaleProblem;
 use crate::solver::Pose;
 
 /// A pose from tick to tick: where something is at a tick's start and at its end.
@@ -100,8 +101,8 @@ impl PoseTrack {
 pub(crate) enum PoseError {
     /// The entity or one of its ancestors is not there or has no `Transform`.
     Missing,
-    /// The scale is not uniform and positive; NaN where something is not finite.
-    Scale(Vec3),
+    /// It cannot be used.
+    Scale(ScaleProblem),
 }
 
 /// The pose of an entity now.
@@ -128,29 +129,34 @@ pub(crate) fn pose_now_scaled(
     if global.affine().is_finite() {
         Ok(Pose { translation, rotation: rotation.normalize(), scale: own.0 })
     } else {
-        Err(PoseError::Scale(Vec3::NAN))
+        Err(PoseError::Scale(ScaleProblem::NotFinite))
     }
 }
 
 /// The pose of a transform whose scale is uniform and positive.
 pub(crate) fn pose_of(global: &GlobalTransform) -> Result<Pose, PoseError> {
     let (scale, rotation, translation) = global.to_scale_rotation_translation();
-    let largest = scale.abs().max_element();
-    let uniform = scale.min_element() > 0.0 && largest - scale.min_element() <= 1e-4 * largest;
+    let (largest, least) = (scale.max_element(), scale.min_element());
     // A rotated child of an unevenly scaled parent is sheared: its axes have even lengths at most
     // by chance, but they do not stand square.
     let axes = global.affine().matrix3;
     let skew = axes.x_axis.dot(axes.y_axis).abs()
         + axes.y_axis.dot(axes.z_axis).abs()
         + axes.z_axis.dot(axes.x_axis).abs();
-    let square = skew <= 1e-3 * largest * largest;
-    if !global.affine().is_finite() {
-        Err(PoseError::Scale(Vec3::NAN))
-    } else if uniform && square {
-        Ok(Pose { translation, rotation: rotation.normalize(), scale: scale.x })
+    let problem = if !global.affine().is_finite() {
+        ScaleProblem::NotFinite
+    } else if least <= 0.0 {
+        ScaleProblem::NotPositive(scale)
+    } else if largest - least > 1e-4 * largest {
+        ScaleProblem::Uneven(scale)
+    } else if skew > 1e-3 * largest * largest {
+        ScaleProblem::Sheared(scale)
+    } else if !(largest.is_finite() && rotation.is_finite()) {
+        ScaleProblem::OutOfRange(largest)
     } else {
-        Err(PoseError::Scale(scale))
-    }
+        return Ok(Pose { translation, rotation: rotation.normalize(), scale: scale.x });
+    };
+    Err(PoseError::Scale(problem))
 }
 
 /// A point of the pose's own frame, in the world.

@@ -1,9 +1,9 @@
 //! What the solver complains of, told to the component that it is about.
 
-use bevy::prelude::*;
 use bevy::reflect::Typed;
 
 use crate::cloth::settings::ClothSettings;
+use crate::error::problems::ScaleProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::solver::SolverError;
 
@@ -38,7 +38,7 @@ pub(crate) fn solver_error(problem: SolverError) -> ClothErrorKind {
 pub(crate) fn scale_at_fault(error: ClothErrorKind, scale: f32) -> ClothErrorKind {
     match error {
         ClothErrorKind::Shape(_) | ClothErrorKind::Graph(_) if !(1e-3..=1e3).contains(&scale) => {
-            ClothErrorKind::Scale(Vec3::splat(scale))
+            ClothErrorKind::Scale(ScaleProblem::OutOfRange(scale))
         }
         error => error,
     }

@@ -11,6 +11,7 @@ use crate::simulation::attachments::Attachments;
 use crate::simulation::complaints::{scale_at_fault, solver_error};
 use crate::simulation::in_force::OTHER_SIZE;
 use crate::simulation::setup::topology;
+use crate::solver::ClothSolver;
 
 /// Gives cloths the size that the scale of their entities asks for. Worn ones have that of their skeleton.
 pub(crate) fn follow_scales(
@@ -39,10 +40,28 @@ pub(crate) fn follow_scales(
             }
         };
         scale_anchors(&mut cloth.held.attachments, &transforms, about, ratio);
-        // What was refused in one size may be good in another.
-        for component in [ClothComponent::ClothSelfCollision, ClothComponent::ClothInterCollision] {
-            failures.clear(entity, Blame::Component(component));
-        }
+        ask_for_layers_again(entity, &mut failures);
+    }
+}
+
+/// The cloth's solver over its rest shape in another size, in the same place and motion.
+pub(crate) fn in_size(
+    cloth: &ClothSimulation,
+    scale: f32,
+    cache: &mut RestCache,
+) -> Result<ClothSolver, ClothErrorKind> {
+    let (shape, weights) = (&cloth.in_force.rest_shape, cloth.in_force.weights.as_ref());
+    let settings = cloth.in_force.settings;
+    let topology = topology(shape, scale, settings.masses, weights, cache)
+        .map_err(|error| scale_at_fault(error, scale))?;
+    cloth.solver.remade(topology, settings.into()).map_err(solver_error)
+}
+
+/// Lets a cloth of another size take its contact of layers from its components anew: a distance that one size does not allow may be
+/// good in another.
+pub(crate) fn ask_for_layers_again(entity: Entity, failures: &mut Failures) {
+    for component in [ClothComponent::ClothSelfCollision, ClothComponent::ClothInterCollision] {
+        failures.clear(entity, Blame::Component(component));
     }
 }
 
@@ -54,19 +73,7 @@ fn resize(
     cache: &mut RestCache,
 ) -> Result<Vec3, ClothErrorKind> {
     let ratio = scale / cloth.in_force.placed.scale;
-    let (shape, weights) = (&cloth.in_force.rest_shape, cloth.in_force.weights.as_ref());
-    let settings = cloth.in_force.settings;
-    let topology = topology(shape, scale, settings.masses, weights, cache)
-        .map_err(|error| scale_at_fault(error, scale))?;
-    // Distances of layers that this size does not allow are told as the cloth's other changes are.
-    let (own, others) = (cloth.solver.self_collision(), cloth.solver.inter_collision());
-    let mut bare = cloth.solver.clone();
-    bare.set_self_collision(None).map_err(solver_error)?;
-    bare.set_inter_collision(None).map_err(solver_error)?;
-    let mut solver = bare.remade(topology, settings.into()).map_err(solver_error)?;
-    let _ = solver.set_self_collision(own);
-    let _ = solver.set_inter_collision(others);
-
+    let mut solver = in_size(cloth, scale, cache)?;
     let particles = 0..solver.topology().particle_count();
     let places: Vec<_> = particles.clone().map(|i| solver.position(i)).collect();
     let velocities: Vec<_> = particles.map(|i| solver.velocity(i)).collect();

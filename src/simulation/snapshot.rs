@@ -3,9 +3,7 @@
 use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
-use crate::cloth::inter_collision::ClothInterCollision;
 use crate::cloth::pins::ClothPins;
-use crate::cloth::self_collision::ClothSelfCollision;
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::mesh::rest_cache::RestCache;
@@ -15,7 +13,7 @@ use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
-use crate::simulation::setup::topology;
+use crate::simulation::resizing::in_size;
 use crate::simulation::skin::SkinState;
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::tick_state::TickState;
@@ -33,6 +31,8 @@ use crate::solver::{ClothSolver, Pose, SolverState, StateError};
 /// tick does not know where they came from, and wakes what sleeps near them. Colliders are met in the order of
 /// their entities, so that those of a loaded scene are to be spawned in that order. Time, wind and gravity are
 /// the game's. Anchors are entities: in another world, map them ([`MapEntities`]; Bevy's scenes do).
+///
+/// A cloth that was saved in another scale than its entity has now takes that of its entity in the next tick.
 ///
 /// A cloth that is still being hung in the background is hung anew where its state is put back.
 ///
@@ -202,20 +202,14 @@ impl Content {
 
 /// Puts states back, where cloths are set up by now.
 pub(crate) fn restore_cloths(
-    mut cloths: Query<(
-        Entity,
-        &ClothSnapshot,
-        &mut ClothSimulation,
-        Option<&ClothSelfCollision>,
-        Option<&ClothInterCollision>,
-    )>,
+    mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation)>,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    for (entity, state, mut cloth, own, others) in &mut cloths {
+    for (entity, state, mut cloth) in &mut cloths {
         commands.entity(entity).try_remove::<ClothSnapshot>();
-        match restore(entity, &mut cloth, &state.content, (own, others), &mut cache) {
+        match restore(entity, &mut cloth, &state.content, &mut cache) {
             Ok(()) => {
                 for blame in [Blame::Snapshot, Blame::Motion] {
                     failures.clear(entity, blame);
@@ -230,7 +224,6 @@ fn restore(
     entity: Entity,
     cloth: &mut ClothSimulation,
     state: &Content,
-    (own, others): (Option<&ClothSelfCollision>, Option<&ClothInterCollision>),
     cache: &mut RestCache,
 ) -> Result<(), ClothErrorKind> {
     let damaged = ClothErrorKind::Snapshot;
@@ -242,10 +235,7 @@ fn restore(
     let mut solver = if state.placed.scale == cloth.in_force.placed.scale {
         cloth.solver.clone()
     } else {
-        let mut solver = scaled(cloth, state.placed.scale, cache)?;
-        // What a cloth of this size does not allow is told with its other changes.
-        let _ = solver.set_self_collision(own.map(|own| (*own).into()));
-        let _ = solver.set_inter_collision(others.map(|others| (*others).into()));
+        let mut solver = in_size(cloth, state.placed.scale, cache)?;
         let larger = state.placed.scale / cloth.in_force.placed.scale;
         let limits = cloth.solver.skin().into_iter().flatten().map(|limit| limit.scaled(larger));
         let limits: Vec<_> = limits.collect();
@@ -255,26 +245,4 @@ fn restore(
     solver.restore(&state.solver).map_err(damaged)?;
     cloth.take_over(entity, state.clone(), solver);
     Ok(())
-}
-
-/// The cloth in another size.
-fn scaled(
-    cloth: &ClothSimulation,
-    scale: f32,
-    cache: &mut RestCache,
-) -> Result<ClothSolver, ClothErrorKind> {
-    let (shape, masses, weights) = (
-        &cloth.in_force.rest_shape,
-        cloth.in_force.settings.masses,
-        cloth.in_force.weights.as_ref(),
-    );
-    let topology = topology(shape, scale, masses, weights, cache)?;
-    let start = topology.rest_positions().to_vec();
-    let made = ClothSolver::new(
-        topology,
-        &start,
-        cloth.in_force.material.into(),
-        cloth.in_force.settings.into(),
-    );
-    made.map_err(|problem| ClothErrorKind::Snapshot(problem.into()))
 }

@@ -1,7 +1,10 @@
 //! Cloths whose entities are cloned, or saved in a Bevy world and loaded. Truths: a copy goes the way that its original went, to the
 //! bit, from the same rest shape; the original goes on; each draws into a mesh of its own; no failure is copied.
 
-use bevy::{ecs::entity::EntityHashMap, prelude::*, world_serialization::DynamicWorldBuilder};
+use bevy::{
+    ecs::entity::EntityHashMap, prelude::*, reflect::GetPath,
+    world_serialization::DynamicWorldBuilder,
+};
 use bevy_drape::{ClothFailure, prelude::*};
 
 use crate::support::app::*;
@@ -56,7 +59,10 @@ fn what_a_saved_world_holds_goes_the_way_of_its_original() {
     let originals = hanging(&mut app);
     let failed = spawn(&mut app, Cloth::sheet(Vec2::ONE, UVec2::splat(1)));
     app.update();
-    assert!(failure(&app, failed).is_some());
+    let told = app.world().get::<ClothFailure>(failed).unwrap();
+    // What an inspector sees of it.
+    let messages = told.reflect_path("messages").unwrap().try_downcast_ref::<Vec<String>>();
+    assert_eq!(messages.unwrap(), &[told.error.to_string()]);
     let known = app.world().resource::<AppTypeRegistry>().clone();
     let entities = originals.iter().map(|original| original.entity).chain([failed]);
     let saved = DynamicWorldBuilder::from_world(app.world(), &known.read())

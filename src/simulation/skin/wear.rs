@@ -13,7 +13,7 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::complaints::solver_error;
 use crate::simulation::holding::hold_anew;
 use crate::simulation::in_force::OTHER_SIZE;
-use crate::simulation::setup::topology;
+use crate::simulation::resizing::{ask_for_layers_again, in_size};
 use crate::simulation::skin::make::{Skins, limit};
 use crate::solver::SkinLimit;
 
@@ -48,9 +48,10 @@ pub(crate) fn wear_skins(
             }
             failures.tell(entity, Blame::Skin, outcome);
         }
-        let outcome = resize(cloth, &mut cache);
-        if let Err(problem) = outcome {
-            failures.report(entity, problem);
+        match resize(cloth, &mut cache) {
+            Ok(true) => ask_for_layers_again(entity, &mut failures),
+            Ok(false) => {}
+            Err(problem) => failures.report(entity, problem),
         }
         start_at_skin(entity, cloth, &skins, &mut failures);
     }
@@ -77,20 +78,17 @@ fn limit_anew(
     Ok(())
 }
 
-/// Gives the cloth another size, where its skeleton has.
-fn resize(cloth: &mut ClothSimulation, cache: &mut RestCache) -> Result<(), ClothErrorKind> {
-    let Some(skin) = &cloth.skin else { return Ok(()) };
+/// Gives the cloth another size, where its skeleton has. Tells whether it did.
+fn resize(cloth: &mut ClothSimulation, cache: &mut RestCache) -> Result<bool, ClothErrorKind> {
+    let Some(skin) = &cloth.skin else { return Ok(false) };
     let before = cloth.in_force.placed.scale;
     // An uneven one is told in the tick, and the cloth keeps its size.
-    let Ok(scale) = skin.scale() else { return Ok(()) };
+    let Ok(scale) = skin.scale() else { return Ok(false) };
     let ratio = scale / before;
     if (ratio - 1.0).abs() <= OTHER_SIZE {
-        return Ok(());
+        return Ok(false);
     }
-    let (shape, weights) = (&cloth.in_force.rest_shape, cloth.in_force.weights.as_ref());
-    let settings = cloth.in_force.settings;
-    let topology = topology(shape, scale, settings.masses, weights, cache)?;
-    let mut solver = cloth.solver.remade(topology, settings.into()).map_err(solver_error)?;
+    let mut solver = in_size(cloth, scale, cache)?;
     let larger = |limit: &SkinLimit| limit.scaled(ratio);
     let limits: Vec<_> = solver.skin().unwrap_or_default().iter().map(larger).collect();
     solver.set_skin(Some(&limits)).map_err(solver_error)?;
@@ -103,7 +101,7 @@ fn resize(cloth: &mut ClothSimulation, cache: &mut RestCache) -> Result<(), Clot
     cloth.solver = solver;
     cloth.in_force.placed.scale = scale;
     cloth.wake();
-    Ok(())
+    Ok(true)
 }
 
 /// Puts a cloth that has not begun where its skin is.

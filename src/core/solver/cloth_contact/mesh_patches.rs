@@ -31,7 +31,7 @@ pub(super) struct MeshPatches {
     neighbours: Buckets<Neighbour>,
     /// The patches that touch both of two neighbours.
     common: Vec<u32>,
-    /// Of each two neighbours, and then of each patch with itself, whether they were passed over as flat.
+    /// Whether two neighbours were passed over as flat, and then each patch with itself, by their numbers.
     is_flat: Vec<bool>,
     /// Pairs of particles that are less than two spacings apart at rest, within a patch or in two neighbours, and the number of these.
     /// They may touch as soon as the cloth has moved by the margin, however flat it is.
@@ -42,7 +42,7 @@ pub(super) struct MeshPatches {
     normals: Vec<Block3>,
 }
 
-/// What a patch is made of.
+/// The particles and faces of a patch.
 #[derive(Clone, Debug)]
 struct Members {
     /// Slots of its particles; the first one fills up the block.
@@ -166,7 +166,7 @@ impl MeshPatches {
         self.neighbour(pair).map(|neighbour| neighbour.pair)
     }
 
-    /// What two patches are to each other, if they are neighbours.
+    /// The entry of two patches, if they are neighbours.
     fn neighbour(&self, [a, b]: [u32; 2]) -> Option<Neighbour> {
         self.neighbours.of(a.min(b)).iter().copied().find(|neighbour| neighbour.patch == a.max(b))
     }
