@@ -26,6 +26,7 @@ use crate::solver::contact::collider::Collider;
 use crate::solver::contact::edges::memory::EdgeMemory;
 use crate::solver::contact::impulses::Impulses;
 use crate::solver::contact::keys::Keys;
+use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::CutAt;
@@ -60,8 +61,8 @@ pub(crate) struct ActiveSet {
     pub holder: Array,
     /// Approach to a body that contact has undone in this substep, outward, by slot \[m\]; zero once it has answered.
     pub pressed: Soa,
-    /// Room for the blocks of the particles that a body answers to.
-    pub answering: Vec<usize>,
+    /// Room for the particles that a body answers to.
+    pub answering: Vec<Touching>,
     /// A particle's displacement before any correction, by slot \[m\].
     pub unpulled: Soa,
     /// Part of the pulls carried on that was left out for good, by slot \[m\]; known where a collider is measured.

@@ -19,6 +19,7 @@ use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::linear::solve;
 use crate::solver::contact::mobility::{Mobility, Twist};
+use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
@@ -44,21 +45,6 @@ pub(super) struct Answer<'a> {
     pub gone: f32,
 }
 
-/// Particles of a block that touch the body.
-struct Touching {
-    slot: usize,
-    /// One over their masses \[1/kg\], and their masses; the latter is zero where a particle does not touch.
-    w: Block,
-    masses: Block,
-    /// From the body's centre \[m\].
-    arms: Block3,
-    /// The axes along which they press on it, and go with it, and how far they were pressed \[m\].
-    n: Block3,
-    pressed: Block,
-    /// How far they go with it along the surface, from 0 to 1.
-    sticks: Block,
-}
-
 impl Kernel for Answer<'_> {
     /// What the body takes back of what it was given.
     type Output = Impulse;
@@ -66,72 +52,100 @@ impl Kernel for Answer<'_> {
     /// Shares with the particles what the body was given.
     #[inline(always)]
     fn run(mut self) -> Impulse {
-        let mut blocks = core::mem::take(&mut self.set.answering);
-        let mut carried = Carried::NONE;
-        let mut count = 0;
-        blocks.clear();
-        for (block, (&touches, &until)) in self.set.next.blocks.iter().zip(self.until).enumerate() {
-            // What touches has no way left to go.
-            if !touches || until > self.gone {
-                continue;
-            }
-            let touching = self.touching(block * LANES);
-            let touch = touching.masses.0.iter().filter(|&&mass| mass > 0.0).count();
-            if touch > 0 {
-                let Touching { masses, arms, n, sticks, .. } = &touching;
-                carried.add(masses, arms, n, sticks);
-                blocks.push(block);
-                count += touch;
-            }
-        }
+        let mut all = core::mem::take(&mut self.set.answering);
+        let (carried, count) = self.find(&mut all);
         let mut taken = Impulse::ZERO;
-        if count > 0 {
+        if count > 0.0 {
             let together = self.mobility.motion_with(&carried, self.given);
             let mut sums = [Block3::ZERO; 2];
-            for &block in &blocks {
-                self.take_along(&self.touching(block * LANES), &together, &mut sums);
+            for touching in &all {
+                self.take_along(touching, &together, &mut sums);
             }
             taken = Impulse { linear: sums[0].sum(), angular: sums[1].sum() };
             let moves = self.mobility.motion(self.given + taken);
-            for &block in &blocks {
-                self.lighten(&self.touching(block * LANES), &moves, count as f32);
+            for touching in &all {
+                self.lighten(touching, &moves, count);
             }
         }
-        self.set.answering = blocks;
+        self.set.answering = all;
         taken
     }
 }
 
 impl Answer<'_> {
+    /// Finds the particles that touch the body: what they are together, and how many.
     #[inline(always)]
-    fn touching(&self, slot: usize) -> Touching {
+    fn find(&self, all: &mut Vec<Touching>) -> (Carried, f32) {
+        all.clear();
+        let (mut carried, mut count) = (Carried::NONE, Block::ZERO);
+        let blocks = &*self.set.next.blocks;
+        let (touch, touch_left) = blocks.as_chunks::<LANES>();
+        let (until, until_left) = self.until[..blocks.len()].as_chunks::<LANES>();
+        for (many, (touch, until)) in touch.iter().zip(until).enumerate() {
+            // A bit for each: most blocks are elsewhere.
+            let mut near = 0_u32;
+            for i in 0..LANES {
+                near |= u32::from(touch[i] & (until[i] <= self.gone)) << i;
+            }
+            while near != 0 {
+                let block = many * LANES + near.trailing_zeros() as usize;
+                near &= near - 1;
+                self.look(block * LANES, all, &mut count);
+            }
+        }
+        let left = blocks.len() - touch_left.len();
+        for (block, (&touches, &until)) in (left..).zip(touch_left.iter().zip(until_left)) {
+            if touches && until <= self.gone {
+                self.look(block * LANES, all, &mut count);
+            }
+        }
+        for touching in all.iter() {
+            carried.add(touching);
+        }
+        (carried, count.0.iter().sum())
+    }
+
+    /// Looks which particles of a block touch the body. What touches has no way left to go.
+    #[inline(always)]
+    fn look(&self, slot: usize, all: &mut Vec<Touching>, count: &mut Block) {
         let (set, collider) = (&*self.set, self.collider as f32);
         let (w, holder) = (Block::load(self.inverse_mass, slot), Block::load(&set.holder, slot));
-        let (x, press) = (Block3::load(self.x, slot), Block3::load(&set.pressed, slot));
+        let press = Block3::load(&set.pressed, slot);
         let (mut pressed, mut masses) = (Block::ZERO, Block::ZERO);
-        let (mut n, mut arms) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             let press = press.at(i);
             pressed.0[i] = press.dot(press).sqrt();
-            n.set(i, press * (1.0 / larger(pressed.0[i], f32::MIN_POSITIVE)));
-            arms.set(i, x.at(i) - self.motion.centre[0]);
-        }
-        for i in 0..LANES {
             let touches = (w.0[i] > 0.0) & (holder.0[i] == collider) & (pressed.0[i] > 0.0);
             let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
             masses.0[i] = if touches { mass } else { 0.0 };
         }
-        let mut sticks = Block::load(&set.next.loose, slot);
-        for i in 0..LANES {
-            sticks.0[i] = 1.0 - sticks.0[i];
+        if !masses.is_any() {
+            return;
         }
-        Touching { slot, w, masses, arms, n, pressed, sticks }
+        let (x, loose) = (Block3::load(self.x, slot), Block::load(&set.next.loose, slot));
+        let (mut n, mut arms, mut sticks) = (Block3::ZERO, Block3::ZERO, Block::ZERO);
+        for i in 0..LANES {
+            n.set(i, press.at(i) * (1.0 / larger(pressed.0[i], f32::MIN_POSITIVE)));
+            arms.set(i, x.at(i) - self.motion.centre[0]);
+            sticks.0[i] = 1.0 - loose.0[i];
+            count.0[i] += if masses.0[i] > 0.0 { 1.0 } else { 0.0 };
+        }
+        // Put there one by one: what is put as a whole is made elsewhere, and copied.
+        all.push(Touching::NONE);
+        if let Some(touching) = all.last_mut() {
+            touching.slot = slot;
+            touching.masses = masses;
+            touching.arms = arms;
+            touching.n = n;
+            touching.pressed = pressed;
+            touching.sticks = sticks;
+        }
     }
 
     /// Takes particles along with the body, no further than they were pressed, and adds up what the body takes back for that.
     #[inline(always)]
     fn take_along(&mut self, touching: &Touching, together: &Twist, sums: &mut [Block3; 2]) {
-        let Touching { slot, masses, arms, n, pressed, sticks, .. } = touching;
+        let Touching { slot, masses, arms, n, pressed, sticks } = touching;
         let slot = *slot;
         let mut by = Block3::ZERO;
         for i in 0..LANES {
@@ -161,7 +175,7 @@ impl Answer<'_> {
     /// By now it has answered to them.
     #[inline(always)]
     fn lighten(&mut self, touching: &Touching, moves: &Twist, count: f32) {
-        let Touching { slot, w, masses, arms, .. } = touching;
+        let Touching { slot, masses, arms, .. } = touching;
         let (slot, set) = (*slot, &mut *self.set);
         let mut normal = Block3::load(&set.next.normal, slot);
         let mut velocity = Block3::load(&set.velocity, slot);
@@ -170,7 +184,7 @@ impl Answer<'_> {
         for i in 0..LANES {
             let (n, arm, touches) = (normal.at(i), arms.at(i), masses.0[i] > 0.0);
             let gives = mobility.along(arm, n);
-            let part = (1.0 / (1.0 + count * gives / larger(w.0[i], f32::MIN_POSITIVE))).sqrt();
+            let part = (1.0 / (1.0 + count * gives * masses.0[i])).sqrt();
             normal.set(i, if touches { n * part } else { n });
             let faster = velocity.at(i) + moves.at(arm);
             velocity.set(i, if touches { faster } else { velocity.at(i) });

@@ -2,6 +2,7 @@
 
 use bevy_math::Vec3;
 
+use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
 
@@ -21,10 +22,10 @@ impl Carried {
     pub const NONE: Self =
         Self { linear: [Block3::ZERO; 3], between: [Block3::ZERO; 3], angular: [Block3::ZERO; 3] };
 
-    /// Adds masses \[kg\] at `arms` from the centre \[m\] that go with the body along the axes `n`, and across them as far as they
-    /// stick, from 0 to 1.
+    /// Adds particles, which go with the body along the axes that they press along, and across them as far as they stick.
     #[inline(always)]
-    pub fn add(&mut self, masses: &Block, arms: &Block3, n: &Block3, sticks: &Block) {
+    pub fn add(&mut self, touching: &Touching) {
+        let Touching { masses, arms, n, sticks, .. } = touching;
         let mut between = [Block3::ZERO; 3];
         for (column, axis) in Vec3::AXES.into_iter().enumerate() {
             // sticks 1 + (1 - sticks) n n^T
@@ -63,10 +64,17 @@ pub(super) mod tests {
 
     /// One particle.
     pub fn one(mass: f32, arm: Vec3, n: Vec3, sticks: f32) -> Carried {
-        let mut masses = Block::ZERO;
-        masses.0[3] = mass;
+        let mut touching = Touching {
+            slot: 0,
+            masses: Block::ZERO,
+            arms: Block3::splat(arm),
+            n: Block3::splat(n),
+            pressed: Block::ZERO,
+            sticks: Block::splat(sticks),
+        };
+        touching.masses.0[3] = mass;
         let mut carried = Carried::NONE;
-        carried.add(&masses, &Block3::splat(arm), &Block3::splat(n), &Block::splat(sticks));
+        carried.add(&touching);
         carried
     }
 

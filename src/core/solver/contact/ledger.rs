@@ -16,11 +16,13 @@ const AT_ONCE: usize = 8;
 /// The place of no collider.
 const NONE: f32 = -1.0;
 
-/// Momentum that a block's particles give to what they lie on, and owe it, times the substep \[kg m\].
+/// Momentum that a block's particles give to what they lie on, times the substep \[kg m\].
 #[derive(Clone, Copy)]
 struct Shares {
-    given: Block3,
-    owed: Block3,
+    /// What is given once.
+    once: Block3,
+    /// What is given, and owed as well.
+    lasting: Block3,
 }
 
 impl ActiveSet {
@@ -68,8 +70,8 @@ impl Shares {
     fn any(&self) -> Block {
         let mut any = Block::ZERO;
         for i in 0..LANES {
-            let (given, owed) = (self.given.at(i), self.owed.at(i));
-            any.0[i] = if given != Vec3::ZERO || owed != Vec3::ZERO { 1.0 } else { 0.0 };
+            let (once, lasting) = (self.once.at(i), self.lasting.at(i));
+            any.0[i] = if once != Vec3::ZERO || lasting != Vec3::ZERO { 1.0 } else { 0.0 };
         }
         any
     }
@@ -77,6 +79,9 @@ impl Shares {
 
 /// Which pulls are given.
 trait Rule {
+    /// Whether all that is given is owed as well.
+    const ALL_LAST: bool;
+
     /// The shares of a block of these inverse masses, at a slot; `None` where it has none.
     fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares>;
 }
@@ -107,7 +112,8 @@ impl<R: Rule> Kernel for Give<'_, R> {
             };
             let holder = Block::load(&set.holder, slot);
             let mut left = shares.any();
-            while let Some(first) = left.0.iter().position(|&left| left > 0.0) {
+            while left.is_any() {
+                let first = left.0.iter().position(|&left| left > 0.0).unwrap_or(0);
                 let collider = holder.0[first];
                 let sums = &mut sums[collider as usize % AT_ONCE];
                 if sums.collider != collider {
@@ -122,7 +128,7 @@ impl<R: Rule> Kernel for Give<'_, R> {
                 }
                 // Also where it is no number.
                 left.0[first] = 0.0;
-                sums.add(&own, &Block3::load(x, slot), &shares);
+                sums.add::<R>(&own, &Block3::load(x, slot), &shares);
             }
         }
         for sums in &sums {
@@ -137,8 +143,8 @@ struct Sums {
     /// The place that they are about.
     about: Vec3,
     /// Linear and angular ones.
-    given: [Block3; 2],
-    owed: [Block3; 2],
+    once: [Block3; 2],
+    lasting: [Block3; 2],
 }
 
 impl Sums {
@@ -146,22 +152,19 @@ impl Sums {
     #[inline(always)]
     fn of(collider: f32, about: Vec3) -> Self {
         let none = [Block3::ZERO; 2];
-        Self { collider, about, given: none, owed: none }
+        Self { collider, about, once: none, lasting: none }
     }
 
     /// Adds the shares of particles at `x` whose lanes are 1.
     #[inline(always)]
-    fn add(&mut self, own: &Block, x: &Block3, shares: &Shares) {
-        // A product, not a choice: that would be made lane by lane.
-        let (mut arms, mut given, mut owed) = (Block3::ZERO, Block3::ZERO, Block3::ZERO);
+    fn add<R: Rule>(&mut self, own: &Block, x: &Block3, shares: &Shares) {
+        let mut arms = Block3::ZERO;
         for i in 0..LANES {
             arms.set(i, x.at(i) - self.about);
-            given.set(i, shares.given.at(i) * own.0[i]);
-            owed.set(i, shares.owed.at(i) * own.0[i]);
         }
-        for (sums, share) in [(&mut self.given, given), (&mut self.owed, owed)] {
-            sums[0] = sums[0].plus(&share);
-            sums[1] = sums[1].plus(&arms.cross(&share));
+        add_own(&mut self.lasting, own, &arms, &shares.lasting);
+        if !R::ALL_LAST {
+            add_own(&mut self.once, own, &arms, &shares.once);
         }
     }
 
@@ -173,9 +176,22 @@ impl Sums {
                 linear: linear.sum(),
                 angular: angular.sum(),
             };
-            impulses.give_sum(self.collider as usize, of(&self.given), of(&self.owed), step);
+            let owed = of(&self.lasting);
+            impulses.give_sum(self.collider as usize, of(&self.once) + owed, owed, step);
         }
     }
+}
+
+/// Adds shares of particles at `arms` whose lanes are 1.
+#[inline(always)]
+fn add_own(sums: &mut [Block3; 2], own: &Block, arms: &Block3, shares: &Block3) {
+    // A product, not a choice: that would be made lane by lane.
+    let mut owns = Block3::ZERO;
+    for i in 0..LANES {
+        owns.set(i, shares.at(i) * own.0[i]);
+    }
+    sums[0] = sums[0].plus(&owns);
+    sums[1] = sums[1].plus(&arms.cross(&owns));
 }
 
 /// Whether a particle is held by what it lies on.
@@ -187,6 +203,8 @@ fn is_held(n: Vec3, w: f32) -> bool {
 struct LeftOut;
 
 impl Rule for LeftOut {
+    const ALL_LAST: bool = true;
+
     #[inline(always)]
     fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
         let (n, dropped) = (Block3::load(&set.now.normal, slot), Block3::load(&set.dropped, slot));
@@ -195,7 +213,7 @@ impl Rule for LeftOut {
             let all = dropped.at(i) / larger(w.0[i], f32::MIN_POSITIVE);
             given.set(i, if is_held(n.at(i), w.0[i]) { all } else { Vec3::ZERO });
         }
-        Some(Shares { given, owed: given })
+        Some(Shares { once: Block3::ZERO, lasting: given })
     }
 }
 
@@ -205,6 +223,8 @@ struct Yielding<'a> {
 }
 
 impl Rule for Yielding<'_> {
+    const ALL_LAST: bool = false;
+
     #[inline(always)]
     fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
         let (n, slip) = (Block3::load(&set.now.normal, slot), Block::load(&set.now.slip, slot));
@@ -220,13 +240,13 @@ impl Rule for Yielding<'_> {
             return None;
         }
         let (d, unpulled) = (Block3::load(self.d, slot), Block3::load(&set.unpulled, slot));
-        let (mut given, mut owed) = (Block3::ZERO, Block3::ZERO);
+        let (mut once, mut lasting) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             let all = (d.at(i) - unpulled.at(i)) * unslipped.0[i];
-            given.set(i, all);
-            owed.set(i, if self.notes { all } else { Vec3::ZERO });
+            once.set(i, if self.notes { Vec3::ZERO } else { all });
+            lasting.set(i, if self.notes { all } else { Vec3::ZERO });
         }
-        Some(Shares { given, owed })
+        Some(Shares { once, lasting })
     }
 }
 
@@ -236,6 +256,8 @@ struct Taken<'a> {
 }
 
 impl Rule for Taken<'_> {
+    const ALL_LAST: bool = false;
+
     #[inline(always)]
     fn shares(&self, set: &ActiveSet, w: &Block, slot: usize) -> Option<Shares> {
         let (load, lost) = (Block::load(&set.load, slot), Block::load(&set.lost, slot));
@@ -245,7 +267,7 @@ impl Rule for Taken<'_> {
         }
         let (n, slip) = (Block3::load(&set.now.normal, slot), Block::load(&set.now.slip, slot));
         let (d, unpulled) = (Block3::load(self.d, slot), Block3::load(&set.unpulled, slot));
-        let (mut given, mut owed) = (Block3::ZERO, Block3::ZERO);
+        let (mut once, mut lasting) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             let (load, lost, n) = (load.0[i], lost.0[i], n.at(i));
             let is_let_go = is_held(n, w.0[i]) && (load != 0.0 || lost != 0.0);
@@ -256,10 +278,12 @@ impl Rule for Taken<'_> {
             let pulled = d.at(i) - released - unpulled.at(i);
             let unslipped = slipped(pulled, n) * (1.0 / slip.0[i] - 1.0);
             let unfollowed = n * (load - follows / w) + unslipped / w;
-            let all = unfollowed + n * (fallen / w);
-            given.set(i, if is_let_go { all } else { Vec3::ZERO });
-            owed.set(i, if is_let_go && self.notes { unfollowed } else { Vec3::ZERO });
+            let fallen = n * (fallen / w);
+            let notes = is_let_go && self.notes;
+            let all = if self.notes { fallen } else { unfollowed + fallen };
+            once.set(i, if is_let_go { all } else { Vec3::ZERO });
+            lasting.set(i, if notes { unfollowed } else { Vec3::ZERO });
         }
-        Some(Shares { given, owed })
+        Some(Shares { once, lasting })
     }
 }

@@ -299,10 +299,17 @@ impl Near {
         settings: &ContactSettings,
         tally: &mut Tally,
     ) {
+        let mut masses = Block::ZERO;
         for i in 0..LANES {
-            let mass = 1.0 / larger(w.0[i], f32::MIN_POSITIVE);
-            let forgotten = noted.at(i) + before.at(i);
-            let forgotten = forgotten * ((1.0 - pushed.lasts(i, hold, settings)) * mass);
+            let part = (1.0 - pushed.lasts(i, hold, settings)) / larger(w.0[i], f32::MIN_POSITIVE);
+            masses.0[i] = if self.depth.0[i] > 0.0 { part } else { 0.0 };
+        }
+        // What was held before is not struck.
+        if !masses.is_any() {
+            return;
+        }
+        for i in 0..LANES {
+            let forgotten = (noted.at(i) + before.at(i)) * masses.0[i];
             let forgotten = if self.depth.0[i] > 0.0 { forgotten } else { Vec3::ZERO };
             tally.give(i, arms.at(i), Vec3::ZERO, forgotten);
         }
