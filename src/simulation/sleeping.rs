@@ -13,13 +13,22 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, ParameterError};
 
+/// Part of the time that a cloth has to be still for, after which it hardly moves.
+const BRAKED_AFTER: f32 = 0.05;
+/// Times its drag by which it is braked then, beside its drag, and the most that both may be together \[1/s\]. More would hinder it on its
+/// way to rest.
+const BRAKING: f32 = 3.0;
+const MOST_BRAKED: f32 = 4.0;
+
 /// Whether a cloth has anything to do.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SleepState {
     sleep: ClothSleepThreshold,
-    /// How long all particles have been near where they were marked \[s\].
+    /// How long all particles have been near where they were marked, and how long they were near the mark before \[s\].
     still: f32,
+    #[cfg_attr(feature = "serialize", serde(default))]
+    before: f32,
     asleep: bool,
     /// Something has happened that could move it.
     disturbed: bool,
@@ -44,13 +53,22 @@ impl SleepState {
     /// Notes how far the cloth has gone in a tick of `dt` seconds.
     pub fn note_tick(&mut self, solver: &mut ClothSolver, dt: f32) {
         if self.sleep.distance == 0.0 {
-            self.still = 0.0;
+            (self.still, self.before) = (0.0, 0.0);
         } else if self.still == 0.0 || solver.distance_from_mark() > self.sleep.distance {
             solver.mark();
+            // It was no longer near in this tick, nor in the first, at whose end it was marked.
+            self.before = (self.still - dt).max(0.0);
             self.still = dt;
         } else {
             self.still += dt;
         }
+    }
+
+    /// Drag beside that of a cloth of a `drag`, so that what hardly moves comes to rest \[1/s\].
+    fn braking(&self, drag: f32, dt: f32) -> f32 {
+        let longest = (self.still - dt).max(self.before);
+        let hardly_moves = longest > 0.0 && longest >= BRAKED_AFTER * self.sleep.time;
+        if hardly_moves { (BRAKING * drag).min((MOST_BRAKED - drag).max(0.0)) } else { 0.0 }
     }
 
     /// Whether the cloth has been still for long enough to sleep.
@@ -65,8 +83,11 @@ impl SleepState {
 
     /// Whether it could be that of any cloth.
     pub fn is_sound(&self) -> bool {
-        let time = (0.0..f32::INFINITY).contains(&self.still);
-        time && self.sleep.validate().is_ok() && self.gravity.is_none_or(Vec3::is_finite)
+        let is_time = |time| (0.0..f32::INFINITY).contains(&time);
+        is_time(self.still)
+            && is_time(self.before)
+            && self.sleep.validate().is_ok()
+            && self.gravity.is_none_or(Vec3::is_finite)
     }
 
     fn set_sleep(&mut self, sleep: Option<&ClothSleepThreshold>) -> Result<(), ParameterError> {
@@ -82,7 +103,7 @@ impl SleepState {
         self.disturbed |= self.gravity != Some(gravity);
         self.gravity = Some(gravity);
         if core::mem::take(&mut self.disturbed) {
-            self.still = 0.0;
+            (self.still, self.before) = (0.0, 0.0);
             self.asleep = false;
         } else {
             self.asleep |= self.is_ready() && !self.kept_awake;
@@ -139,8 +160,10 @@ pub(crate) fn choose_steps(
         let stands = cloth.is_hanging() || cloth.is_culled() || frozen.is_some_and(takes_no_step);
         let steps = !(stands || cloth.progress.quarantined || cloth.sleep.asleep);
         if steps {
-            let ClothSimulation { solver, held, skin, frame, pushing, tick, .. } = &mut *cloth;
+            let ClothSimulation { solver, held, skin, frame, pushing, sleep, tick, .. } =
+                &mut *cloth;
             let TickState { step, motions, .. } = tick;
+            step.braking = sleep.braking(solver.material().drag, step.dt);
             step.gravity = frame.seen(step.gravity);
             step.wind.velocity = frame.seen(step.wind.velocity);
             held.gather_motions(solver, skin.as_deref(), frame.ride, body, motions);

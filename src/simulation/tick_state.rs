@@ -49,6 +49,8 @@ pub(crate) struct ClothStep {
     pub(crate) dt: f32,
     pub(crate) gravity: Vec3,
     pub(crate) wind: ClothWind,
+    /// Drag beside the material's, as it hardly moves \[1/s\].
+    pub(crate) braking: f32,
     /// The time that its gusts are of \[s\].
     pub(crate) time: f64,
     /// Substeps still to go, in the staged form.
@@ -84,5 +86,6 @@ pub(crate) fn input<'a>(
         skin: &motions.skin,
         colliders,
         wind,
+        braking: step.braking,
     }
 }

@@ -2,7 +2,7 @@
 //! and that a heavier load or a softer cloth is stretched more.
 
 use bevy::prelude::*;
-use bevy_drape::prelude::*;
+use bevy_drape::{ClothSleepThreshold, prelude::*};
 
 use crate::support::app::*;
 
@@ -29,7 +29,8 @@ fn each_hangs_from_its_first_row_within_its_strain() {
         let place = Transform::from_rotation(Quat::from_rotation_x(90.0_f32.to_radians()));
         let material = ClothMaterial { drag: 2.0, ..material };
         let pins = ClothPins::from(PinSelection::FirstRow);
-        (name, material, spawn(&mut app, (cloth, material, pins, place)))
+        let cloth = (cloth, material, pins, ClothSleepThreshold::NEVER, place);
+        (name, material, spawn(&mut app, cloth))
     });
     updates(&mut app, 256);
     for (name, material, entity) in cloths {

@@ -153,7 +153,8 @@ fn far_from_the_worlds_origin_the_picture_is_as_fine_as_at_it() {
 fn normals_are_those_of_the_triangles_around() {
     let mut app = app();
     spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
-    let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(0.0, 0.31, 0.0)));
+    let material = ClothMaterial { drag: 0.2, ..default() };
+    let cloth = spawn(&mut app, (sheet(), material, Transform::from_xyz(0.0, 0.31, 0.0)));
     updates(&mut app, 40);
     let mesh = drawn(&app, cloth);
     let normals = attribute(mesh, Mesh::ATTRIBUTE_NORMAL);

@@ -75,7 +75,7 @@ fn it_comes_and_goes_with_its_component() {
     updates(&mut app, 5);
     // Nothing has touched yet: as if it had never been there.
     app.world_mut().entity_mut(towel_).remove::<ClothSelfCollision>();
-    updates(&mut app, 55);
+    updates(&mut app, 65);
     assert_eq!(bits(&app, towel_), bits(&app, never));
     assert_eq!(layers(&app, towel_), 0);
     assert!(simulation(&app, never).crossings() > 0);

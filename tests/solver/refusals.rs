@@ -149,6 +149,10 @@ fn a_tick_with_bad_input_does_not_begin() {
         let error = refused("gravity", |s| s.tick(&StepInput { gravity, ..good }).map(drop));
         assert_eq!(error, SolverError::Gravity);
     }
+    for braking in [-1.0, f32::NAN, f32::INFINITY] {
+        let error = refused("braking", |s| s.tick(&StepInput { braking, ..good }).map(drop));
+        assert!(matches!(error, SolverError::Parameter(_)), "{error}");
+    }
     for motions in [0, 1] {
         let input = StepInput { pins: &pins[..motions], ..good };
         let error = refused("pins", |s| s.begin_tick(&input).map(drop));

@@ -7,7 +7,7 @@ use crate::solver::constraints::skin::{Skin, SkinMotion, look_through};
 use crate::solver::contact::Collider;
 use crate::solver::error::SolverError;
 use crate::solver::forces::wind::Wind;
-use crate::solver::settings::is_near;
+use crate::solver::settings::{ParameterError, is_near};
 use crate::solver::simd::isa::Isa;
 
 /// The surroundings of a cloth in one tick. Positions are in world space. The default has no length, which
@@ -30,6 +30,9 @@ pub struct StepInput<'a> {
     pub pulls: &'a [PinPull],
     /// The wind. A cloth that has no [`Air`](crate::solver::Air) does not feel it.
     pub wind: Wind<'a>,
+    /// Rate at which the cloth is stopped in this tick, beside its drag \[1/s\]; not below 0. A game that lets cloths sleep brakes those
+    /// that hardly move.
+    pub braking: f32,
 }
 
 /// A pin that pulls at the body which carries it. Its motion is that of the body as it is planned.
@@ -90,6 +93,10 @@ impl StepInput<'_> {
     pub(crate) fn check(&self, pins: usize) -> Result<(), SolverError> {
         if !(self.dt > 0.0 && self.dt <= 1.0) {
             return Err(SolverError::Tick(self.dt));
+        }
+        if !(self.braking >= 0.0 && self.braking.is_finite()) {
+            let range = "at least 0 /s, and finite";
+            return Err(ParameterError { name: "braking", value: self.braking, range }.into());
         }
         if !(self.gravity.is_finite() && self.gravity.abs().max_element() <= 1e6) {
             return Err(SolverError::Gravity);

@@ -156,6 +156,8 @@ pub struct ClothSolver {
     steady: f32,
     /// Factor of the tethers' bounds in this tick; above 1 where its pins are too far apart.
     tether_ease: f32,
+    /// Rate at which it is stopped in this tick beside its drag \[1/s\].
+    braking: f32,
     /// Edges that are held out of colliders.
     edges: contact::Edges,
     /// Contact with itself, where it collides with itself.
@@ -302,6 +304,7 @@ impl ClothSolver {
         self.begin_pushes();
         let eases = self.pins.tethers.iter().map(|set| set.ease(input.pins));
         self.tether_ease = eases.fold(1.0, f32::max);
+        self.braking = input.braking;
         self.begin_filtering();
         self.state.start.copy_from(&self.state.x);
         let (epsilon, layers) = (self.material.thickness, self.settings.layers);

@@ -43,7 +43,7 @@ impl Material {
         bending_friction: 2.3e-4,
         damping: 0.0,
         damping_form: DampingForm::Axial,
-        drag: 0.2,
+        drag: 1.0,
         max_strain: 0.1,
         friction: 0.5,
         thickness: 0.005,

@@ -67,6 +67,7 @@ impl ClothSolver {
             shares: true,
             tethered_under: None,
             tether_ease: 1.0,
+            braking: 0.0,
             edges,
             self_contact: None,
             touching_itself: 0,

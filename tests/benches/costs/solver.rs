@@ -77,7 +77,8 @@ impl<'a> Scene<'a> {
         let Self { pins, skin, colliders, .. } = self;
         let wind = Wind { time: f64::from(self.ticks) / 64.0, ..self.wind };
         let dt = 1.0 / 64.0;
-        let input = StepInput { dt, gravity: GRAVITY, pins, pulls: &[], skin, colliders, wind };
+        let input =
+            StepInput { dt, gravity: GRAVITY, pins, skin, colliders, wind, ..StepInput::default() };
         let before = Instant::now();
         let done = self.cloth.tick(&input);
         self.ticks += u32::from(done.is_ok());

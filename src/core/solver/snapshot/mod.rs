@@ -163,6 +163,7 @@ impl ClothSolver {
             workspace: _,
             done: _,
             tether_ease: _,
+            braking: _,
             contact_count: _,
             touching_itself: _,
             touching_others: _,

@@ -46,9 +46,10 @@ impl ClothSolver {
         Kick::new(self.drag(), 0.5 * self.state.last_step)
     }
 
-    /// Rate at which still air stops the cloth \[1/s\].
+    /// Rate at which still air stops the cloth, and what brakes it in this tick \[1/s\].
     pub(crate) fn drag(&self) -> f32 {
-        if self.air.is_some() { 0.0 } else { self.material.drag }
+        let of_air = if self.air.is_some() { 0.0 } else { self.material.drag };
+        of_air + self.braking
     }
 
     /// Takes the wind of a tick, if the cloth feels any. Gives what it adds to the load on the tethers,
