@@ -83,7 +83,9 @@ use crate::collider::impulse::ColliderImpulse;
 use crate::collider::load::DistanceFieldLoader;
 use crate::collider::mass::{BodyImpulse, ColliderBody, ColliderMass};
 use crate::collider::snapshot::{SdfColliderSnapshot, forget_states, restore_collider};
-use crate::collider::tick_colliders::{TickColliders, forget_collider, gather_colliders};
+use crate::collider::tick_colliders::{
+    TickColliders, drop_disabled, forget_collider, gather_colliders, take_up_enabled,
+};
 use crate::collider::{SdfCollider, SdfColliderDisabled};
 use crate::drawing::draw_cloths;
 use crate::error::ClothFailure;
@@ -162,6 +164,7 @@ impl Plugin for ClothPlugin {
             .register_type::<ClothSimulation>()
             .register_type::<ClothFailure>()
             .register_type::<ClothSource>()
+            .register_type::<TakenSkin>()
             .register_type::<ClothMaterial>()
             .register_type::<ClothSettings>()
             .register_type::<ClothPins>()
@@ -213,6 +216,8 @@ impl Plugin for ClothPlugin {
             .add_observer(ask_for_reset)
             .add_observer(ask_for_push)
             .add_observer(forget_collider)
+            .add_observer(drop_disabled)
+            .add_observer(take_up_enabled)
             .add_observer(forget_body)
             .add_observer(forget_mass)
             .add_observer(restore_collider)
@@ -363,13 +368,13 @@ fn register_fields(app: &mut App) {
 /// When `Cloth` is removed, stops the simulation and clears its errors; the mesh keeps its last shape, or is skinned again.
 fn tear_down(
     removed: On<Remove, Cloth>,
-    skins: Query<(&TakenSkin, Option<&ClothMesh>)>,
+    skins: Query<(&TakenSkin, Option<&ClothMesh>, Option<&Mesh3d>)>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
     let mut entity = commands.entity(removed.entity);
     match skins.get(removed.entity) {
-        Ok((taken, own)) => put_on(&mut entity, taken, own),
+        Ok((taken, own, shown)) => put_on(&mut entity, taken, own, shown),
         Err(_) => drop(entity.try_remove::<(ClothSimulation, ClothMesh, ClothSource)>()),
     }
     failures.clear_those_of_cloths(removed.entity);

@@ -100,7 +100,7 @@ impl ClothGrab {
     }
 
     /// Whether only the target is another.
-    pub(crate) fn holds_as(&self, other: &Self) -> bool {
+    pub(crate) fn pulls_as(&self, other: &Self) -> bool {
         Self { target: other.target, ..*self } == *other
     }
 }

@@ -13,7 +13,7 @@ use crate::solver::{Backstop, SkinLimit};
 /// [`Cloth::of_mesh3d`](crate::Cloth::of_mesh3d) on the entity that has the `SkinnedMesh`. May be changed at any time.
 ///
 /// Where the skeleton would move a particle is its *place on the skin*. The three maps say how far it may go from there. Where its
-/// max distance is 0, it is held there, and drawn where the skeleton is drawn. Pins without an anchor hold to the skin as well.
+/// max distance is 0, it is held there, and drawn where the skeleton is drawn. Hard pins without an anchor hold to the skin as well.
 ///
 /// The plugin takes `SkinnedMesh` off the entity and draws into a copy of the mesh without joints, as the renderer would move the
 /// cloth a second time. When this component or the cloth is removed, the mesh is drawn skinned as before. A

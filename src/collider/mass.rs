@@ -170,7 +170,7 @@ impl From<Impulse> for BodyImpulse {
 pub struct ColliderBody(#[entities] pub Entity);
 
 /// What is remembered of a body between ticks.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Debug, Default)]
 pub(crate) struct BodyMemory {
     /// It was given its impulse after the last tick.
     pub informed: bool,
@@ -178,4 +178,19 @@ pub(crate) struct BodyMemory {
     pub ahead: Impulse,
     /// What cloths gave it in its first tick asleep, and how many of them took that tick.
     pub at_rest: Option<(Impulse, u32)>,
+    /// Cloths that carry it and do not go on.
+    pub held_by: Vec<Held>,
+}
+
+/// A body in a cloth that is paused or out of sight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    pub cloth: Entity,
+    /// Where its centre was when that began; none once it has left it \[m\].
+    pub began: Option<Vec3>,
+    /// Where it was in the last tick \[m\], and what it was given then.
+    pub at: Vec3,
+    pub given: Impulse,
+    /// What it is given beside what the cloth gave it at last, so that it stays \[kg m/s\].
+    pub trim: Vec3,
 }

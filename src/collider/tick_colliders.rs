@@ -1,6 +1,7 @@
 //! Where all colliders are in a tick: kept from tick to tick, and looked at again only where something
 //! of them has changed.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -13,7 +14,7 @@ use crate::collider::tick_body::{LoneBody, TickBody};
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
-use crate::pose::{OwnScale, PoseTrack, pose_now_scaled};
+use crate::pose::{OwnScale, PoseTrack, pose_now_scaled, to_world};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose};
 
@@ -94,22 +95,31 @@ impl TickColliders {
         colliders
     }
 
-    /// The bodies of the tick's colliders, with the places of these and their keys.
+    /// The bodies of the tick's colliders, each with its centre \[m\], with the places of the colliders and their keys.
     pub(crate) fn bodies(
         &self,
         fields: Option<&Assets<DistanceField>>,
-    ) -> impl Iterator<Item = (usize, &TickBody, u64)> {
+    ) -> impl Iterator<Item = (usize, &TickBody, Vec3, u64)> {
         let present = self.present().filter(move |(it, _)| it.shape.get(fields).is_some());
-        let present = present.map(|(it, _)| (it.body.as_ref(), it.entity.to_bits()));
+        let present = present.map(|(it, motion)| (it.body.as_ref(), motion, it.entity.to_bits()));
         let lone = self.lone_bodies.iter();
-        let lone = lone.map(|LoneBody { body, .. }| (Some(body), body.entity.to_bits()));
+        let lone = lone.map(|it| (Some(&it.body), it.motion, it.body.entity.to_bits()));
         let all = present.chain(lone).enumerate();
-        all.filter_map(|(place, (body, key))| Some((place, body?, key)))
+        all.filter_map(|(place, (body, motion, key))| {
+            let body = body?;
+            Some((place, body, to_world(&motion.end(), body.center_of_mass), key))
+        })
     }
 
     /// The colliders that are present, in the order in which the solver takes them.
     pub(crate) fn present(&self) -> impl Iterator<Item = (&Gathered, ColliderMotion)> {
         self.colliders.iter().filter_map(|collider| Some((collider, collider.motion?)))
+    }
+
+    /// A collider of the tick.
+    pub(crate) fn known(&self, entity: Entity) -> Option<&Gathered> {
+        let place = self.colliders.binary_search_by_key(&entity, |collider| collider.entity);
+        place.ok().map(|at| &self.colliders[at])
     }
 
     /// Puts a collider in its place, in place of what was known of it; or takes it out. It is `same` where
@@ -328,6 +338,21 @@ pub(crate) fn forget_collider(
     failures.clear(removed.entity, Blame::Component(ClothComponent::SdfCollider));
     failures.clear(removed.entity, Blame::Pose);
     commands.entity(removed.entity).try_remove::<ColliderPose>();
+}
+
+/// When an entity is disabled, drops its collider from the tick.
+pub(crate) fn drop_disabled(disabled: On<Add, Disabled>, mut snapshot: ResMut<TickColliders>) {
+    snapshot.put(disabled.entity, None, false);
+}
+
+/// When it no longer is, the collider has not moved from where it was lost.
+pub(crate) fn take_up_enabled(
+    enabled: On<Remove, Disabled>,
+    mut colliders: Query<&mut ColliderPose, Allow<Disabled>>,
+) {
+    if let Ok(mut pose) = colliders.get_mut(enabled.entity) {
+        *pose = ColliderPose::default();
+    }
 }
 
 #[cfg(test)]

@@ -94,6 +94,7 @@ pub(crate) fn couple<E: Engine>(
                 .entity(entity)
                 .try_remove::<(CoupledBody, BodyOf<E>, ColliderMass, BodyImpulse, BodyMemory)>();
             failures.clear(entity, Blame::Component(ClothComponent::ColliderMass));
+            failures.clear(entity, Blame::EngineMass);
         }
     }
     // One that has a mass already is a body of the user's.
@@ -117,7 +118,7 @@ pub(crate) fn set_mass(
         commands.entity(entity).try_remove::<ColliderMass>();
         return;
     }
-    failures.clear(entity, Blame::Engine);
+    failures.clear(entity, Blame::EngineMass);
     match known {
         Some(mut known) => {
             known.set_if_neq(found);

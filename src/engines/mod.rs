@@ -44,7 +44,7 @@ pub struct ClothCollider {
     /// The layers that it is in. The engine's own layers mean nothing to cloths.
     pub layers: ClothLayers,
     /// Thickness of what has no inside: segments, triangles, polylines, open meshes \[m\]. Half of it is on either side. Zero refuses
-    /// them. With another, every triangle mesh is a surface, closed or not, of 2048 triangles at most; other shapes do not have it.
+    /// them. With another, every triangle mesh is a surface, closed or not; other shapes do not have it.
     pub thickness: f32,
     /// Whether cloths leave its body alone. They else carry it, slow it down and turn it, if it is dynamic and the engine runs in a
     /// fixed schedule: the body has a [`ColliderMass`](crate::ColliderMass) then, of which the engine says the numbers.

@@ -3,6 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use crate::error::engine::EngineProblem;
 use crate::error::problems::{MeshProblem, PinProblem};
 use crate::error::skin::SkinProblem;
 use crate::error::{ClothComponent, ClothError, ClothErrorKind, ClothFailure};
@@ -31,6 +32,8 @@ pub(crate) enum Blame {
     Schedule,
     Bake,
     Engine,
+    /// The mass of an engine's body.
+    EngineMass,
     Push,
     Forces,
     Grab,
@@ -72,7 +75,7 @@ impl Blame {
             | Self::Forces
             | Self::Grab
             | Self::Snapshot => true,
-            Self::Bake | Self::Body | Self::Engine => false,
+            Self::Bake | Self::Body | Self::Engine | Self::EngineMass => false,
         }
     }
 }
@@ -203,6 +206,7 @@ impl ClothErrorKind {
             Self::Solver(_) => Blame::Motion,
             Self::VariableStep => Blame::Schedule,
             Self::Bake(_) | Self::Shell(_) | Self::ColliderMesh(_) => Blame::Bake,
+            Self::Engine(EngineProblem::Mass(_)) => Blame::EngineMass,
             Self::Engine(_) => Blame::Engine,
         }
     }

@@ -6,7 +6,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 /// The joints of a skinned mesh, in its order.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Skeleton {
     pub joints: Vec<Entity>,
     /// From the mesh's frame to each joint's, when the mesh is as it was modelled.

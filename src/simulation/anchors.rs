@@ -1,5 +1,6 @@
 //! Anchors through a tick: they lead what they hold, and a cloth may ride along or be reset with them.
 
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::cloth::pins::ClothPins;
@@ -46,12 +47,13 @@ pub(crate) fn gather_pins(
         Option<&ClothTeleport>,
         Option<&ClothInertia>,
         Option<&ClothPaused>,
+        Has<SkinnedMesh>,
     )>,
     transforms: TransformHelper,
     joints: Joints,
     mut failures: Failures,
 ) {
-    for (entity, mut cloth, teleport, inertia, frozen) in &mut cloths {
+    for (entity, mut cloth, teleport, inertia, frozen, is_skinned) in &mut cloths {
         let cloth = &mut *cloth;
         if cloth.is_culled() {
             continue;
@@ -67,7 +69,10 @@ pub(crate) fn gather_pins(
                 cloth.sleep.disturb();
             }
             let outcome = outcome.and_then(|()| skin.check_scale());
-            failures.tell(entity, Blame::Joints, outcome.map_err(ClothErrorKind::Skin));
+            // One that is to be taken over is looked at elsewhere, and may be what is told of.
+            if outcome.is_err() || !is_skinned {
+                failures.tell(entity, Blame::Joints, outcome.map_err(ClothErrorKind::Skin));
+            }
         }
         match advance_anchors(&mut cloth.held.attachments, &transforms, at_once) {
             None if cloth.held.attachments.awaited.is_some() => {}

@@ -20,6 +20,12 @@ pub(crate) struct Grabbed {
     from: Vec3,
 }
 
+/// The middle of some particles, of which there are any \[m\].
+fn middle(particles: impl ExactSizeIterator<Item = u32>, solver: &ClothSolver) -> Vec3 {
+    let count = particles.len() as f32;
+    particles.map(|particle| solver.position(particle as usize)).sum::<Vec3>() / count
+}
+
 impl Grabbed {
     /// Grabs what is asked for, where it is now.
     pub fn new(asked: ClothGrab, solver: &ClothSolver) -> Result<Self, GrabProblem> {
@@ -41,11 +47,32 @@ impl Grabbed {
         if particles.is_empty() {
             return Err(GrabProblem::Nothing);
         }
-        let place = |particle: u32| solver.position(particle as usize);
-        let sum: Vec3 = particles.iter().map(|&particle| place(particle)).sum();
-        let middle = sum / particles.len() as f32;
-        let chosen = particles.into_iter().map(|particle| (particle, place(particle) - middle));
-        Ok(Self { asked, chosen: chosen.collect(), held: Vec::new(), from: asked.target })
+        Ok(Self::with(asked, particles, solver))
+    }
+
+    /// Grabs particles where they are now.
+    fn with(asked: ClothGrab, particles: Vec<u32>, solver: &ClothSolver) -> Self {
+        let middle = middle(particles.iter().copied(), solver);
+        let around = |particle: u32| solver.position(particle as usize) - middle;
+        let chosen = particles.into_iter().map(|particle| (particle, around(particle)));
+        Self { asked, chosen: chosen.collect(), held: Vec::new(), from: asked.target }
+    }
+
+    /// The same grab of a cloth that goes on with other particles: of those as near to its middle as was asked for, or of the nearest.
+    pub fn go_on(&self, before: &ClothSolver, now: &ClothSolver) -> Self {
+        let middle = middle(self.chosen.iter().map(|&(particle, _)| particle), before);
+        let away = |particle: u32| now.position(particle as usize).distance_squared(middle);
+        let all = 0..now.topology().particle_count() as u32;
+        let mut particles: Vec<_> = match self.asked.hold {
+            GrabHold::Within { radius, .. } => {
+                all.clone().filter(|&particle| away(particle) <= radius * radius).collect()
+            }
+            GrabHold::Particle(_) => Vec::new(),
+        };
+        if particles.is_empty() {
+            particles.extend(all.min_by(|&a, &b| away(a).total_cmp(&away(b))));
+        }
+        Self { from: self.from, ..Self::with(self.asked, particles, now) }
     }
 
     /// Whether it could be that of a cloth of so many particles.

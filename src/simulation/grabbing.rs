@@ -27,14 +27,16 @@ pub(crate) fn apply_grabs(
             continue;
         }
         if let Some(running) = &mut cloth.held.grab
-            && running.asked.holds_as(&grab)
+            && running.asked.hold == grab.hold
             && grab.validate().is_ok()
         {
-            let moved = running.asked.target != grab.target;
-            running.asked = grab;
-            if moved {
+            let before = core::mem::replace(&mut running.asked, grab);
+            if !before.pulls_as(&grab) {
+                hold_anew(&mut cloth);
+            } else if before.target != grab.target {
                 cloth.sleep.disturb();
             }
+            failures.clear(entity, Blame::Grab);
             continue;
         }
         match Grabbed::new(grab, &cloth.solver) {

@@ -67,10 +67,12 @@ impl Pushing {
                 failures.report(entity, ClothErrorKind::Push(problem));
             }
         }
+        // Of several that are bad the first is told of.
         let mut good = true;
         for (force, &ClothForce { on, force: vector }) in self.forces.iter().enumerate() {
-            if let Err(problem) = give(on, PushWith::Force(vector)) {
-                good = false;
+            if let Err(problem) = give(on, PushWith::Force(vector))
+                && core::mem::take(&mut good)
+            {
                 failures.report(entity, ClothErrorKind::Forces { force, problem });
             }
         }

@@ -12,10 +12,10 @@ use crate::cloth::settings::ClothSettings;
 use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::{Cloth, ClothShape};
+use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
 use crate::error::skin::SkinProblem;
-use crate::error::{ClothErrorKind, ClothFailure};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
@@ -184,8 +184,8 @@ pub(crate) fn set_up_cloths(
                 // Where the mesh stays, another cloth was drawn into it.
                 let drawn = own.and_then(|own| own.drawn);
                 made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
+                failures.clear_those_of_cloths(entity);
                 let mut target = commands.entity(entity);
-                target.try_remove::<ClothFailure>();
                 if made.intake() != told {
                     tell_skipped(entity, &made);
                 }

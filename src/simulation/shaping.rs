@@ -16,6 +16,7 @@ use crate::mesh::proxy::{Coarse, Proxy};
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::MeshSource;
+use crate::pose::skeleton::Skeleton;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::in_force::OTHER_SIZE;
@@ -82,15 +83,21 @@ impl ClothSimulation {
         proxy.map_or(&self.in_force.rest_shape, |proxy| &proxy.drawn)
     }
 
-    /// Whether a running cloth can go on as this one: what is drawn is the same, and another shape is simulated.
+    /// Whether a running cloth can go on as this one: what is drawn is the same, on the same skeleton if it is worn, and another shape is
+    /// simulated.
     pub(crate) fn can_go_on_from(&self, before: &Self) -> bool {
         before.progress.tick_count > 0
             && !before.progress.quarantined
             && !before.is_hanging()
             && (before.in_force.placed.scale / self.in_force.placed.scale - 1.0).abs() <= OTHER_SIZE
-            && before.skin.is_some() == self.skin.is_some()
+            && before.skeleton() == self.skeleton()
             && before.drawn_shape().is(self.drawn_shape())
             && !before.in_force.rest_shape.is(&self.in_force.rest_shape)
+    }
+
+    /// The skeleton that it is worn on.
+    fn skeleton(&self) -> Option<&Skeleton> {
+        self.skin.as_ref().map(|skin| &skin.skeleton)
     }
 
     /// Goes on where another was, as fast as it was, with what led it. Pins take hold anew.
@@ -150,6 +157,9 @@ impl ClothSimulation {
         self.start = Start { told_ready, takes_hold: true, ..default() };
         self.frame = before.frame.clone();
         self.culling = before.culling.clone();
+        if let Some(grabbed) = &before.held.grab {
+            self.held.grab = Some(Box::new(grabbed.go_on(&before.solver, &self.solver)));
+        }
         self.progress = before.progress.clone();
         Ok(())
     }

@@ -120,15 +120,24 @@ pub(crate) fn choose_steps(
         Option<&mut ClothPaused>,
         Option<&ClothForces>,
     )>,
-    bodies: Query<(Has<ColliderMass>, Option<&ColliderBody>)>,
+    bodies: Query<(Has<ColliderMass>, Option<&ColliderBody>, Option<&ChildOf>)>,
+    masses: Query<(), With<ColliderMass>>,
     disturbances: Res<Disturbances>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    let body = |anchor| match bodies.get(anchor) {
-        Ok((_, Some(part))) => Some(part.0),
-        Ok((true, None)) => Some(anchor),
-        _ => None,
+    // The body that an anchor is of, or is below.
+    let has_bodies = !masses.is_empty();
+    let body = |anchor| {
+        let mut at = has_bodies.then_some(anchor);
+        while let Some(entity) = at {
+            match bodies.get(entity).ok()? {
+                (_, Some(part), _) => return Some(part.0),
+                (true, ..) => return Some(entity),
+                (.., parent) => at = parent.map(ChildOf::parent),
+            }
+        }
+        None
     };
     for (entity, mut cloth, sleep, frozen, forces) in &mut cloths {
         let cloth = &mut *cloth;

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass};
+use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass, Held};
 use crate::collider::tick_body::LoneBody;
 use crate::collider::tick_colliders::TickColliders;
 use crate::sdf::DistanceField;
@@ -42,6 +42,11 @@ pub(crate) fn share_bodies(cloths: Query<&ClothSimulation>, mut snapshot: ResMut
     }
 }
 
+/// Part of its momentum that a body loses in a tick as it is held by a cloth that does not go on, and by which what it is given
+/// changes for good. What is left of a motion shrinks by a third in a tick.
+const STOPPED: f32 = 0.5;
+const TRIMMED: f32 = 0.25;
+
 /// What cloths have done to a body in a tick.
 #[derive(Clone, Copy, Default)]
 struct Done {
@@ -76,11 +81,14 @@ pub(crate) fn tell_bodies(
         impulse.set_if_neq(BodyImpulse { wakes: false, ..taken.into() });
         memory.informed = true;
     }
-    for (place, body, key) in snapshot.bodies(fields.as_deref()) {
+    for (place, body, centre, key) in snapshot.bodies(fields.as_deref()) {
         let Ok((mass, mut impulse, mut memory)) = bodies.get_mut(body.entity) else {
             continue;
         };
-        let done = done(cloths.iter_many(order.iter()), place, key);
+        let dt = time.delta_secs();
+        let done = done(cloths.iter_many(order.iter()), place, key, |cloth, expected| {
+            memory.hold(cloth, expected, centre, mass.mass, dt)
+        });
         if body.mobility.is_some() {
             memory.at_rest = None;
             memory.ahead += done.expected;
@@ -88,30 +96,39 @@ pub(crate) fn tell_bodies(
             impulse.set_if_neq(all.into());
         } else {
             memory.informed = false;
-            let weight = mass.mass * GRAVITY * time.delta_secs();
+            let weight = mass.mass * GRAVITY * dt;
             let wakes = memory.has_changed(done.given, done.ran, weight);
             impulse.set_if_neq(BodyImpulse { wakes, ..default() });
         }
     }
 }
 
-/// What cloths have done to a collider, by its place and its key.
+/// What cloths have done to a collider, by its place and its key. `hold` tells what one that does not go on gives it in this tick, and in the
+/// next.
 fn done<'a>(
     cloths: impl Iterator<Item = (Entity, &'a ClothSimulation)>,
     place: usize,
     key: u64,
+    mut hold: impl FnMut(Entity, Option<Impulse>) -> Option<[Impulse; 2]>,
 ) -> Done {
     let mut done = Done::default();
-    for (_, cloth) in cloths {
+    for (entity, cloth) in cloths {
         let turn = |impulse| cloth.frame.impulse_in_world(impulse);
         let expected = cloth.solver.expected_impulse(key);
         if cloth.tick.ran() {
             done.given += turn(cloth.solver.impulse(place));
             done.expected += turn(expected);
             done.ran += 1;
-        } else {
-            // One that sleeps carries it as before.
+        }
+        let stands = !cloth.tick.ran() && expected != Impulse::ZERO;
+        if stands && cloth.is_asleep() {
+            // It carries it as before, and wakes as it moves.
             done.given += expected;
+            done.expected += expected;
+        }
+        let is_held = stands && !cloth.is_asleep();
+        if let Some([given, expected]) = hold(entity, is_held.then_some(expected)) {
+            done.given += given;
             done.expected += expected;
         }
     }
@@ -119,6 +136,40 @@ fn done<'a>(
 }
 
 impl BodyMemory {
+    /// What the body, which is at `centre`, is given in this tick and in the next by a cloth that does not go on, of what that gave it at
+    /// last. It is stopped where it is for as long as it is there: it may have swung. What leaves, is thrown out or is put elsewhere
+    /// is free. A cloth that goes on does not hold it.
+    fn hold(
+        &mut self,
+        cloth: Entity,
+        expected: Option<Impulse>,
+        centre: Vec3,
+        mass: f32,
+        dt: f32,
+    ) -> Option<[Impulse; 2]> {
+        let known = self.held_by.iter().position(|held| held.cloth == cloth);
+        let Some(expected) = expected else {
+            known.map(|at| self.held_by.swap_remove(at));
+            return None;
+        };
+        let at = known.unwrap_or_else(|| {
+            let (began, given) = (Some(centre), expected);
+            self.held_by.push(Held { cloth, began, at: centre, given, trim: Vec3::ZERO });
+            self.held_by.len() - 1
+        });
+        let held = &mut self.held_by[at];
+        if held.began?.distance(centre) > NEAR {
+            held.began = None;
+            return None;
+        }
+        let momentum = (centre - held.at) * (mass / dt);
+        held.at = centre;
+        held.trim -= momentum * TRIMMED;
+        let linear = expected.linear + held.trim - momentum * STOPPED;
+        let given = Impulse { linear, ..expected };
+        Some([core::mem::replace(&mut held.given, given), given])
+    }
+
     /// Whether cloths do anything else to a body that sleeps than they did when it fell asleep, beside its weight in a tick
     /// \[kg m/s\].
     fn has_changed(&mut self, given: Impulse, ran: u32, weight: f32) -> bool {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::impulse::ColliderImpulse;
-use crate::collider::tick_colliders::TickColliders;
+use crate::collider::tick_colliders::{Gathered, TickColliders};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
 use crate::solver::Impulse;
@@ -11,7 +11,7 @@ use crate::solver::Impulse;
 /// Sums up what the cloths of the tick gave, before their outcomes are taken.
 pub(crate) fn sum_impulses(
     cloths: Query<(Entity, &ClothSimulation)>,
-    mut measured: Query<&mut ColliderImpulse>,
+    mut measured: Query<(Entity, &mut ColliderImpulse)>,
     snapshot: Res<TickColliders>,
     fields: Option<Res<Assets<DistanceField>>>,
     mut order: Local<Vec<Entity>>,
@@ -23,12 +23,21 @@ pub(crate) fn sum_impulses(
     order.extend(cloths.iter().filter(|(_, cloth)| cloth.tick.ran()).map(|(entity, _)| entity));
     // Floating point sums depend on their order, which must not on that of archetypes.
     order.sort_unstable();
-    let present = snapshot.present().filter(|(it, _)| it.shape.get(fields.as_deref()).is_some());
-    for (place, (collider, _)) in present.enumerate() {
+    let fields = fields.as_deref();
+    let present = |it: &Gathered| it.motion.is_some() && it.shape.get(fields).is_some();
+    // What no cloth can meet is given nothing.
+    for (entity, mut impulse) in &mut measured {
+        let known = snapshot.known(entity);
+        if !known.is_some_and(|it| it.measured && present(it)) {
+            impulse.set_if_neq(ColliderImpulse::default());
+        }
+    }
+    let present = snapshot.colliders.iter().filter(|it| present(it));
+    for (place, collider) in present.enumerate() {
         if !collider.measured {
             continue;
         }
-        let Ok(mut impulse) = measured.get_mut(collider.entity) else {
+        let Ok((_, mut impulse)) = measured.get_mut(collider.entity) else {
             continue;
         };
         let given = cloths

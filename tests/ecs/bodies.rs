@@ -5,8 +5,8 @@ use std::time::Duration;
 use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    BodyImpulse, ClothComponent, ClothErrorKind, ClothSystems, ColliderBody, ColliderMass,
-    prelude::*,
+    BodyImpulse, ClothComponent, ClothErrorKind, ClothPaused, ClothSystems, ColliderBody,
+    ColliderMass, prelude::*,
 };
 
 const GRAVITY: f32 = 9.81;
@@ -319,4 +319,49 @@ fn what_hangs_and_sleeps_wakes_as_it_is_pulled() {
     insert(&mut app, cloth, lower);
     updates(&mut app, 64);
     assert!(!sleeps(&app) && place(&app, body).y < at.y - 0.2, "{at} {}", place(&app, body));
+}
+
+/// A cloth that stands still carries what lies in it, and not what has left it.
+#[test]
+fn a_paused_cloth_carries_a_body_as_long_as_it_is_there() {
+    let mut app = engine();
+    let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(16)));
+    let body = spawn(&mut app, ball(3.0, Vec3::Y * 0.2));
+    updates(&mut app, 8 * 64);
+    let height = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
+    insert(&mut app, cloth, ClothPaused::default());
+    let before = height(&app);
+    updates(&mut app, 64);
+    assert!((height(&app) - before).abs() < 0.02, "{} {before}", height(&app));
+    *transform(&mut app, body) = Transform::from_xyz(30.0, 5.0, 0.0);
+    updates(&mut app, 64);
+    assert!((height(&app) - (5.0 - 0.5 * GRAVITY)).abs() < 0.3, "{}", height(&app));
+    // It knows it again when it goes on.
+    *transform(&mut app, body) = Transform::from_xyz(0.0, before, 0.0);
+    app.world_mut().get_mut::<Moves>(body).unwrap().velocity = Vec3::ZERO;
+    app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
+    updates(&mut app, 6 * 64);
+    assert!((height(&app) - before).abs() < 0.03, "{} {before}", height(&app));
+}
+
+#[test]
+fn a_cloth_that_is_pinned_to_a_part_of_a_body_pulls_the_body() {
+    let hang = |below: bool| {
+        let mut app = engine();
+        let at = Transform::from_xyz(0.0, -1.0, 0.0);
+        let mass = ColliderMass::new(2.0, Vec3::splat(0.1));
+        let body = spawn(&mut app, (mass, Moves::default(), at));
+        let hook = spawn(&mut app, (Transform::default(), ChildOf(body)));
+        let lower = ClothPins::vertices(240..256).anchored_to(if below { hook } else { body });
+        let pins = ClothPins::vertices(0..16).and(lower);
+        let upright = Transform::from_xyz(0.0, -0.5, 0.0)
+            .with_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
+        let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(16));
+        spawn(&mut app, (cloth, pins, upright));
+        updates(&mut app, 3 * 64);
+        app.world().get::<Transform>(body).unwrap().translation
+    };
+    let [hook, body] = [hang(true), hang(false)];
+    assert!((-1.2..-0.9).contains(&body.y), "{body}");
+    assert_eq!(hook, body);
 }

@@ -1,7 +1,9 @@
 //! Colliders are met, moved, baked, and left out when they cannot be used.
 
 use crate::support::app::*;
-use bevy::{math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy};
+use bevy::{
+    ecs::entity_disabling::Disabled, math::bounding::Aabb3d, prelude::*, time::TimeUpdateStrategy,
+};
 use bevy_drape::{
     ClothComponent, ClothError, ClothErrorKind, ColliderImpulse, MeshProblem, SdfColliderDisabled,
     prelude::*,
@@ -386,4 +388,50 @@ fn a_collider_that_is_taken_away_lets_go() {
         updates(&mut app, 32);
         assert!(lowest(&app, cloth) < -0.5);
     }
+}
+
+#[test]
+fn a_collider_that_is_not_met_is_given_nothing() {
+    let acts: [fn(&mut App, Entity); 4] = [
+        |app: &mut App, ball: Entity| {
+            app.world_mut().entity_mut(ball).insert(SdfColliderDisabled);
+        },
+        |app: &mut App, ball: Entity| transform(app, ball).scale.y = 2.0,
+        |app: &mut App, ball: Entity| {
+            app.world_mut().entity_mut(ball).remove::<SdfCollider>();
+        },
+        |app: &mut App, ball: Entity| {
+            app.world_mut().entity_mut(ball).insert(Disabled);
+        },
+    ];
+    for act in acts {
+        let mut app = app();
+        let ball =
+            spawn(&mut app, (SdfCollider::from(Sphere::new(0.3)), ColliderImpulse::default()));
+        above(&mut app, 0.32);
+        updates(&mut app, 30);
+        let given = |app: &App| app.world().get::<ColliderImpulse>(ball).unwrap().linear.y;
+        assert!(given(&app) < 0.0);
+        act(&mut app, ball);
+        updates(&mut app, 2);
+        let is_there = !app.world().entity(ball).contains::<Disabled>();
+        assert!(given(&app) == 0.0 || !is_there);
+    }
+}
+
+/// As objects are that a game keeps for later.
+#[test]
+fn a_collider_of_a_disabled_entity_is_not_there() {
+    let mut app = app();
+    let ball = spawn(&mut app, SdfCollider::from(Sphere::new(0.3)));
+    updates(&mut app, 3);
+    app.world_mut().entity_mut(ball).insert(Disabled);
+    let cloth = above(&mut app, 0.32);
+    updates(&mut app, 60);
+    assert!(lowest(&app, cloth) < -2.0);
+    app.world_mut().entity_mut(ball).remove::<Disabled>();
+    let cloth = above(&mut app, 0.32);
+    updates(&mut app, 30);
+    let nearest = positions(&app, cloth).iter().map(|p| p.length()).fold(f32::INFINITY, f32::min);
+    assert!((0.3..0.32).contains(&nearest), "{nearest}");
 }

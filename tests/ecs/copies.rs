@@ -2,12 +2,17 @@
 //! bit, from the same rest shape; the original goes on; each draws into a mesh of its own; no failure is copied.
 
 use bevy::{
-    ecs::entity::EntityHashMap, prelude::*, reflect::GetPath,
+    ecs::entity::{EntityCloner, EntityHashMap},
+    prelude::*,
+    reflect::GetPath,
     world_serialization::DynamicWorldBuilder,
 };
-use bevy_drape::{ClothFailure, prelude::*};
+use bevy_drape::{ClothFailure, ClothSkin, prelude::*};
 
-use crate::support::app::*;
+use crate::{
+    skin::{dressed, usual},
+    support::app::*,
+};
 
 /// A cloth that hangs by its first row, and where it is after 20 ticks.
 struct Hanging {
@@ -79,4 +84,38 @@ fn what_a_saved_world_holds_goes_the_way_of_its_original() {
     assert!(failure(&app, map[&failed]).is_some());
     // As text: the meshes without a file are lost, and nothing else.
     assert!(saved.serialize(&known.read()).is_ok());
+}
+
+/// A character and what it wears, cloned and moved, or saved and loaded: the copy is worn by the copy.
+#[test]
+fn the_copy_of_a_dressed_character_wears_its_own_coat() {
+    let mut app = app();
+    let of = dressed(&mut app, usual());
+    updates(&mut app, 10);
+    let known = app.world().resource::<AppTypeRegistry>().clone();
+    let mut all = vec![of.root];
+    let mut next = 0;
+    while next < all.len() {
+        all.extend(app.world().get::<Children>(all[next]).into_iter().flat_map(Children::iter));
+        next += 1;
+    }
+    let saved = DynamicWorldBuilder::from_world(app.world(), &known.read())
+        .extract_entities(all.into_iter())
+        .build();
+    let mut map = EntityHashMap::default();
+    saved.write_to_world(app.world_mut(), &mut map).unwrap();
+    *transform(&mut app, map[&of.root]) = Transform::from_xyz(5.0, 0.0, 0.0);
+    let mut cloner = EntityCloner::build_opt_out(app.world_mut());
+    cloner.linked_cloning(true);
+    let mut cloner = cloner.finish();
+    let clone = cloner.spawn_clone(app.world_mut(), of.root);
+    *transform(&mut app, clone) = Transform::from_xyz(-5.0, 0.0, 0.0);
+    let is_coat = |&it: &Entity| app.world().entity(it).contains::<ClothSkin>();
+    let cloned = app.world().get::<Children>(clone).unwrap().iter().find(is_coat).unwrap();
+    updates(&mut app, 20);
+    for (copy, x) in [(map[&of.coat], 5.0), (cloned, -5.0), (of.coat, 0.0)] {
+        assert_eq!(failure(&app, copy), None);
+        let places = positions(&app, copy);
+        assert!(places.iter().all(|place| (place.x - x).abs() < 0.8), "{x}: {}", places[0]);
+    }
 }

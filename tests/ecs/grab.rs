@@ -4,7 +4,7 @@
 use crate::support::app::*;
 use bevy::prelude::*;
 use bevy_drape::{
-    ClothError, ClothErrorKind, ClothExecution, ClothGrab, ClothGravityOverride,
+    ClothError, ClothErrorKind, ClothExecution, ClothGrab, ClothGravityOverride, ClothProxy,
     ClothSleepThreshold, GrabProblem, prelude::*, solver::MassLumping,
 };
 
@@ -251,4 +251,46 @@ fn what_is_hung_is_grabbed_when_it_hangs() {
     updates(&mut app, 200);
     assert_eq!(failure(&app, cloth), None);
     assert!(position(&app, cloth, 60).distance(Vec3::new(0.0, 1.5, 0.5)) < 0.1);
+}
+
+/// What holds the cloth does not let go as it is made stiffer, or as the cloth goes on with other particles.
+#[test]
+fn a_grab_goes_on_where_its_numbers_or_the_particles_change() {
+    type Act = fn(&mut App, Entity);
+    let changes: [(&str, Act); 4] = [
+        ("force", |app, cloth| {
+            app.world_mut().get_mut::<ClothGrab>(cloth).unwrap().max_force = 90.0;
+        }),
+        ("stiffness", |app, cloth| {
+            app.world_mut().get_mut::<ClothGrab>(cloth).unwrap().stiffness = 150.0;
+        }),
+        ("proxy", |app, cloth| {
+            app.world_mut().entity_mut(cloth).insert(ClothProxy::grid(8, 8));
+        }),
+        ("coarse proxy", |app, cloth| {
+            app.world_mut().entity_mut(cloth).insert(ClothProxy::grid(3, 3));
+        }),
+    ];
+    for (what, change) in changes {
+        let mut app = app();
+        let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(16));
+        let pins = ClothPins::from(PinSelection::FirstRow);
+        let cloth = spawn(&mut app, (cloth, pins, slow()));
+        updates(&mut app, 2);
+        let at = position(&app, cloth, 255);
+        let held = ClothGrab { max_force: 200.0, ..ClothGrab::within(at, 0.1, at) };
+        grab(&mut app, cloth, held);
+        let target = at + Vec3::new(-0.3, 0.4, -0.2);
+        for tick in 1..=60 {
+            let part = tick as f32 / 60.0;
+            app.world_mut().get_mut::<ClothGrab>(cloth).unwrap().target = at.lerp(target, part);
+            app.update();
+        }
+        change(&mut app, cloth);
+        updates(&mut app, 90);
+        assert_eq!(failure(&app, cloth), None, "{what}");
+        let near = positions(&app, cloth).into_iter().map(|place| place.distance(target));
+        let nearest = near.fold(f32::INFINITY, f32::min);
+        assert!(nearest < 0.06, "{what}: {nearest}");
+    }
 }

@@ -14,10 +14,10 @@ use bevy::{
     time::TimeUpdateStrategy,
 };
 use bevy_drape::{
-    ClothErrorKind, ClothExecution, ClothInertia, ClothSkin, ColorChannel, HangProblem,
+    ClothErrorKind, ClothExecution, ClothInertia, ClothProxy, ClothSkin, ColorChannel, HangProblem,
     SkinBackstop, SkinMap, SkinProblem, prelude::*, solver::SkinLimit,
 };
-use std::time::Duration;
+use std::{sync::atomic::Ordering, time::Duration};
 
 /// Rows and columns of the coat's back.
 const SIDE: u32 = 9;
@@ -613,7 +613,7 @@ fn garments_of_one_skeleton_do_not_disturb_each_other() {
                     let inverse_bindposes = add_bindposes(&mut app, &binds);
                     let skinned = SkinnedMesh { inverse_bindposes, joints: of.joints.to_vec() };
                     let mesh = Mesh3d(add_mesh(&mut app, coat()));
-                    let cloth = (Cloth::of_mesh3d(), usual(), bevy_drape::ClothProxy::grid(5, 5));
+                    let cloth = (Cloth::of_mesh3d(), usual(), ClothProxy::grid(5, 5));
                     other = Some(spawn(&mut app, (mesh, skinned, cloth, ChildOf(of.root))));
                 }
                 50 if second => {
@@ -648,4 +648,73 @@ fn garments_of_one_skeleton_do_not_disturb_each_other() {
 
 fn transform_of(app: &App, of: &Character) -> Vec3 {
     app.world().get::<Transform>(of.root).unwrap().translation
+}
+
+/// A change of the simulated shape goes on where the cloth was; on another skeleton it begins where that is.
+#[test]
+fn another_skeleton_and_another_proxy_at_once_start_at_the_skeleton() {
+    for more_joints in [false, true] {
+        let mut app = app();
+        let of = dressed(&mut app, usual());
+        updates(&mut app, 10);
+        let other = character(&mut app, coat());
+        *transform(&mut app, other.root) = Transform::from_xyz(4.0, 0.0, 0.0);
+        let mut skinned = app.world().get::<SkinnedMesh>(other.coat).unwrap().clone();
+        if more_joints {
+            skinned.joints.push(spawn(&mut app, (Transform::default(), ChildOf(other.root))));
+            let binds = bind_places().map(|at| Mat4::from_translation(-at));
+            let binds: Vec<_> = binds.into_iter().chain([Mat4::IDENTITY]).collect();
+            skinned.inverse_bindposes = add_bindposes(&mut app, &binds);
+        }
+        app.world_mut().entity_mut(of.coat).insert((skinned, ClothProxy::grid(5, 5)));
+        for _ in 0..10 {
+            app.update();
+            let strain = simulation(&app, of.coat).strain().max;
+            assert!(strain < 0.02, "{more_joints}: {strain}");
+        }
+        assert_eq!(failure(&app, of.coat), None);
+        let places = positions(&app, of.coat);
+        assert_eq!(places.len(), 25);
+        assert!(places.iter().all(|place| (place.x - 4.0).abs() < 0.8), "{:?}", places[0]);
+    }
+}
+
+#[test]
+fn a_skinned_mesh_without_its_joints_is_told_of_once() {
+    let mut app = app();
+    let of = dressed(&mut app, usual());
+    let other = character(&mut app, coat());
+    let skinned = app.world().get::<SkinnedMesh>(other.coat).unwrap().clone();
+    app.world_mut().despawn(other.root);
+    let told = count_told(&mut app);
+    app.world_mut().entity_mut(of.coat).insert(skinned);
+    updates(&mut app, 30);
+    assert!(matches!(problem(&app, of.coat), Some(SkinProblem::JointGone(_))));
+    assert_eq!(told.load(Ordering::Relaxed), 1);
+}
+
+#[test]
+fn a_mesh_that_comes_as_it_is_taken_off_stays() {
+    let ways: [fn(&mut EntityCommands); 2] = [
+        |it| {
+            it.remove::<ClothSkin>();
+        },
+        |it| {
+            it.remove::<Cloth>();
+        },
+    ];
+    for undress in ways {
+        let mut app = app();
+        let of = dressed(&mut app, usual());
+        updates(&mut app, 5);
+        let mesh = add_mesh(&mut app, coat());
+        let mut commands = app.world_mut().commands();
+        let mut commands = commands.entity(of.coat);
+        commands.insert(Mesh3d(mesh.clone()));
+        undress(&mut commands);
+        app.world_mut().flush();
+        updates(&mut app, 3);
+        assert_eq!(app.world().get::<Mesh3d>(of.coat).unwrap().0, mesh);
+        assert!(app.world().entity(of.coat).contains::<SkinnedMesh>());
+    }
 }

@@ -2,6 +2,7 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::ecs::entity::EntityMapper;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
@@ -11,12 +12,21 @@ use crate::mesh::drawn::ClothMesh;
 use crate::mesh::source::ClothSource;
 use crate::simulation::ClothSimulation;
 
-/// What was taken off an entity whose cloth is worn.
-#[derive(Component, Clone)]
+/// What was taken off an entity whose cloth is worn. A copy of the entity, cloned or out of a saved world, has this in its place, with its
+/// own joints.
+#[derive(Component, Reflect, Clone, Debug)]
+#[reflect(Component, Debug, Clone)]
+#[component(map_entities = map_joints)]
 pub(crate) struct TakenSkin {
     pub skinned: SkinnedMesh,
     /// Whether Bevy worked out its bounds from its joints.
     pub has_bounds: bool,
+}
+
+fn map_joints<M: EntityMapper>(taken: &mut TakenSkin, mapper: &mut M) {
+    for joint in &mut taken.skinned.joints {
+        *joint = mapper.get_mapped(*joint);
+    }
 }
 
 /// Takes the skin off an entity.
@@ -29,21 +39,28 @@ pub(crate) fn take(entity: &mut EntityCommands, skinned: &SkinnedMesh, has_bound
 /// When `ClothSkin` is removed, lets the mesh be drawn skinned as before.
 pub(crate) fn give_back(
     removed: On<Remove, ClothSkin>,
-    skins: Query<(&TakenSkin, Option<&ClothMesh>)>,
+    skins: Query<(&TakenSkin, Option<&ClothMesh>, Option<&Mesh3d>)>,
     mut commands: Commands,
     mut failures: Failures,
 ) {
     for blame in [Blame::Skin, Blame::Joints] {
         failures.clear(removed.entity, blame);
     }
-    if let Ok((taken, own)) = skins.get(removed.entity) {
-        put_on(&mut commands.entity(removed.entity), taken, own);
+    if let Ok((taken, own, shown)) = skins.get(removed.entity) {
+        put_on(&mut commands.entity(removed.entity), taken, own, shown);
     }
 }
 
 /// Puts the skin on an entity again, whose cloth is gone.
-pub(crate) fn put_on(entity: &mut EntityCommands, taken: &TakenSkin, own: Option<&ClothMesh>) {
+pub(crate) fn put_on(
+    entity: &mut EntityCommands,
+    taken: &TakenSkin,
+    own: Option<&ClothMesh>,
+    shown: Option<&Mesh3d>,
+) {
     entity.try_remove::<(ClothSimulation, ClothMesh, ClothSource, TakenSkin, Aabb, NoAutoAabb)>();
+    // It may have been given another mesh meanwhile.
+    let own = own.filter(|own| shown.is_none_or(|shown| shown.0 == own.handle));
     if let Some(source) = own.and_then(|own| own.source.clone()) {
         entity.try_insert(Mesh3d(source));
     }

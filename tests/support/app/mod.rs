@@ -6,6 +6,10 @@ pub mod saved_scene;
 
 use std::{
     path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -17,7 +21,7 @@ use bevy::{
     time::TimeUpdateStrategy,
     transform::TransformPlugin,
 };
-use bevy_drape::{ClothError, ClothExecution, prelude::*};
+use bevy_drape::{ClothError, ClothExecution, ClothFailure, prelude::*};
 
 pub use meshes::*;
 pub use pools::{POOL, in_pools};
@@ -151,4 +155,14 @@ pub fn mean_velocity(app: &App, entity: Entity) -> Vec3 {
 /// How far apart particles are at most, each from itself \[m\].
 pub fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+/// Counts how often something is told of from now on.
+pub fn count_told(app: &mut App) -> Arc<AtomicUsize> {
+    let told = Arc::new(AtomicUsize::new(0));
+    let count = told.clone();
+    app.add_observer(move |_: On<Insert, ClothFailure>| {
+        count.fetch_add(1, Ordering::Relaxed);
+    });
+    told
 }
