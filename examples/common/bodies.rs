@@ -145,7 +145,7 @@ fn spawn_hammock(
         // As the bodies, which are drawn where the last tick took them.
         ClothInterpolation::LastTick,
         Mesh3d(meshes.add(hammock)),
-        ClothMaterial { area_density: 0.3, ..ClothMaterial::CANVAS },
+        ClothMaterial { area_density: 0.3, drag: 0.5, ..ClothMaterial::CANVAS },
         pins,
         Transform::from_translation(HAMMOCK),
         linen(TEAL),
@@ -226,7 +226,7 @@ fn spawn_crate(
         Cloth::of_mesh3d(),
         ClothInterpolation::LastTick,
         Mesh3d(meshes.add(band)),
-        ClothMaterial { area_density: 0.3, ..ClothMaterial::CANVAS },
+        ClothMaterial { area_density: 0.3, drag: 0.5, ..ClothMaterial::CANVAS },
         pins,
         Transform::from_translation(CRATE),
         linen(INDIGO),

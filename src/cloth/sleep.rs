@@ -12,7 +12,7 @@ use crate::solver::ParameterError;
 /// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
 /// A cloth that hardly moves is braked, so that it comes to rest sooner: once all its particles have stayed within `distance` for a
-/// twentieth of `time`, its drag counts up to four times, and 4 /s at most. One without drag is not.
+/// twentieth of `time`, its drag counts up to five times, and 5 /s at most. One without drag is not.
 ///
 /// Positions are compared, not speeds: a cloth that trembles on the spot is at rest, and one that turns at
 /// the end of a swing is not.

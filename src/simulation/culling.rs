@@ -11,7 +11,7 @@ use bevy::time::Virtual;
 use crate::cloth::culling::ClothCulling;
 use crate::error::ClothComponent;
 use crate::error::failures::Failures;
-use crate::pose::pose_now;
+use crate::pose::{PoseTrack, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::solver::{Pose, RigidMotion};
 
@@ -98,6 +98,22 @@ impl ClothSimulation {
         let attachments = &self.held.attachments;
         let leader = &attachments.anchors[attachments.reference()?];
         Some(RigidMotion::between(&leader.pose.end(), now))
+    }
+
+    /// Takes a culled cloth to where its leader is now, as what it is held by is about to change. A worn one goes where its skin is.
+    pub(crate) fn catch_up(&mut self, transforms: &TransformHelper) {
+        let attachments = &mut self.held.attachments;
+        let Some(leader) = attachments.reference().filter(|_| self.skin.is_none()) else { return };
+        let leader = &attachments.anchors[leader];
+        let Ok(now) = pose_now(transforms, leader.entity) else { return };
+        // Where that is nowhere, its next tick says so.
+        if self.solver.carry(&leader.pose.end(), &now).is_ok() {
+            for anchor in &mut attachments.anchors {
+                if let Ok(now) = pose_now(transforms, anchor.entity) {
+                    anchor.pose = PoseTrack::new(now);
+                }
+            }
+        }
     }
 
     /// Where a culled cloth is about, in the frame of its entity, from where its leader is now.

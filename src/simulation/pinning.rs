@@ -42,6 +42,9 @@ pub(crate) fn apply_pins(
         {
             continue;
         }
+        if cloth.culling.has_culled() {
+            cloth.catch_up(&transforms);
+        }
         cloth.in_force.pins.clone_from(pins);
         let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         if let Some(skin) = &mut cloth.skin {

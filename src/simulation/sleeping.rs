@@ -17,8 +17,8 @@ use crate::solver::{ClothSolver, ParameterError};
 const BRAKED_AFTER: f32 = 0.05;
 /// Times its drag by which it is braked then, beside its drag, and the most that both may be together \[1/s\]. More would hinder it on its
 /// way to rest.
-const BRAKING: f32 = 3.0;
-const MOST_BRAKED: f32 = 4.0;
+const BRAKING: f32 = 4.0;
+const MOST_BRAKED: f32 = 5.0;
 
 /// Whether a cloth has anything to do.
 #[derive(Clone, Debug, Default, PartialEq)]

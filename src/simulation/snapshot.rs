@@ -116,8 +116,8 @@ impl ClothSimulation {
             skin,
             frame,
             pushing,
-            // This is about who looks.
-            culling: _,
+            // Who looks is another's, and where it is.
+            culling,
             lod: _,
             sleep,
             // Between ticks there is no result.
@@ -132,7 +132,11 @@ impl ClothSimulation {
             placed: *placed,
             held: held.clone(),
             skin: skin.as_ref().map(|skin| skin.state.clone()),
-            frame: frame.clone(),
+            // One that is culled is where its leader was, and goes on where that is.
+            frame: ReferenceFrame {
+                teleport_asked: frame.teleport_asked || culling.has_culled(),
+                ..frame.clone()
+            },
             pushing: pushing.clone(),
             sleep: sleep.clone(),
             progress: progress.clone(),

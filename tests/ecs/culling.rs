@@ -279,3 +279,51 @@ fn bad_numbers_are_told_and_the_last_good_ones_stay() {
     app.update();
     assert_eq!(failure(&app, cloth), None);
 }
+
+/// The hand walks on, and what it holds is handed to another hand of the same character.
+#[test]
+fn pins_that_change_out_of_sight_hold_it_where_it_would_be() {
+    let (mut app, camera) = app_with_view();
+    let [hand, cloth] = held(&mut app);
+    let other = spawn(&mut app, (Transform::from_xyz(0.5, 0.0, 0.0), ChildOf(hand)));
+    updates(&mut app, 20);
+    let before = positions(&app, cloth);
+    look(&mut app, camera, AWAY);
+    updates(&mut app, 60);
+    assert!(simulation(&app, cloth).is_culled());
+    let way = Vec3::new(-20.0, 1.0, 3.0);
+    transform(&mut app, hand).translation = way;
+    updates(&mut app, 3);
+    let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(other);
+    app.world_mut().entity_mut(cloth).insert(pins);
+    updates(&mut app, 3);
+    look(&mut app, camera, way);
+    updates(&mut app, 2);
+    assert!(!simulation(&app, cloth).is_culled());
+    for (column, before) in before.iter().take(8).enumerate() {
+        let off = position(&app, cloth, column).distance(*before + way);
+        assert!(off < 1e-3, "{column}: {off}");
+    }
+    assert!(simulation(&app, cloth).strain().max < 0.02);
+}
+
+/// It is saved where its hand was, and put on another entity when that has gone on by less than a jump.
+#[test]
+fn one_that_is_saved_out_of_sight_goes_on_where_its_anchor_is() {
+    let (mut app, camera) = app_with_view();
+    let [hand, cloth] = held(&mut app);
+    updates(&mut app, 200);
+    look(&mut app, camera, AWAY);
+    updates(&mut app, 60);
+    transform(&mut app, hand).translation.x = 1.8;
+    updates(&mut app, 3);
+    let saved = simulation(&app, cloth).save();
+    let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hand);
+    let copy = spawn(&mut app, (sheet(), pins, saved, Transform::default()));
+    for _ in 0..4 {
+        app.update();
+        assert!(simulation(&app, copy).strain().max < 0.02);
+        assert!(mean_velocity(&app, copy).length() < 0.5);
+    }
+    assert!((position(&app, copy, 0).x - 1.8).abs() < 0.6);
+}
