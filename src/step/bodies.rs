@@ -86,9 +86,9 @@ pub(crate) fn tell_bodies(
             continue;
         };
         let dt = time.delta_secs();
-        let done = done(cloths.iter_many(order.iter()), place, key, |cloth, expected| {
-            memory.hold(cloth, expected, centre, mass.mass, dt)
-        });
+        memory.held_by.retain(|held| cloths.contains(held.cloth));
+        let body_now = BodyNow { memory: &mut memory, centre, mass: mass.mass, dt };
+        let done = done(cloths.iter_many(order.iter()), place, key, body_now);
         if body.mobility.is_some() {
             memory.at_rest = None;
             memory.ahead += done.expected;
@@ -103,13 +103,23 @@ pub(crate) fn tell_bodies(
     }
 }
 
-/// What cloths have done to a collider, by its place and its key. `hold` tells what one that does not go on gives it in this tick, and in the
-/// next.
+/// A body where it is in a tick, and what is remembered of it.
+struct BodyNow<'a> {
+    memory: &'a mut BodyMemory,
+    /// Its centre of mass \[m\].
+    centre: Vec3,
+    /// \[kg\]
+    mass: f32,
+    /// Length of the tick \[s\].
+    dt: f32,
+}
+
+/// What cloths have done to a collider of a body, by its place and its key.
 fn done<'a>(
     cloths: impl Iterator<Item = (Entity, &'a ClothSimulation)>,
     place: usize,
     key: u64,
-    mut hold: impl FnMut(Entity, Option<Impulse>) -> Option<[Impulse; 2]>,
+    mut body: BodyNow<'_>,
 ) -> Done {
     let mut done = Done::default();
     for (entity, cloth) in cloths {
@@ -119,15 +129,14 @@ fn done<'a>(
             done.given += turn(cloth.solver.impulse(place));
             done.expected += turn(expected);
             done.ran += 1;
-        }
-        let stands = !cloth.tick.ran() && expected != Impulse::ZERO;
-        if stands && cloth.is_asleep() {
+            body.memory.held_by.retain(|held| held.cloth != entity);
+        } else if expected == Impulse::ZERO {
+            // It does not carry the body, or does so by another collider.
+        } else if cloth.is_asleep() {
             // It carries it as before, and wakes as it moves.
             done.given += expected;
             done.expected += expected;
-        }
-        let is_held = stands && !cloth.is_asleep();
-        if let Some([given, expected]) = hold(entity, is_held.then_some(expected)) {
+        } else if let Some([given, expected]) = body.hold(entity, expected) {
             done.given += given;
             done.expected += expected;
         }
@@ -135,29 +144,18 @@ fn done<'a>(
     done
 }
 
-impl BodyMemory {
-    /// What the body, which is at `centre`, is given in this tick and in the next by a cloth that does not go on, of what that gave it at
-    /// last. It is stopped where it is for as long as it is there: it may have swung. What leaves, is thrown out or is put elsewhere
-    /// is free. A cloth that goes on does not hold it.
-    fn hold(
-        &mut self,
-        cloth: Entity,
-        expected: Option<Impulse>,
-        centre: Vec3,
-        mass: f32,
-        dt: f32,
-    ) -> Option<[Impulse; 2]> {
-        let known = self.held_by.iter().position(|held| held.cloth == cloth);
-        let Some(expected) = expected else {
-            known.map(|at| self.held_by.swap_remove(at));
-            return None;
-        };
-        let at = known.unwrap_or_else(|| {
+impl BodyNow<'_> {
+    /// What it is given in this tick and in the next by a cloth that does not go on, of what that gave it at last. It is stopped
+    /// where it is for as long as it is there: it may have swung. What leaves, is thrown out or is put elsewhere is free.
+    fn hold(&mut self, cloth: Entity, expected: Impulse) -> Option<[Impulse; 2]> {
+        let Self { centre, mass, dt, .. } = *self;
+        let held_by = &mut self.memory.held_by;
+        let at = held_by.iter().position(|held| held.cloth == cloth).unwrap_or_else(|| {
             let (began, given) = (Some(centre), expected);
-            self.held_by.push(Held { cloth, began, at: centre, given, trim: Vec3::ZERO });
-            self.held_by.len() - 1
+            held_by.push(Held { cloth, began, at: centre, given, trim: Vec3::ZERO });
+            held_by.len() - 1
         });
-        let held = &mut self.held_by[at];
+        let held = &mut held_by[at];
         if held.began?.distance(centre) > NEAR {
             held.began = None;
             return None;
@@ -169,7 +167,9 @@ impl BodyMemory {
         let given = Impulse { linear, ..expected };
         Some([core::mem::replace(&mut held.given, given), given])
     }
+}
 
+impl BodyMemory {
     /// Whether cloths do anything else to a body that sleeps than they did when it fell asleep, beside its weight in a tick
     /// \[kg m/s\].
     fn has_changed(&mut self, given: Impulse, ran: u32, weight: f32) -> bool {
