@@ -28,7 +28,7 @@ pub struct ClothMaterial {
     pub damping: f32,
     /// Which relative velocity `damping` acts on.
     pub damping_form: DampingForm,
-    /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner. The default of 1 is what the law of `ClothAir` comes to for the
+    /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner. The default of 1 is what the law of [`ClothAir`](crate::ClothAir) comes to for the
     /// default cloth that goes broadside at a quarter of a metre a second. The cheapest of airs;
     /// [`ClothAir`](crate::ClothAir) takes its place.
     pub drag: f32,

@@ -11,8 +11,9 @@ use crate::solver::ParameterError;
 /// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
-/// A cloth that hardly moves is braked, so that it comes to rest sooner: once all its particles have stayed within `distance` for a
-/// twentieth of `time`, its drag counts up to five times, and 5 /s at most. One without drag is not.
+/// A cloth that hardly moves is braked, so that it comes to rest sooner: while no particle goes further than `distance` in a twentieth of
+/// `time`, the drag of its material counts up to five times, and 5 /s at most. One that pins or a skeleton lead is not, nor one with
+/// [`ClothAir`](crate::ClothAir), nor one whose material has no drag.
 ///
 /// Positions are compared, not speeds: a cloth that trembles on the spot is at rest, and one that turns at
 /// the end of a swing is not.

@@ -178,6 +178,8 @@ pub(crate) struct BodyMemory {
     pub ahead: Impulse,
     /// What cloths gave it in its first tick asleep, and how many of them took that tick.
     pub at_rest: Option<(Impulse, u32)>,
+    /// Where its centre was in the last tick \[m\].
+    pub at: Option<Vec3>,
     /// Cloths that carry it and do not go on.
     pub held_by: Vec<Held>,
 }
@@ -186,9 +188,9 @@ pub(crate) struct BodyMemory {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held {
     pub cloth: Entity,
-    /// Where its centre was when that began; none once it has left it \[m\].
+    /// Where its centre was when that began, in the frame of what leads the cloth; none once it has left it \[m\].
     pub began: Option<Vec3>,
-    /// Where it was in the last tick \[m\], and what it was given then.
+    /// Where it was there in the last tick \[m\], and what it was given then.
     pub at: Vec3,
     pub given: Impulse,
     /// What it is given beside what the cloth gave it at last, so that it stays \[kg m/s\].

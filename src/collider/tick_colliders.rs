@@ -345,7 +345,7 @@ pub(crate) fn drop_disabled(disabled: On<Add, Disabled>, mut snapshot: ResMut<Ti
     snapshot.put(disabled.entity, None, false);
 }
 
-/// When it no longer is, the collider has not moved from where it was lost.
+/// When an entity is enabled again, its collider starts where it is now: it has not come from where it was disabled.
 pub(crate) fn take_up_enabled(
     enabled: On<Remove, Disabled>,
     mut colliders: Query<&mut ColliderPose, Allow<Disabled>>,

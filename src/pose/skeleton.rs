@@ -6,13 +6,20 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 /// The joints of a skinned mesh, in its order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Skeleton {
     pub joints: Vec<Entity>,
     /// From the mesh's frame to each joint's, when the mesh is as it was modelled.
     inverse_bindposes: Vec<Affine3A>,
     /// All of them, parents before their children, each with its parent where that is a joint as well.
     order: Vec<(u16, Option<u16>)>,
+}
+
+impl PartialEq for Skeleton {
+    /// Whether it has the same joints, bound alike. How they are connected may change.
+    fn eq(&self, other: &Self) -> bool {
+        self.joints == other.joints && self.inverse_bindposes == other.inverse_bindposes
+    }
 }
 
 /// Where the joints of a skeleton were seen.

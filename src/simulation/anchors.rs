@@ -70,7 +70,7 @@ pub(crate) fn gather_pins(
             }
             let outcome = outcome.and_then(|()| skin.check_scale());
             // One that is to be taken over is looked at elsewhere, and may be what is told of.
-            if outcome.is_err() || !is_skinned {
+            if !is_skinned || outcome.is_err() && !failures.blames(entity, Blame::Joints) {
                 failures.tell(entity, Blame::Joints, outcome.map_err(ClothErrorKind::Skin));
             }
         }

@@ -1,7 +1,7 @@
 //! Cloths that no view sees stand still, and go on where their leader is as they turn up.
 //!
-//! While one is culled nothing of it is followed: its anchors' poses and its skin are those of its last tick. As it comes back a
-//! teleport takes it from there to where they are.
+//! While one is culled nothing of it is followed: its anchors' poses and its skin are those of its last tick, and anchors that are new are
+//! taken back to that. As it comes back a teleport takes it from there to where they are.
 
 use bevy::camera::primitives::Aabb;
 use bevy::math::Affine3A;
@@ -11,7 +11,7 @@ use bevy::time::Virtual;
 use crate::cloth::culling::ClothCulling;
 use crate::error::ClothComponent;
 use crate::error::failures::Failures;
-use crate::pose::{PoseTrack, pose_now};
+use crate::pose::pose_now;
 use crate::simulation::ClothSimulation;
 use crate::solver::{Pose, RigidMotion};
 
@@ -100,20 +100,20 @@ impl ClothSimulation {
         Some(RigidMotion::between(&leader.pose.end(), now))
     }
 
-    /// Takes a culled cloth to where its leader is now, as what it is held by is about to change. A worn one goes where its skin is.
-    pub(crate) fn catch_up(&mut self, transforms: &TransformHelper) {
-        let attachments = &mut self.held.attachments;
-        let Some(leader) = attachments.reference().filter(|_| self.skin.is_none()) else { return };
-        let leader = &attachments.anchors[leader];
-        let Ok(now) = pose_now(transforms, leader.entity) else { return };
-        // Where that is nowhere, its next tick says so.
-        if self.solver.carry(&leader.pose.end(), &now).is_ok() {
-            for anchor in &mut attachments.anchors {
-                if let Ok(now) = pose_now(transforms, anchor.entity) {
-                    anchor.pose = PoseTrack::new(now);
-                }
-            }
+    /// Where something that is at `now` would be if the leader of a culled cloth were where it was in the cloth's last tick: it goes
+    /// along with the leader from there.
+    pub(crate) fn before_it_was_culled(&self, now: Pose, transforms: &TransformHelper) -> Pose {
+        let way = self.leader_now(transforms).and_then(|leader| self.carried_to(&leader));
+        match way.filter(|_| self.culling.has_culled()) {
+            Some(way) => way.inverse().apply_to_pose(&now),
+            None => now,
         }
+    }
+
+    /// Where what leads the cloth is now.
+    pub(crate) fn leader_now(&self, transforms: &TransformHelper) -> Option<Pose> {
+        let attachments = &self.held.attachments;
+        pose_now(transforms, attachments.anchors[attachments.reference()?].entity).ok()
     }
 
     /// Where a culled cloth is about, in the frame of its entity, from where its leader is now.

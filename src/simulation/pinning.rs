@@ -6,7 +6,7 @@ use crate::cloth::pins::{ClothPins, Pin, PinHold};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
-use crate::pose::{PoseError, pose_now, to_local};
+use crate::pose::{PoseError, PoseTrack, pose_now, to_local};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attached, Attachments};
 use crate::simulation::holding::hold;
@@ -41,9 +41,6 @@ pub(crate) fn apply_pins(
             && !failures.blames(entity, Blame::Pins)
         {
             continue;
-        }
-        if cloth.culling.has_culled() {
-            cloth.catch_up(&transforms);
         }
         cloth.in_force.pins.clone_from(pins);
         let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
@@ -146,7 +143,9 @@ fn anchor(
         return Some(Anchor { holds: 0, pulls: 0, ..*known });
     }
     let own = pose_now(transforms, entity).unwrap_or(cloth.in_force.placed);
-    Some(Anchor::new(anchor, anchor_now(anchor, transforms).ok()?, &own))
+    let now = anchor_now(anchor, transforms).ok()?;
+    let pose = PoseTrack::new(cloth.before_it_was_culled(now, transforms));
+    Some(Anchor { pose, ..Anchor::new(anchor, now, &own) })
 }
 
 fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinProblem> {

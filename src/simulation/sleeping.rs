@@ -13,7 +13,8 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, ParameterError};
 
-/// Part of the time that a cloth has to be still for, after which it hardly moves.
+/// Part of the time that a cloth has to be still for. One that hardly moves goes no further in it than one that is still, and is braked after
+/// it.
 const BRAKED_AFTER: f32 = 0.05;
 /// Times its drag by which it is braked then, beside its drag, and the most that both may be together \[1/s\]. More would hinder it on its
 /// way to rest.
@@ -25,10 +26,10 @@ const MOST_BRAKED: f32 = 5.0;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SleepState {
     sleep: ClothSleepThreshold,
-    /// How long all particles have been near where they were marked, and how long they were near the mark before \[s\].
+    /// How long all particles have been near where they were marked \[s\].
     still: f32,
-    #[cfg_attr(feature = "serialize", serde(default))]
-    before: f32,
+    /// How long it has hardly moved \[s\]. It goes on whatever disturbs the cloth: one that is saved and loaded has the same bits.
+    slow: f32,
     asleep: bool,
     /// Something has happened that could move it.
     disturbed: bool,
@@ -52,23 +53,23 @@ impl SleepState {
 
     /// Notes how far the cloth has gone in a tick of `dt` seconds.
     pub fn note_tick(&mut self, solver: &mut ClothSolver, dt: f32) {
+        let most = self.sleep.distance * dt / (BRAKED_AFTER * self.sleep.time).max(dt);
+        let is_slow = self.sleep.distance > 0.0 && solver.largest_move() <= most;
+        self.slow = if is_slow { self.slow + dt } else { 0.0 };
         if self.sleep.distance == 0.0 {
-            (self.still, self.before) = (0.0, 0.0);
+            self.still = 0.0;
         } else if self.still == 0.0 || solver.distance_from_mark() > self.sleep.distance {
             solver.mark();
-            // It was no longer near in this tick, nor in the first, at whose end it was marked.
-            self.before = (self.still - dt).max(0.0);
             self.still = dt;
         } else {
             self.still += dt;
         }
     }
 
-    /// Drag beside that of a cloth of a `drag`, so that what hardly moves comes to rest \[1/s\].
-    fn braking(&self, drag: f32, dt: f32) -> f32 {
-        let longest = (self.still - dt).max(self.before);
-        let hardly_moves = longest > 0.0 && longest >= BRAKED_AFTER * self.sleep.time;
-        if hardly_moves { (BRAKING * drag).min((MOST_BRAKED - drag).max(0.0)) } else { 0.0 }
+    /// Drag beside the material's, of a cloth of a `drag`, so that what hardly moves comes to rest \[1/s\].
+    fn braking(&self, drag: f32) -> f32 {
+        let is_braked = self.slow > 0.0 && self.slow >= BRAKED_AFTER * self.sleep.time;
+        if is_braked { (BRAKING * drag).min((MOST_BRAKED - drag).max(0.0)) } else { 0.0 }
     }
 
     /// Whether the cloth has been still for long enough to sleep.
@@ -85,7 +86,7 @@ impl SleepState {
     pub fn is_sound(&self) -> bool {
         let is_time = |time| (0.0..f32::INFINITY).contains(&time);
         is_time(self.still)
-            && is_time(self.before)
+            && is_time(self.slow)
             && self.sleep.validate().is_ok()
             && self.gravity.is_none_or(Vec3::is_finite)
     }
@@ -103,10 +104,13 @@ impl SleepState {
         self.disturbed |= self.gravity != Some(gravity);
         self.gravity = Some(gravity);
         if core::mem::take(&mut self.disturbed) {
-            (self.still, self.before) = (0.0, 0.0);
+            self.still = 0.0;
             self.asleep = false;
         } else {
             self.asleep |= self.is_ready() && !self.kept_awake;
+        }
+        if self.asleep {
+            self.slow = 0.0;
         }
     }
 }
@@ -126,15 +130,15 @@ pub(crate) fn choose_steps(
     mut commands: Commands,
     mut failures: Failures,
 ) {
-    // The body that an anchor is of, or is below.
     let has_bodies = !masses.is_empty();
-    let body = |anchor| {
+    // The body that an anchor is of, or is below. A cloth that holds to its own entity goes along with what that is below.
+    let body_of = |cloth, anchor| {
         let mut at = has_bodies.then_some(anchor);
         while let Some(entity) = at {
             match bodies.get(entity).ok()? {
                 (_, Some(part), _) => return Some(part.0),
                 (true, ..) => return Some(entity),
-                (.., parent) => at = parent.map(ChildOf::parent),
+                (.., parent) => at = parent.filter(|_| anchor != cloth).map(ChildOf::parent),
             }
         }
         None
@@ -172,7 +176,7 @@ pub(crate) fn choose_steps(
             let ClothSimulation { solver, held, skin, frame, pushing, sleep, tick, .. } =
                 &mut *cloth;
             let TickState { step, motions, .. } = tick;
-            step.braking = sleep.braking(solver.material().drag, step.dt);
+            let body = |anchor| body_of(entity, anchor);
             step.gravity = frame.seen(step.gravity);
             step.wind.velocity = frame.seen(step.wind.velocity);
             held.gather_motions(solver, skin.as_deref(), frame.ride, body, motions);
@@ -180,6 +184,9 @@ pub(crate) fn choose_steps(
                 skin.gather_motions(frame.ride, &mut motions.skin);
             }
             pushing.push(entity, solver, frame, &mut failures);
+            let is_led = skin.is_some() || tick.way_of_pins() > 0.0;
+            let is_braked = !is_led && solver.air().is_none();
+            tick.step.braking = if is_braked { sleep.braking(solver.material().drag) } else { 0.0 };
         } else if cloth.sleep.stepped {
             cloth.solver.stand_still();
         }

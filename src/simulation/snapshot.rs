@@ -69,6 +69,8 @@ struct Content {
     held: Holding,
     skin: Option<SkinState>,
     frame: ReferenceFrame,
+    /// It was culled, and goes on where its leader is.
+    returns: bool,
     pushing: Pushing,
     sleep: SleepState,
     progress: Progress,
@@ -116,7 +118,7 @@ impl ClothSimulation {
             skin,
             frame,
             pushing,
-            // Who looks is another's, and where it is.
+            // Whether it is seen is not saved. That it was culled is: it goes on from where its leader was then.
             culling,
             lod: _,
             sleep,
@@ -132,11 +134,11 @@ impl ClothSimulation {
             placed: *placed,
             held: held.clone(),
             skin: skin.as_ref().map(|skin| skin.state.clone()),
-            // One that is culled is where its leader was, and goes on where that is.
             frame: ReferenceFrame {
                 teleport_asked: frame.teleport_asked || culling.has_culled(),
                 ..frame.clone()
             },
+            returns: culling.has_culled(),
             pushing: pushing.clone(),
             sleep: sleep.clone(),
             progress: progress.clone(),
@@ -154,11 +156,13 @@ impl ClothSimulation {
             mut held,
             skin,
             frame,
+            returns,
             pushing,
             sleep,
             progress,
             tick,
         } = state;
+        self.culling.returns = returns;
         if let (Some(worn), Some(skin)) = (&mut self.skin, skin) {
             worn.restore(skin);
         }

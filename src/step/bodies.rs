@@ -5,9 +5,10 @@ use bevy::prelude::*;
 use crate::collider::mass::{BodyImpulse, BodyMemory, ColliderMass, Held};
 use crate::collider::tick_body::LoneBody;
 use crate::collider::tick_colliders::TickColliders;
+use crate::pose::{to_local, to_world};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
-use crate::solver::Impulse;
+use crate::solver::{Impulse, Pose};
 
 /// How far from a body a cloth may be to count as near it \[m\].
 const NEAR: f32 = 0.05;
@@ -65,6 +66,7 @@ pub(crate) fn tell_bodies(
     snapshot: Res<TickColliders>,
     fields: Option<Res<Assets<DistanceField>>>,
     time: Res<Time>,
+    transforms: TransformHelper,
     mut order: Local<Vec<Entity>>,
 ) {
     if bodies.is_empty() {
@@ -87,8 +89,9 @@ pub(crate) fn tell_bodies(
         };
         let dt = time.delta_secs();
         memory.held_by.retain(|held| cloths.contains(held.cloth));
-        let body_now = BodyNow { memory: &mut memory, centre, mass: mass.mass, dt };
-        let done = done(cloths.iter_many(order.iter()), place, key, body_now);
+        let memory = &mut *memory;
+        let body_now = BodyNow { memory, centre, mass: mass.mass, dt };
+        let done = done(cloths.iter_many(order.iter()), place, key, body_now, &transforms);
         if body.mobility.is_some() {
             memory.at_rest = None;
             memory.ahead += done.expected;
@@ -120,6 +123,7 @@ fn done<'a>(
     place: usize,
     key: u64,
     mut body: BodyNow<'_>,
+    transforms: &TransformHelper,
 ) -> Done {
     let mut done = Done::default();
     for (entity, cloth) in cloths {
@@ -136,35 +140,54 @@ fn done<'a>(
             // It carries it as before, and wakes as it moves.
             done.given += expected;
             done.expected += expected;
-        } else if let Some([given, expected]) = body.hold(entity, expected) {
+        } else if let Some([given, expected]) =
+            body.hold(entity, expected, leads(cloth, transforms))
+        {
             done.given += given;
             done.expected += expected;
         }
     }
+    body.memory.at = Some(body.centre);
     done
+}
+
+/// Where what leads a cloth was before, and is now. A culled one has not followed it since its last tick.
+fn leads(cloth: &ClothSimulation, transforms: &TransformHelper) -> [Pose; 2] {
+    let attachments = &cloth.held.attachments;
+    let pose = attachments.reference().map(|leader| &attachments.anchors[leader].pose);
+    let Some((pose, now)) = pose.zip(cloth.leader_now(transforms)) else {
+        return [Pose::IDENTITY; 2];
+    };
+    [if cloth.is_culled() { pose.end() } else { pose.start() }, now]
 }
 
 impl BodyNow<'_> {
     /// What it is given in this tick and in the next by a cloth that does not go on, of what that gave it at last. It is stopped
-    /// where it is for as long as it is there: it may have swung. What leaves, is thrown out or is put elsewhere is free.
-    fn hold(&mut self, cloth: Entity, expected: Impulse) -> Option<[Impulse; 2]> {
+    /// where it is, seen from what leads the cloth, for as long as it is there: it may have swung. What leaves, is thrown out or is put
+    /// elsewhere is free. What turned it no longer does.
+    fn hold(&mut self, cloth: Entity, expected: Impulse, leads: [Pose; 2]) -> Option<[Impulse; 2]> {
         let Self { centre, mass, dt, .. } = *self;
+        let [before, leader] = leads;
         let held_by = &mut self.memory.held_by;
         let at = held_by.iter().position(|held| held.cloth == cloth).unwrap_or_else(|| {
-            let (began, given) = (Some(centre), expected);
-            held_by.push(Held { cloth, began, at: centre, given, trim: Vec3::ZERO });
+            let began = to_local(&before, self.memory.at.unwrap_or(centre));
+            let at = to_local(&leader, centre);
+            held_by.push(Held { cloth, began: Some(began), at, given: expected, trim: Vec3::ZERO });
             held_by.len() - 1
         });
+        // Of several cloths, one stops it.
+        let stops = held_by[..at].iter().all(|other| other.began.is_none());
         let held = &mut held_by[at];
-        if held.began?.distance(centre) > NEAR {
+        if to_world(&leader, held.began?).distance(centre) > NEAR {
             held.began = None;
             return None;
         }
-        let momentum = (centre - held.at) * (mass / dt);
-        held.at = centre;
+        let way = centre - to_world(&leader, held.at);
+        held.at = to_local(&leader, centre);
+        let momentum = if stops { way * (mass / dt) } else { Vec3::ZERO };
         held.trim -= momentum * TRIMMED;
         let linear = expected.linear + held.trim - momentum * STOPPED;
-        let given = Impulse { linear, ..expected };
+        let given = Impulse { linear, angular: Vec3::ZERO };
         Some([core::mem::replace(&mut held.given, given), given])
     }
 }

@@ -321,27 +321,76 @@ fn what_hangs_and_sleeps_wakes_as_it_is_pulled() {
     assert!(!sleeps(&app) && place(&app, body).y < at.y - 0.2, "{at} {}", place(&app, body));
 }
 
-/// A cloth that stands still carries what lies in it, and not what has left it.
+/// A cloth that stands still carries what lies in it, and not what has left it; be it awake or asleep as it is stopped.
 #[test]
 fn a_paused_cloth_carries_a_body_as_long_as_it_is_there() {
+    for sleeps in [false, true] {
+        let mut app = engine();
+        let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(16)));
+        let body = spawn(&mut app, ball(3.0, Vec3::Y * 0.2));
+        app.world_mut().get_mut::<Moves>(body).unwrap().falls_asleep = sleeps;
+        app.update();
+        let mut ticks = 0;
+        while if sleeps { !simulation(&app, cloth).is_asleep() } else { ticks < 3 * 64 } {
+            app.update();
+            ticks += 1;
+            assert!(ticks < 60 * 64);
+        }
+        assert_eq!(simulation(&app, cloth).is_asleep(), sleeps, "{ticks}");
+        let height = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
+        insert(&mut app, cloth, ClothPaused::default());
+        let before = height(&app);
+        updates(&mut app, 128);
+        assert!((height(&app) - before).abs() < 0.03, "{} {before}", height(&app));
+        *transform(&mut app, body) = Transform::from_xyz(30.0, 5.0, 0.0);
+        app.world_mut().get_mut::<ColliderMass>(body).unwrap().sleeps = false;
+        app.world_mut().get_mut::<Moves>(body).unwrap().falls_asleep = false;
+        let start = app.world().get::<Moves>(body).unwrap().velocity.y;
+        updates(&mut app, 64);
+        let free = 5.0 + start - 0.5 * GRAVITY;
+        assert!((height(&app) - free).abs() < 0.3, "{sleeps}: {} {free}", height(&app));
+        // It knows it again when it goes on.
+        *transform(&mut app, body) = Transform::from_xyz(0.0, before, 0.0);
+        app.world_mut().get_mut::<Moves>(body).unwrap().velocity = Vec3::ZERO;
+        app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
+        updates(&mut app, 6 * 64);
+        assert!((height(&app) - before).abs() < 0.06, "{} {before}", height(&app));
+    }
+}
+
+/// From a lift that goes up at 1 m/s, on four straps that are stopped together.
+#[test]
+fn a_body_goes_along_with_what_leads_cloths_that_stand_still() {
     let mut app = engine();
-    let cloth = spawn(&mut app, hammock(Vec2::ONE, UVec2::splat(16)));
-    let body = spawn(&mut app, ball(3.0, Vec3::Y * 0.2));
-    updates(&mut app, 8 * 64);
+    let lift = spawn(&mut app, Transform::default());
+    let mass = ColliderMass::new(2.0, Vec3::splat(0.1));
+    let at = Transform::from_xyz(0.0, -1.0, 0.0);
+    let body = spawn(&mut app, (mass, Moves::default(), at));
+    let straps: Vec<_> = (0..4)
+        .map(|strap| {
+            let cloth = Cloth::sheet(Vec2::new(0.1, 1.0), UVec2::new(4, 16));
+            let pins = ClothPins::vertices(0..4).anchored_to(lift);
+            let pins = pins.and(ClothPins::vertices(60..64).anchored_to(body));
+            let at = Transform::from_xyz(strap as f32 * 0.2 - 0.3, -0.5, 0.0)
+                .with_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2));
+            spawn(&mut app, (cloth, pins, at))
+        })
+        .collect();
+    updates(&mut app, 3 * 64);
+    for strap in straps {
+        insert(&mut app, strap, ClothPaused::default());
+    }
     let height = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
-    insert(&mut app, cloth, ClothPaused::default());
     let before = height(&app);
     updates(&mut app, 64);
     assert!((height(&app) - before).abs() < 0.02, "{} {before}", height(&app));
-    *transform(&mut app, body) = Transform::from_xyz(30.0, 5.0, 0.0);
-    updates(&mut app, 64);
-    assert!((height(&app) - (5.0 - 0.5 * GRAVITY)).abs() < 0.3, "{}", height(&app));
-    // It knows it again when it goes on.
-    *transform(&mut app, body) = Transform::from_xyz(0.0, before, 0.0);
-    app.world_mut().get_mut::<Moves>(body).unwrap().velocity = Vec3::ZERO;
-    app.world_mut().entity_mut(cloth).remove::<ClothPaused>();
-    updates(&mut app, 6 * 64);
-    assert!((height(&app) - before).abs() < 0.03, "{} {before}", height(&app));
+    app.world_mut().get_mut::<Moves>(body).unwrap().velocity = Vec3::Y;
+    for tick in 1..=128 {
+        transform(&mut app, lift).translation.y = tick as f32 / 64.0;
+        app.update();
+    }
+    assert!((height(&app) - before - 2.0).abs() < 0.04, "{} {before}", height(&app));
+    assert!(app.world().get::<Moves>(body).unwrap().spin.length() < 0.2);
 }
 
 #[test]
