@@ -28,9 +28,9 @@ pub struct ClothMaterial {
     pub damping: f32,
     /// Which relative velocity `damping` acts on.
     pub damping_form: DampingForm,
-    /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner. The default of 1 is what the law of [`ClothAir`](crate::ClothAir) comes to for the
-    /// default cloth that goes broadside at a quarter of a metre a second. The cheapest of airs;
-    /// [`ClothAir`](crate::ClothAir) takes its place.
+    /// Rate at which still air stops the cloth [1/s]. Higher stops it sooner. The cheapest of airs;
+    /// [`ClothAir`](crate::ClothAir) takes its place. The default is 1: the drag that `ClothAir` would have on the default
+    /// cloth, broadside at 0.27 m/s.
     pub drag: f32,
     /// Strain, as a part of the rest length, that Provot's correction does not let a spring exceed
     /// \[1\]. Higher stretches more.

@@ -193,6 +193,6 @@ pub(crate) struct Held {
     /// Where it was there in the last tick \[m\], and what it was given then.
     pub at: Vec3,
     pub given: Impulse,
-    /// What it is given beside what the cloth gave it at last, so that it stays \[kg m/s\].
+    /// Momentum that it is given in each tick beside the cloth's last, so that it stays \[kg m/s\].
     pub trim: Vec3,
 }

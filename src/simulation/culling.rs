@@ -103,8 +103,8 @@ impl ClothSimulation {
     /// Where something that is at `now` would be if the leader of a culled cloth were where it was in the cloth's last tick: it goes
     /// along with the leader from there.
     pub(crate) fn before_it_was_culled(&self, now: Pose, transforms: &TransformHelper) -> Pose {
-        let way = self.leader_now(transforms).and_then(|leader| self.carried_to(&leader));
-        match way.filter(|_| self.culling.has_culled()) {
+        let leader = self.leader_now(transforms).filter(|_| self.culling.has_culled());
+        match leader.and_then(|leader| self.carried_to(&leader)) {
             Some(way) => way.inverse().apply_to_pose(&now),
             None => now,
         }
@@ -122,9 +122,7 @@ impl ClothSimulation {
         transforms: &TransformHelper,
         frame: &Affine3A,
     ) -> Option<Aabb> {
-        let attachments = &self.held.attachments;
-        let leader = &attachments.anchors[attachments.reference()?];
-        let motion = self.carried_to(&pose_now(transforms, leader.entity).ok()?)?;
+        let motion = self.carried_to(&self.leader_now(transforms)?)?;
         let (min, max) = self.solver.bounds();
         let into_frame = frame.inverse();
         let corners = (0..8).map(|corner| {

@@ -67,7 +67,7 @@ impl Pushing {
                 failures.report(entity, ClothErrorKind::Push(problem));
             }
         }
-        // Of several that are bad the first is told of.
+        // The first bad one is told of, and no other.
         let mut good = true;
         for (force, &ClothForce { on, force: vector }) in self.forces.iter().enumerate() {
             if let Err(problem) = give(on, PushWith::Force(vector))

@@ -13,8 +13,8 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::tick_state::TickState;
 use crate::solver::{ClothSolver, ParameterError};
 
-/// Part of the time that a cloth has to be still for. One that hardly moves goes no further in it than one that is still, and is braked after
-/// it.
+/// Part of the time that a cloth has to be still for. A cloth that hardly moves goes no further in it than one that is still, and is braked
+/// after it.
 const BRAKED_AFTER: f32 = 0.05;
 /// Times its drag by which it is braked then, beside its drag, and the most that both may be together \[1/s\]. More would hinder it on its
 /// way to rest.
@@ -184,9 +184,11 @@ pub(crate) fn choose_steps(
                 skin.gather_motions(frame.ride, &mut motions.skin);
             }
             pushing.push(entity, solver, frame, &mut failures);
-            let is_led = skin.is_some() || tick.way_of_pins() > 0.0;
-            let is_braked = !is_led && solver.air().is_none();
-            tick.step.braking = if is_braked { sleep.braking(solver.material().drag) } else { 0.0 };
+            // Few hardly move: those alone are looked at for what leads them.
+            let braking = sleep.braking(solver.material().drag);
+            let is_free = |tick: &TickState| skin.is_none() && tick.way_of_pins() == 0.0;
+            let is_braked = braking > 0.0 && solver.air().is_none() && is_free(tick);
+            tick.step.braking = if is_braked { braking } else { 0.0 };
         } else if cloth.sleep.stepped {
             cloth.solver.stand_still();
         }

@@ -117,7 +117,7 @@ struct BodyNow<'a> {
     dt: f32,
 }
 
-/// What cloths have done to a collider of a body, by its place and its key.
+/// Sums up what cloths have done to a collider of a body, by its place and its key.
 fn done<'a>(
     cloths: impl Iterator<Item = (Entity, &'a ClothSimulation)>,
     place: usize,
@@ -162,9 +162,9 @@ fn leads(cloth: &ClothSimulation, transforms: &TransformHelper) -> [Pose; 2] {
 }
 
 impl BodyNow<'_> {
-    /// What it is given in this tick and in the next by a cloth that does not go on, of what that gave it at last. It is stopped
-    /// where it is, seen from what leads the cloth, for as long as it is there: it may have swung. What leaves, is thrown out or is put
-    /// elsewhere is free. What turned it no longer does.
+    /// The impulses in this tick and in the next by a cloth that does not go on, from the one that it gave the body at last. The body is
+    /// stopped where it is, seen from what leads the cloth, for as long as it is there: it may have swung. A body that leaves, is thrown
+    /// out or is put elsewhere is free. No torque goes on.
     fn hold(&mut self, cloth: Entity, expected: Impulse, leads: [Pose; 2]) -> Option<[Impulse; 2]> {
         let Self { centre, mass, dt, .. } = *self;
         let [before, leader] = leads;
@@ -175,7 +175,7 @@ impl BodyNow<'_> {
             held_by.push(Held { cloth, began: Some(began), at, given: expected, trim: Vec3::ZERO });
             held_by.len() - 1
         });
-        // Of several cloths, one stops it.
+        // One of several cloths stops it: each would else do so.
         let stops = held_by[..at].iter().all(|other| other.began.is_none());
         let held = &mut held_by[at];
         if to_world(&leader, held.began?).distance(centre) > NEAR {

@@ -25,7 +25,7 @@ pub(crate) fn sum_impulses(
     order.sort_unstable();
     let fields = fields.as_deref();
     let present = |it: &Gathered| it.motion.is_some() && it.shape.get(fields).is_some();
-    // What no cloth can meet is given nothing.
+    // Nothing is given to a collider that no cloth can meet.
     for (entity, mut impulse) in &mut measured {
         let known = snapshot.known(entity);
         if !known.is_some_and(|it| it.measured && present(it)) {

@@ -4,7 +4,8 @@
 use crate::support::app::*;
 use bevy::{prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
-    ClothGravityOverride, ClothPaused, ClothSleepThreshold, SdfColliderDisabled, prelude::*,
+    ClothAir, ClothGravityOverride, ClothPaused, ClothSleepThreshold, SdfColliderDisabled,
+    prelude::*,
 };
 
 /// Air so thick that a cloth is soon at rest.
@@ -330,4 +331,41 @@ fn what_sleeps_has_no_velocity() {
     for particle in 0..count {
         assert_eq!(simulation(&app, cloth).velocity(particle), Some(Vec3::ZERO));
     }
+}
+
+/// It is braked beside one that never sleeps, and only where nothing else moves it: elsewhere both have the same bits.
+#[test]
+fn what_hardly_moves_is_braked_unless_something_leads_it_or_it_has_no_drag() {
+    let swing = |never: bool, material: ClothMaterial, air: bool, is_led: bool| {
+        let mut app = app();
+        let hand = spawn(&mut app, Transform::default());
+        let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hand);
+        let upright = Transform::from_rotation(Quat::from_rotation_x(1.6));
+        let cloth = spawn(&mut app, (sheet(), pins, material, upright));
+        if never {
+            app.world_mut().entity_mut(cloth).insert(ClothSleepThreshold::NEVER);
+        }
+        if air {
+            app.world_mut().entity_mut(cloth).insert(ClothAir::default());
+        }
+        for tick in 0..40 {
+            if is_led {
+                transform(&mut app, hand).translation.x = 1e-4 * tick as f32;
+            }
+            app.update();
+            assert!(!asleep(&app, cloth));
+        }
+        bits(&app, cloth)
+    };
+    let usual = ClothMaterial::default();
+    let undamped = ClothMaterial { drag: 0.0, ..usual };
+    for (what, material, air, is_led) in [
+        ("without drag", undamped, false, false),
+        ("in air", usual, true, false),
+        ("led", usual, false, true),
+    ] {
+        let [braked, free] = [false, true].map(|never| swing(never, material, air, is_led));
+        assert_eq!(braked, free, "{what}");
+    }
+    assert_ne!(swing(false, usual, false, false), swing(true, usual, false, false));
 }

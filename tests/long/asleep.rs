@@ -1,5 +1,5 @@
-//! Cloths of 64 x 64 in an app that have been dropped on solids fall asleep. Truth: within fifteen seconds, by default and
-//! at the quality of games, and from then on they sleep.
+//! Cloths of 64 x 64 in an app that have been dropped on solids fall asleep, and so do those that hang and swing. Truth: within fifteen
+//! seconds, by default and at the quality of games, and from then on they sleep.
 
 use std::time::Duration;
 
@@ -18,15 +18,20 @@ const FRAMES: u32 = 20 * 60;
 /// Drops a cloth on a solid whose middle is so high, and tells since when it sleeps \[s\].
 fn asleep_since(solid: impl Into<SdfShape>, middle: f32, settings: ClothSettings) -> f64 {
     let mut app = app_with(ClothPlugin::default());
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
     spawn(&mut app, SdfCollider::from(InfinitePlane3d::new(Vec3::Y)));
     spawn(&mut app, (SdfCollider::new(solid), Transform::from_xyz(0.0, middle, 0.0)));
     let sheet = Cloth::sheet(Vec2::splat(1.6), UVec2::splat(64));
     let cloth = spawn(&mut app, (sheet, settings, Transform::from_xyz(0.0, 1.3, 0.0)));
+    sleeps_since(&mut app, cloth)
+}
+
+/// Runs an app for twenty seconds, and tells since when a cloth sleeps \[s\].
+fn sleeps_since(app: &mut App, cloth: Entity) -> f64 {
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
     let mut since = None;
     for done in 0..FRAMES {
         app.update();
-        let sleeps = simulation(&app, cloth).is_asleep();
+        let sleeps = simulation(app, cloth).is_asleep();
         since = sleeps.then(|| since.unwrap_or(done));
     }
     since.map_or(f64::INFINITY, |frames| f64::from(frames) * FRAME.as_secs_f64())
@@ -58,6 +63,17 @@ fn on_a_cylinder() {
 #[test]
 fn on_a_cone() {
     check(Cone { radius: 0.5, height: 0.8 }, 0.4);
+}
+
+/// Let go flat, it swings through more than a right angle: by two corners, or by all of its first row.
+#[test]
+fn what_hangs_and_swings() {
+    for pins in [ClothPins::vertices([0, 63]), ClothPins::from(PinSelection::FirstRow)] {
+        let mut app = app_with(ClothPlugin::default());
+        let sheet = Cloth::sheet(Vec2::ONE, UVec2::splat(64));
+        let cloth = spawn(&mut app, (sheet, pins, Transform::default()));
+        check_at_most("asleep after [s]", sleeps_since(&mut app, cloth), 15.0);
+    }
 }
 
 /// Four towels on a bench that is smaller than they are, as in the example `pile`. Truth: none of them slides off, and they sleep.

@@ -82,7 +82,7 @@ impl Answer<'_> {
         let (touch, touch_left) = blocks.as_chunks::<LANES>();
         let (until, until_left) = self.until[..blocks.len()].as_chunks::<LANES>();
         for (many, (touch, until)) in touch.iter().zip(until).enumerate() {
-            // A bit for each: most blocks are elsewhere.
+            // A bit for each: most blocks are elsewhere. One that touches has no way left to go.
             let mut near = 0_u32;
             for i in 0..LANES {
                 near |= u32::from(touch[i] & (until[i] <= self.gone)) << i;
@@ -105,7 +105,7 @@ impl Answer<'_> {
         (carried, count.0.iter().sum())
     }
 
-    /// Looks which particles of a block touch the body. What touches has no way left to go.
+    /// Looks which particles of a block touch the body.
     #[inline(always)]
     fn look(&self, slot: usize, all: &mut Vec<Touching>, count: &mut Block) {
         let (set, collider) = (&*self.set, self.collider as f32);

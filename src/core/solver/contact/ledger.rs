@@ -19,9 +19,9 @@ const NONE: f32 = -1.0;
 /// Momentum that a block's particles give to what they lie on, times the substep \[kg m\].
 #[derive(Clone, Copy)]
 struct Shares {
-    /// What is given once.
+    /// Momentum that is given once.
     once: Block3,
-    /// What is given, and owed as well.
+    /// Momentum that is given, and owed as well.
     lasting: Block3,
 }
 

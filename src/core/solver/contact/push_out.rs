@@ -304,7 +304,7 @@ impl Near {
             let part = (1.0 - pushed.lasts(i, hold, settings)) / larger(w.0[i], f32::MIN_POSITIVE);
             masses.0[i] = if self.depth.0[i] > 0.0 { part } else { 0.0 };
         }
-        // What was held before is not struck.
+        // A particle that was held before is not struck.
         if !masses.is_any() {
             return;
         }

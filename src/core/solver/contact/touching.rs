@@ -1,8 +1,8 @@
-//! Particles that touch a body.
+//! Particles that touch a body, block by block.
 
 use crate::solver::simd::block::{Block, Block3};
 
-/// Those of a block.
+/// The particles of a block that touch a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touching {
     pub slot: usize,
