@@ -361,7 +361,7 @@ fn a_coat_that_is_saved_or_pinned_out_of_sight_goes_on_where_its_skin_is() {
         assert!(position(&app, of.coat, 0).distance(skin[0].0) < 1e-3);
         (app, of, saved)
     };
-    run(true);
+    drop(run(true));
     let (mut app, of, saved) = run(false);
     let seen = (simulation(&app, of.coat).tick_count(), bits(&app, of.coat));
     app.world_mut().entity_mut(of.coat).remove::<ClothCulling>().insert(saved);
