@@ -236,19 +236,29 @@ fn what_the_cloth_loses_the_collider_is_given() {
 
 #[test]
 fn what_a_cloth_loses_that_is_let_through_the_collider_is_given() {
-    // A bar that appears in the midst of a free sheet lets it out to both sides: threads between them are hooked in it.
+    // A bar that appears in a free sheet lets it out to both sides: threads between them are hooked in it.
     let bar = Cuboid::new(0.2, 0.2, 0.5);
-    let pose = Pose::from_translation(Vec3::new(0.07, 0.03, 0.02));
-    let mut solver = free_sheet(24);
-    let (mut given, mut missing, mut strain) = (0.0_f64, 0.0_f64, 0.0_f32);
-    for _ in 0..60 {
-        let tick = give(&mut solver, Collider::new(&bar, pose));
-        given = given.max(tick.0.length());
-        missing = missing.max(tick.1.length());
-        strain = strain.max(solver.strain().max);
+    let mut hooked = 0;
+    for at in [0.07, 0.1, 0.17, 0.24, 0.29] {
+        let pose = Pose::from_translation(Vec3::new(at, 0.03, 0.02 - 0.3 * (at - 0.07)));
+        let mut solver = free_sheet(24);
+        let (mut given, mut missing, mut strain) = (0.0_f64, 0.0_f64, 0.0_f32);
+        for _ in 0..90 {
+            let tick = give(&mut solver, Collider::new(&bar, pose));
+            given = given.max(tick.0.length());
+            missing = missing.max(tick.1.length());
+            strain = strain.max(solver.strain().max);
+        }
+        println!(
+            "at {at}: {missing:.1e} of {given:.1e}, {strain}, at the end {}",
+            solver.strain().max
+        );
+        hooked += u32::from(strain > 1.0);
+        assert!(solver.strain().max < 0.5, "at {at}: {}", solver.strain().max);
+        let what = format!("at {at}: momentum lost less impulse in a tick, relative");
+        check_at_most(&what, missing / given, 1e-4);
     }
-    assert!(strain > 1.0 && solver.strain().max < 0.3, "hooked, and let through: {strain}");
-    check_at_most("momentum lost less impulse in a tick, relative", missing / given, 1e-4);
+    assert!(hooked > 2, "hooked, and let through, {hooked} times");
 }
 
 #[test]

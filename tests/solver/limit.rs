@@ -1,6 +1,4 @@
-//! Provot's limit, held to `data/provot_two_corner.csv` (an independent 64-bit solver) and to what
-//! one
-//! correction must and must not do.
+//! Provot's limit, held to `data/provot_two_corner.csv` (an independent 64-bit solver) and to what one correction must and must not do.
 
 use bevy::math::{Vec2, Vec3};
 use bevy_drape::solver::{Bending, ClothSolver, MassLumping, Material, Settings, StretchMethod};
@@ -15,9 +13,8 @@ fn two_corners(stiffness: f32, limit: f32, passes: u32, substeps: u32) -> Vec<f6
         shear_stiffness: 0.5 * stiffness,
         damping: 0.02 * (stiffness * 0.2 / 441.0).sqrt(),
         damping_form: bevy_drape::solver::DampingForm::Relative,
-        // Flexion springs of ks / 20, which carry tension too: they resist as the rigidity B does
-        // at the
-        // curvature of 20 1/m, where k a^5 / 8 kappa^3 = B a kappa.
+        // Flexion springs of ks / 20, which carry tension too: they resist as the rigidity B does at the curvature of 20 1/m, where
+        // k a^5 / 8 kappa^3 = B a kappa.
         flexural_rigidity: 400.0 * 0.05 * stiffness * 0.05_f32.powi(4) / 8.0,
         drag: 2.0,
         max_strain: limit,
@@ -151,4 +148,38 @@ fn threads_are_held_to_a_limit_tighter_than_their_compliance() {
     };
     check("largest strain without a limit", strain(10.0), 0.0975, 1e-4);
     check("largest strain, limit 2 %", strain(0.02), 0.02, 8e-3);
+}
+
+/// A square metre of the usual cloth that falls from where it is held by two corners.
+fn falling(count: usize, substeps: u32, shear_stiffness: f32, ticks: usize) -> (Vec<Vec3>, f32) {
+    let lattice = sheet(Vec2::ONE, count, count, MassLumping::Lumped);
+    let rest = lattice.rest_positions().to_vec();
+    let settings = settings(StretchMethod::ImplicitThreads, substeps);
+    let material = Material { shear_stiffness, ..usual() };
+    let mut solver = ClothSolver::new(lattice, &rest, material, settings).unwrap();
+    solver.set_pins(&[0, count as u32 - 1]).unwrap();
+    let mut strain = 0.0_f32;
+    for _ in 0..ticks {
+        run(&mut solver, 1, GRAVITY, &[]);
+        strain = strain.max(solver.strain().max);
+    }
+    (positions(&solver), strain)
+}
+
+/// What is drawn is within the limit, also where a substep's pass leaves springs at the corners beyond it.
+#[test]
+fn a_sheet_ends_its_ticks_within_the_limit() {
+    let (_, strain) = falling(64, 8, usual().shear_stiffness, 2 * 64);
+    check_at_most("largest strain", strain.into(), 0.14);
+}
+
+/// Shear is stiffer than a pass of few substeps bears. Truth: many substeps.
+#[test]
+fn shear_of_few_substeps_is_nearly_as_stiff_as_that_of_many() {
+    for (shear_stiffness, substeps, most) in [(100.0, 8, 14e-3), (400.0, 20, 4.5e-3)] {
+        let [few, many] = [substeps, 200].map(|it| falling(48, it, shear_stiffness, 26).0);
+        let square = |(a, b): (&Vec3, &Vec3)| f64::from(a.distance_squared(*b));
+        let rms = (few.iter().zip(&many).map(square).sum::<f64>() / few.len() as f64).sqrt();
+        check_at_most(&format!("{shear_stiffness} N/m, {substeps} substeps [m]"), rms, most);
+    }
 }

@@ -28,6 +28,15 @@ impl Limit {
     }
 }
 
+/// What may have moved since a sheet was last looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Since {
+    /// Any particle.
+    AnyMove,
+    /// What a pass over the springs moved, and nothing else.
+    Pass,
+}
+
 /// Rows that a pass over the springs goes beyond those where any is beyond its limit, in steps: with each of its four batches it may move
 /// the particles of one row more.
 const SPREAD: [usize; 3] = [1, 2, 1];
@@ -52,12 +61,13 @@ impl Beyond {
         Self { found: none.clone(), reached: none.clone(), before: none, across }
     }
 
-    /// Where springs are beyond their limit, to be written.
-    pub fn found(&mut self) -> ByBlock<'_, bool> {
-        ByBlock::all(&mut self.found)
+    /// Where springs are beyond their limit, to be written, and the blocks to look at, where these are not all.
+    pub fn to_look_at(&mut self, since: Since) -> (ByBlock<'_, bool>, Option<&[bool]>) {
+        let reached = (since == Since::Pass).then_some(&*self.reached);
+        (ByBlock::all(&mut self.found), reached)
     }
 
-    /// Finds where a pass may come to from there.
+    /// Finds where a pass may come to from what was found.
     pub fn spread(&mut self) {
         self.reached.copy_from_slice(&self.found);
         // To the blocks beside them, which are padding beside a row; then from row to row.
@@ -93,6 +103,8 @@ pub(crate) struct ExceedsLimit<'a> {
     pub d: &'a Soa,
     /// Where springs are that begin in a block.
     pub beyond: ByBlock<'a, bool>,
+    /// The blocks to look at, if not all.
+    pub only: Option<&'a [bool]>,
 }
 
 impl Kernel for ExceedsLimit<'_> {
@@ -105,8 +117,12 @@ impl Kernel for ExceedsLimit<'_> {
         let mut any = false;
         for row in self.band.rows.clone() {
             for column in (0..layout.columns).step_by(LANES) {
-                let mut excess = Block::ZERO;
                 let slot = layout.slot(row, column);
+                if self.only.is_some_and(|only| !only[slot / LANES]) {
+                    self.beyond.row(slot, 1)[0] = false;
+                    continue;
+                }
+                let mut excess = Block::ZERO;
                 let below = slot + layout.stride;
                 let here = self.places(slot);
                 let right = self.places(slot + 1);
@@ -166,7 +182,8 @@ mod tests {
         let all =
             (0..layout.rows).flat_map(|row| (0..layout.blocks_across()).map(move |b| (row, b)));
         for (row, block) in all.clone() {
-            beyond.found().row(slot(row, block), 1)[0] = found.contains(&(row, block));
+            let (mut written, _) = beyond.to_look_at(Since::AnyMove);
+            written.row(slot(row, block), 1)[0] = found.contains(&(row, block));
         }
         beyond.spread();
         all.filter(|&(row, block)| beyond.reaches(slot(row, block))).collect()

@@ -130,7 +130,6 @@ impl Kernel for NoteUnfollowed<'_> {
                 let pulled = d.at(i) - unpulled.at(i);
                 let slid = slipped(pulled, n);
                 let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
-                let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
                 noted.set(i, noted.at(i) + unfollowed * part);
             }
             noted.store(pull, slot);

@@ -12,7 +12,7 @@ pub(crate) mod sheet;
 use bevy_math::Vec3;
 
 use crate::solver::constraints::pins::Pins;
-use crate::solver::constraints::strain_check::Limit;
+use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::external::Pushes;
@@ -108,11 +108,9 @@ pub(crate) trait Stages {
     /// has to be held to it.
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
     /// Whether any spring may be beyond the limit.
-    fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit) -> bool;
+    fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool;
     /// Third stage: one pass over the springs. Tells whether any may have come beyond its limit.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool;
-    /// Passes over the springs at a tick's end at most, for each one of a substep.
-    fn passes_at_end(&self) -> u32;
     /// Ends the third stage's part that differs.
     fn end_corrections(&mut self, on: Particles<'_>);
 

@@ -1,7 +1,7 @@
 //! Third stage: threads are solved whole, or springs are held to Provot's limit; then tethers; then the skin.
 
 use crate::solver::ClothSolver;
-use crate::solver::constraints::strain_check::Limit;
+use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -13,6 +13,8 @@ use crate::solver::state::State;
 
 /// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
 const LOOK_EVERY: u32 = 4;
+/// Passes of the strain limit at a tick's end at most, for each one of a substep.
+pub(crate) const PASSES_AT_END: u32 = 20;
 
 impl ClothSolver {
     /// Third stage: threads or Provot's limit, then tethers, then the skin.
@@ -103,40 +105,45 @@ impl ClothSolver {
     }
 
     fn limit_strain(&mut self) {
-        for _ in 0..self.passes() {
-            if !self.may_exceed_limit() {
-                return;
-            }
-            self.end_corrections();
-            self.pause_pulls();
-            let is_beyond = self.hold_springs();
-            self.go_on_pulling();
-            self.begin_corrections();
-            if !is_beyond {
-                return;
+        if !self.may_exceed_limit(Since::AnyMove) {
+            return;
+        }
+        self.end_corrections();
+        self.pause_pulls();
+        self.begin_corrections();
+        for pass in 1..=self.passes() {
+            let goes_on = self.pass_over_springs() && pass < self.passes();
+            if !(goes_on && self.may_exceed_limit(Since::Pass)) {
+                break;
             }
         }
+        self.end_corrections();
+        self.go_on_pulling();
+        self.begin_corrections();
     }
 
     /// Whether any spring may be beyond the strain limit.
-    pub(crate) fn may_exceed_limit(&mut self) -> bool {
+    pub(crate) fn may_exceed_limit(&mut self, since: Since) -> bool {
         let limit = self.strain_limit();
         let (model, on) = self.model_and_particles();
-        model.exceeds_limit(on, limit)
+        model.exceeds_limit(on, limit, since)
     }
 
     /// Holds all springs to the strain limit once. Tells whether any was beyond it.
     pub(crate) fn hold_springs(&mut self) -> bool {
+        self.begin_corrections();
+        let is_beyond = self.pass_over_springs();
+        self.end_corrections();
+        is_beyond
+    }
+
+    fn pass_over_springs(&mut self) -> bool {
         let limit = self.strain_limit();
         if limit.all {
             self.workspace.looked = Some(self.done);
         }
-        let rule = Rule::Limit(limit);
-        self.begin_corrections();
         let (model, on) = self.model_and_particles();
-        let is_beyond = model.correct_springs(on, rule);
-        self.end_corrections();
-        is_beyond
+        model.correct_springs(on, Rule::Limit(limit))
     }
 
     /// The limit of strain, for the next pass. Not every pass looks at all springs of a mesh: what is far within its limit is not beyond
@@ -156,7 +163,7 @@ impl ClothSolver {
 
     /// How many passes of the strain limit this substep makes at most.
     fn passes(&self) -> u32 {
-        let more = if self.goes_on() { self.model.stages().passes_at_end() } else { 1 };
+        let more = if self.goes_on() { PASSES_AT_END } else { 1 };
         more * self.settings.provot_passes
     }
 

@@ -5,8 +5,10 @@
 //! last, then the body. Within a tick the next substep goes on where one ended; what is drawn is at the end of one.
 
 use crate::solver::ClothSolver;
+use crate::solver::constraints::strain_check::Since;
 use crate::solver::input::StepInput;
 use crate::solver::simd::soa::Soa;
+use crate::solver::stages::correct::PASSES_AT_END;
 
 impl ClothSolver {
     /// Ends the last substep of a tick of a worn cloth, in which contact may have moved particles or not.
@@ -33,8 +35,8 @@ impl ClothSolver {
     /// them.
     fn hold_in_turn(&mut self, input: &StepInput<'_>, from: &Soa) {
         let isa = self.isa;
-        for _ in 0..self.settings.provot_passes * self.model.stages().passes_at_end() {
-            if !self.may_exceed_limit() {
+        for _ in 0..self.settings.provot_passes * PASSES_AT_END {
+            if !self.may_exceed_limit(Since::AnyMove) {
                 return;
             }
             self.contacts(input).begin_pass();

@@ -6,7 +6,7 @@ mod workspace;
 use std::sync::Arc;
 
 use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain};
-use crate::solver::constraints::strain_check::Limit;
+use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -203,7 +203,7 @@ impl Stages for Mesh {
     }
 
     /// The pass looks for itself, as it goes.
-    fn exceeds_limit(&mut self, _: Particles<'_>, _: Limit) -> bool {
+    fn exceeds_limit(&mut self, _: Particles<'_>, _: Limit, _: Since) -> bool {
         true
     }
 
@@ -216,10 +216,6 @@ impl Stages for Mesh {
             }
             _ => is_beyond,
         }
-    }
-
-    fn passes_at_end(&self) -> u32 {
-        20
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {

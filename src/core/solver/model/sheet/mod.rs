@@ -6,8 +6,8 @@ mod forces;
 use std::sync::Arc;
 
 use crate::solver::constraints::shear::{RowPulls, bears};
-use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit};
-use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
+use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit, Since};
+use crate::solver::constraints::strain_limit::{CLOSE, CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
 use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -154,14 +154,18 @@ impl Stages for Sheet {
         weft_beyond || warp_beyond
     }
 
-    fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit) -> bool {
+    fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool {
         let State { x, d, .. } = on.state;
         let (band, lattice) = (on.bands.rows.clone(), &*self.lattice);
-        let beyond = &mut self.workspace.beyond;
-        let look = ExceedsLimit { band, lattice, limit, x, d, beyond: beyond.found() };
+        // One pass more is not made for next to nothing.
+        let more = if since == Since::Pass { CLOSE } else { 0.0 };
+        let limit = Limit { longest: limit.longest + more, ..limit };
+        let blocks = &mut self.workspace.beyond;
+        let (beyond, only) = blocks.to_look_at(since);
+        let look = ExceedsLimit { band, lattice, limit, x, d, beyond, only };
         let exceeds = parallel::run(on.isa, look);
         if exceeds {
-            beyond.spread();
+            blocks.spread();
         }
         exceeds
     }
@@ -181,11 +185,6 @@ impl Stages for Sheet {
         };
         springs.run(on.isa);
         true
-    }
-
-    /// Its threads leave next to nothing to do.
-    fn passes_at_end(&self) -> u32 {
-        1
     }
 
     fn end_corrections(&mut self, _: Particles<'_>) {}
