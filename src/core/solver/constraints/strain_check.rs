@@ -62,7 +62,7 @@ impl Beyond {
     }
 
     /// Where springs are beyond their limit, to be written, and the blocks to look at, where these are not all.
-    pub fn to_look_at(&mut self, since: Since) -> (ByBlock<'_, bool>, Option<&[bool]>) {
+    pub fn begin_look(&mut self, since: Since) -> (ByBlock<'_, bool>, Option<&[bool]>) {
         let reached = (since == Since::Pass).then_some(&*self.reached);
         (ByBlock::all(&mut self.found), reached)
     }
@@ -182,7 +182,7 @@ mod tests {
         let all =
             (0..layout.rows).flat_map(|row| (0..layout.blocks_across()).map(move |b| (row, b)));
         for (row, block) in all.clone() {
-            let (mut written, _) = beyond.to_look_at(Since::AnyMove);
+            let (mut written, _) = beyond.begin_look(Since::AnyMove);
             written.row(slot(row, block), 1)[0] = found.contains(&(row, block));
         }
         beyond.spread();

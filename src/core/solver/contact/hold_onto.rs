@@ -1,7 +1,5 @@
 //! The beginning of corrections: particles of the active set go only where their surface lets them.
 
-use bevy_math::Vec3;
-
 use crate::solver::contact::active_set::{ActiveSet, slipped};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::Kernel;
@@ -100,7 +98,7 @@ impl Kernel for HoldOnto<'_> {
     }
 }
 
-/// Adds what pulled at the particles of the active set without moving them to the pulls, or takes it away.
+/// Adds what pulled at the particles of the active set, and at what gives way, without moving them to the pulls, or takes it away.
 pub(crate) struct NoteUnfollowed<'a> {
     pub set: &'a ActiveSet,
     pub inverse_mass: &'a [f32],

@@ -35,10 +35,10 @@ impl Pulled {
     fn look(&mut self, since: Since) -> Vec<bool> {
         let Self { lattice, x, d, limit, beyond, .. } = self;
         let (band, limit) = (Band::uncut(lattice.layout), *limit);
-        let (found, only) = beyond.to_look_at(since);
+        let (found, only) = beyond.begin_look(since);
         let look = ExceedsLimit { band, lattice, limit, x, d, beyond: found, only };
         let any = parallel::run(Isa::Baseline, look);
-        let (mut found, _) = beyond.to_look_at(since);
+        let (mut found, _) = beyond.begin_look(since);
         let found = found.row(0, lattice.layout.len() / LANES).to_vec();
         assert_eq!(any, found.contains(&true));
         found
@@ -62,7 +62,7 @@ impl Pulled {
 
     /// Corrects everywhere.
     fn pass_over_all(&mut self) {
-        let (mut found, _) = self.beyond.to_look_at(Since::AnyMove);
+        let (mut found, _) = self.beyond.begin_look(Since::AnyMove);
         found.row(0, self.lattice.layout.len() / LANES).fill(true);
         self.pass();
     }

@@ -161,7 +161,7 @@ impl Stages for Sheet {
         let more = if since == Since::Pass { CLOSE } else { 0.0 };
         let limit = Limit { longest: limit.longest + more, ..limit };
         let blocks = &mut self.workspace.beyond;
-        let (beyond, only) = blocks.to_look_at(since);
+        let (beyond, only) = blocks.begin_look(since);
         let look = ExceedsLimit { band, lattice, limit, x, d, beyond, only };
         let exceeds = parallel::run(on.isa, look);
         if exceeds {
