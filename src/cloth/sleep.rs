@@ -11,7 +11,7 @@ use crate::solver::ParameterError;
 /// that move, appear, change or vanish near it, pushes, forces that change, grabs, teleports, resets, and
 /// [`ClothSimulation::wake`](crate::ClothSimulation::wake). In wind a cloth with [`ClothAir`](crate::ClothAir) does not sleep. Cloth that nothing damps may swing for ever, and never sleeps.
 ///
-/// A cloth that hardly moves is braked, so that it comes to rest sooner: while no particle goes further than `distance` in a sixtieth of
+/// A cloth that hardly moves is braked, so that it comes to rest sooner: while no particle goes further than `distance` in a twentieth of
 /// `time`, the drag of its material counts up to five times, and 5 /s at most. One that pins or a skeleton lead is not, nor one with
 /// [`ClothAir`](crate::ClothAir), nor one whose material has no drag.
 ///

@@ -15,7 +15,7 @@ use crate::solver::{ClothSolver, ParameterError};
 
 /// Part of the time that a cloth has to be still for. A cloth that hardly moves goes no further in it than one that is still, and is braked
 /// after it.
-const BRAKED_AFTER: f32 = 1.0 / 60.0;
+const BRAKED_AFTER: f32 = 0.05;
 /// Times its drag by which it is braked then, beside its drag, and the most that both may be together \[1/s\]. More would hinder it on its
 /// way to rest.
 const BRAKING: f32 = 4.0;

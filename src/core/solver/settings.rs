@@ -134,8 +134,8 @@ pub struct Settings {
     pub substeps: Substeps,
     /// Springs, whole threads, or whichever carries the material.
     pub stretch_method: StretchMethod,
-    /// Passes of Provot's correction in a substep. More hold the strain limit closer. On a mesh that lies on no collider, or is
-    /// worn, up to twenty times as many end a tick in which springs are still beyond it.
+    /// Passes of Provot's correction in a substep. More hold the strain limit closer. Where threads are solved, up to twenty
+    /// times as many end a tick in which springs are still beyond it, unless the cloth lies on a collider and is not worn.
     pub provot_passes: u32,
     /// Whether masses and springs of the border count half.
     pub lumping: MassLumping,

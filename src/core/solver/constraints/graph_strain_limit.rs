@@ -1,8 +1,8 @@
 //! Springs of a triangle mesh, corrected batch by batch: shear, and Provot's limit of strain.
 
-use crate::solver::constraints::strain_check::Limit;
+use crate::solver::constraints::strain_check::{CLOSE, Limit};
 use crate::solver::constraints::strain_limit::{
-    CLOSE, LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
+    LEAST_DIVISOR, LEAST_LENGTH, Rule, Spring, mobility,
 };
 use crate::solver::contact::divide;
 use crate::solver::simd::block::{Block, Block3, larger};

@@ -91,9 +91,6 @@ pub(super) struct CorrectBatch<'a> {
     pub contacts: Option<Contacts<'a>>,
 }
 
-/// Strain beyond the limit that is left as it is.
-pub(crate) const CLOSE: f32 = 5e-4;
-
 /// How far springs are corrected.
 #[derive(Clone, Copy)]
 pub(crate) enum Rule {

@@ -67,6 +67,8 @@ pub(crate) struct ActiveSet {
     pub unpulled: Soa,
     /// Part of the pulls carried on that was left out for good, by slot \[m\]; known where a collider is measured.
     pub dropped: Soa,
+    /// What corrections that are no pulls moved a particle by in this substep, by slot \[m\]; known where a collider is measured.
+    pub mended: Soa,
     /// Momentum that the cloth gives to colliders.
     pub impulses: Impulses,
     /// Displacement along the normal that was taken before the corrections, by slot \[m\].
@@ -161,6 +163,7 @@ impl ActiveSet {
             answering: Vec::new(),
             unpulled: Soa::zeros(slots),
             dropped: Soa::zeros(slots),
+            mended: Soa::zeros(slots),
             impulses: Impulses::default(),
             holder: Array::zeros(slots),
             lost: Array::zeros(slots),

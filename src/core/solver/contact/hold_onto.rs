@@ -1,5 +1,7 @@
 //! The beginning of corrections: particles of the active set go only where their surface lets them.
 
+use bevy_math::Vec3;
+
 use crate::solver::contact::active_set::{ActiveSet, slipped};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
 use crate::solver::simd::isa::Kernel;
@@ -26,7 +28,7 @@ impl Kernel for HoldOnto<'_> {
     fn run(self) {
         let Self { set, inverse_mass, step, d, carried } = self;
         let measures = set.impulses.are_measured();
-        let ActiveSet { now, before, velocity, unpulled, dropped, lost, load, .. } = set;
+        let ActiveSet { now, before, velocity, unpulled, dropped, mended, lost, load, .. } = set;
         let count = now.blocks.len();
         let (normals, slips) =
             (Blocks3::new(&now.normal, 0, count), Blocks::new(&now.slip, 0, count));
@@ -77,6 +79,7 @@ impl Kernel for HoldOnto<'_> {
                     left_out.set(i, carried.at(i) - goes.at(i) - n.at(i) * borne);
                 }
                 left_out.store(dropped, block * LANES);
+                Block3::ZERO.store(mended, block * LANES);
             }
             for i in 0..LANES {
                 let (n, along) = (n.at(i), goes.at(i));
@@ -98,9 +101,10 @@ impl Kernel for HoldOnto<'_> {
     }
 }
 
-/// Adds what pulled at the particles of the active set, and at what gives way, without moving them to the pulls, or takes it away.
+/// Adds what pulled at the particles of the active set without moving them to the pulls, or takes it away. Between the two they are
+/// mended, and pulled by nothing.
 pub(crate) struct NoteUnfollowed<'a> {
-    pub set: &'a ActiveSet,
+    pub set: &'a mut ActiveSet,
     pub inverse_mass: &'a [f32],
     pub d: &'a Soa,
     /// One or minus one.
@@ -114,23 +118,33 @@ impl Kernel for NoteUnfollowed<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { set, inverse_mass, d, part, pull } = self;
-        for (block, &touches) in set.now.blocks.iter().enumerate() {
+        let measures = set.impulses.are_measured();
+        let ActiveSet { now, load: loads, unpulled, mended, .. } = set;
+        for (block, &touches) in now.blocks.iter().enumerate() {
             if !touches {
                 continue;
             }
             let slot = block * LANES;
-            let (n, w) = (Block3::load(&set.now.normal, slot), Block::load(inverse_mass, slot));
-            let (load, slip) = (Block::load(&set.load, slot), Block::load(&set.now.slip, slot));
-            let (d, unpulled) = (Block3::load(d, slot), Block3::load(&set.unpulled, slot));
+            let (n, w) = (Block3::load(&now.normal, slot), Block::load(inverse_mass, slot));
+            let (load, slip) = (Block::load(loads, slot), Block::load(&now.slip, slot));
+            let (d, unpulled) = (Block3::load(d, slot), Block3::load(&*unpulled, slot));
             let mut noted = Block3::load(&*pull, slot);
             for i in 0..LANES {
                 let n = n.at(i);
                 let pulled = d.at(i) - unpulled.at(i);
                 let slid = slipped(pulled, n);
                 let unfollowed = n * (load.0[i] * w.0[i]) + slid * (1.0 / slip.0[i] - 1.0);
+                let unfollowed = if n.dot(n) > 0.0 { unfollowed } else { Vec3::ZERO };
                 noted.set(i, noted.at(i) + unfollowed * part);
             }
             noted.store(pull, slot);
+            if measures {
+                let mut by = Block3::load(&*mended, slot);
+                for i in 0..LANES {
+                    by.set(i, by.at(i) - d.at(i) * part);
+                }
+                by.store(mended, slot);
+            }
         }
     }
 }

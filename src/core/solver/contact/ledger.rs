@@ -240,11 +240,14 @@ impl Rule for Yielding<'_> {
             return None;
         }
         let (d, unpulled) = (Block3::load(self.d, slot), Block3::load(&set.unpulled, slot));
+        let mended = Block3::load(&set.mended, slot);
         let (mut once, mut lasting) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             let all = (d.at(i) - unpulled.at(i)) * unslipped.0[i];
-            once.set(i, if self.notes { Vec3::ZERO } else { all });
-            lasting.set(i, if self.notes { all } else { Vec3::ZERO });
+            // What mends has no counterpart that goes on.
+            let ends = if self.notes { mended.at(i) * unslipped.0[i] } else { all };
+            once.set(i, ends);
+            lasting.set(i, all - ends);
         }
         Some(Shares { once, lasting })
     }

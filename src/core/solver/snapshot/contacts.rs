@@ -67,6 +67,7 @@ impl SavedContacts {
             answering: _,
             unpulled: _,
             dropped: _,
+            mended: _,
             impulses,
             lost: _,
             load: _,

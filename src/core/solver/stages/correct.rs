@@ -46,8 +46,8 @@ impl ClothSolver {
 
     /// Second part of the third stage: springs are held to their limit, then tethers pull.
     pub(crate) fn hold_threads(&mut self, exceeds: bool) {
-        // Of threads that cross, the later ones may stretch the earlier.
-        if exceeds || self.passes() > self.settings.provot_passes {
+        let leaves_much = self.model.stages().leaves_much();
+        if exceeds || self.goes_on() && leaves_much {
             self.limit_strain();
         }
         self.end_corrections();
@@ -105,7 +105,7 @@ impl ClothSolver {
     }
 
     fn limit_strain(&mut self) {
-        if !self.may_exceed_limit(Since::AnyMove) {
+        if self.passes() == 0 || !self.may_exceed_limit(Since::Never) {
             return;
         }
         self.end_corrections();
@@ -167,14 +167,16 @@ impl ClothSolver {
         more * self.settings.provot_passes
     }
 
-    /// Whether this substep's passes of the strain limit go on until all springs are within it: in the last of a tick. Within a tick the
-    /// next substep goes on where one ended; what is drawn is to be within the limit.
+    /// Whether this substep's passes of the strain limit go on until all springs are within it, but for next to nothing: in the last of a
+    /// tick. Within a tick the next substep goes on where one ended; what is drawn is to be within the limit.
     ///
-    /// Not on colliders, where a cloth would not come to rest; what is worn ends in a way of its own (`stages/worn`).
+    /// Not on colliders, nor a sheet on layers of cloth, where it would not come to rest; what is worn ends in a way of its own (`stages/worn`).
     fn goes_on(&self) -> bool {
         self.done + 1 == self.plan.substeps
             && self.skin.is_none()
             && !self.state.contacts.now.any
+            && (self.touching_itself == 0 && self.touching_others == 0
+                || self.model.stages().leaves_much())
             && self.can_end_within_limit()
     }
 

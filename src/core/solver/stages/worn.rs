@@ -35,8 +35,9 @@ impl ClothSolver {
     /// them.
     fn hold_in_turn(&mut self, input: &StepInput<'_>, from: &Soa) {
         let isa = self.isa;
-        for _ in 0..self.settings.provot_passes * PASSES_AT_END {
-            if !self.may_exceed_limit(Since::AnyMove) {
+        for round in 0..self.settings.provot_passes * PASSES_AT_END {
+            let since = if round == 0 { Since::Never } else { Since::Round };
+            if !self.may_exceed_limit(since) {
                 return;
             }
             self.contacts(input).begin_pass();

@@ -202,6 +202,10 @@ impl Stages for Mesh {
         exceeds
     }
 
+    fn leaves_much(&self) -> bool {
+        true
+    }
+
     /// The pass looks for itself, as it goes.
     fn exceeds_limit(&mut self, _: Particles<'_>, _: Limit, _: Since) -> bool {
         true

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::solver::constraints::shear::{RowPulls, bears};
 use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit, Since};
-use crate::solver::constraints::strain_limit::{CLOSE, CorrectSprings, Rule};
+use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
 use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
 use crate::solver::constraints::threads::tridiagonal::Reach;
@@ -154,12 +154,14 @@ impl Stages for Sheet {
         weft_beyond || warp_beyond
     }
 
+    fn leaves_much(&self) -> bool {
+        false
+    }
+
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool {
         let State { x, d, .. } = on.state;
         let (band, lattice) = (on.bands.rows.clone(), &*self.lattice);
-        // One pass more is not made for next to nothing.
-        let more = if since == Since::Pass { CLOSE } else { 0.0 };
-        let limit = Limit { longest: limit.longest + more, ..limit };
+        let limit = Limit { longest: limit.longest + since.leaves(), ..limit };
         let blocks = &mut self.workspace.beyond;
         let (beyond, only) = blocks.begin_look(since);
         let look = ExceedsLimit { band, lattice, limit, x, d, beyond, only };
