@@ -73,14 +73,14 @@ fn drawn(app: &mut App) -> Vec<Vec3> {
 pub fn few_carry_many(rounds: usize, wrong: &mut Wrong) {
     heading("a whole update, a sheet of 100 x 100 drawn, us", "100 x 100", "45 x 45");
     let name = "ClothProxy";
-    let few = |(material, settings)| {
-        (material, ClothSettings { substeps: Substeps::Automatic { budget: 8 }, ..settings })
+    let with = |budget, (material, settings)| {
+        (material, ClothSettings { substeps: Substeps::Automatic { budget }, ..settings })
     };
     for (name, of) in [
         (name, default()),
-        ("ClothProxy, 8 substeps", few(default())),
+        ("ClothProxy, 8 substeps", with(8, default())),
         ("ClothProxy, HANG", of_hang()),
-        ("ClothProxy, HANG, 8 substeps", few(of_hang())),
+        ("ClothProxy, HANG, 14 substeps", with(14, of_hang())),
     ] {
         let apps = || [false, true].map(|carried| hang(of, carried));
         let turns = compare(name, rounds.div_ceil(2), apps, false, wrong);
@@ -88,7 +88,7 @@ pub fn few_carry_many(rounds: usize, wrong: &mut Wrong) {
     }
     for (what, of) in [
         ("HANG", of_hang()),
-        ("HANG, 8 substeps", few(of_hang())),
+        ("HANG, 14 substeps", with(14, of_hang())),
         ("the default material", default()),
     ] {
         let [whole, carried] = [false, true].map(|carried| {
