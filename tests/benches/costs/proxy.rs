@@ -80,7 +80,7 @@ pub fn few_carry_many(rounds: usize, wrong: &mut Wrong) {
         (name, default()),
         ("ClothProxy, 8 substeps", with(8, default())),
         ("ClothProxy, HANG", of_hang()),
-        ("ClothProxy, HANG, 14 substeps", with(14, of_hang())),
+        ("ClothProxy, HANG, 13 substeps", with(13, of_hang())),
     ] {
         let apps = || [false, true].map(|carried| hang(of, carried));
         let turns = compare(name, rounds.div_ceil(2), apps, false, wrong);
@@ -88,7 +88,7 @@ pub fn few_carry_many(rounds: usize, wrong: &mut Wrong) {
     }
     for (what, of) in [
         ("HANG", of_hang()),
-        ("HANG, 14 substeps", with(14, of_hang())),
+        ("HANG, 13 substeps", with(13, of_hang())),
         ("the default material", default()),
     ] {
         let [whole, carried] = [false, true].map(|carried| {
