@@ -58,7 +58,8 @@ impl Grabbed {
         Self { asked, chosen: chosen.collect(), held: Vec::new(), from: asked.target }
     }
 
-    /// Grabs a cloth that goes on with other particles, where they were grabbed: all as near to the middle as was asked for, or the nearest.
+    /// Grabs a cloth that goes on with other particles, where they were grabbed: all as near to the middle as was asked for, or the
+    /// nearest.
     pub fn go_on(&self, before: &ClothSolver, now: &ClothSolver) -> Self {
         let middle = middle(self.chosen.iter().map(|&(particle, _)| particle), before);
         let away = |particle: u32| now.position(particle as usize).distance_squared(middle);

@@ -333,7 +333,8 @@ fn what_sleeps_has_no_velocity() {
     }
 }
 
-/// It is braked beside one that never sleeps, and only where nothing else moves it: elsewhere both have the same bits.
+/// A cloth that hardly moves is braked beside one that never sleeps, and only where nothing else moves it: elsewhere both have the same
+/// bits.
 #[test]
 fn what_hardly_moves_is_braked_unless_something_leads_it_or_it_has_no_drag() {
     let swing = |never: bool, material: ClothMaterial, air: bool, is_led: bool| {

@@ -214,11 +214,13 @@ fn few_substeps_bear_a_ball_where_many_do() {
         }
         mean
     };
-    for (mass, within) in [(0.05, 0.02), (0.2, 0.03)] {
-        let few = rests(mass, 8, StretchMethod::ImplicitThreads);
+    for (mass, within) in [(0.05, [0.014, 0.003]), (0.2, [0.021, 0.008]), (1.0, [0.048, 0.026])] {
         let many = rests(mass, 200, StretchMethod::ExplicitSprings);
-        println!("{mass} kg: at {few} m with 8 substeps, at {many} m with many");
-        assert!((few - many).abs() < within, "{mass} kg: {few} for {many}");
+        for (substeps, within) in [8, 20].into_iter().zip(within) {
+            let few = rests(mass, substeps, StretchMethod::ImplicitThreads);
+            println!("{mass} kg: at {few} m with {substeps} substeps, at {many} m with many");
+            assert!((few - many).abs() < within, "{mass} kg, {substeps}: {few} for {many}");
+        }
     }
 }
 

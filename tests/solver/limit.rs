@@ -166,14 +166,14 @@ fn falling(count: usize, substeps: u32, shear_stiffness: f32, ticks: usize) -> (
     (positions(&solver), strain)
 }
 
-/// What is drawn is within the limit, also where a substep's pass leaves springs at the corners beyond it.
+/// A substep's pass leaves springs at the corners far beyond the limit of 10 %: by 17 %. Those that end a tick bring them near it.
 #[test]
-fn a_sheet_ends_its_ticks_within_the_limit() {
+fn a_sheet_ends_its_ticks_near_the_limit() {
     let (_, strain) = falling(64, 8, usual().shear_stiffness, 2 * 64);
     check_at_most("largest strain", strain.into(), 0.14);
 }
 
-/// Shear is stiffer than a pass of few substeps bears. Truth: many substeps.
+/// Few substeps do not bear the whole shear, and come near it. Truth: many substeps.
 #[test]
 fn shear_of_few_substeps_is_nearly_as_stiff_as_that_of_many() {
     for (shear_stiffness, substeps, most) in [(100.0, 8, 14e-3), (400.0, 20, 4.5e-3)] {

@@ -120,7 +120,7 @@ fn a_mesh_on_a_cube() {
     .mesh();
 }
 
-/// Whether the hem of one trembles depends on how it happens to lie: most do not.
+/// Whether a hem trembles depends on how it happens to lie: most do not.
 #[test]
 fn a_mesh_on_a_cone() {
     let heights = [1.28, 1.29, 1.3, 1.31, 1.32];

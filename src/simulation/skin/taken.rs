@@ -12,8 +12,8 @@ use crate::mesh::drawn::ClothMesh;
 use crate::mesh::source::ClothSource;
 use crate::simulation::ClothSimulation;
 
-/// The skin that was taken off an entity whose cloth is worn. A copy of the entity, cloned or out of a saved world, has this in its place, with its
-/// own joints.
+/// The skin that was taken off an entity whose cloth is worn. A copy of the entity, cloned or out of a saved world, has this in its place,
+/// with its own joints.
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Debug, Clone)]
 #[component(map_entities = map_joints)]

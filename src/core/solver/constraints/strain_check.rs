@@ -31,14 +31,14 @@ impl Limit {
 /// Strain beyond the limit that is left as it is.
 pub(crate) const CLOSE: f32 = 5e-4;
 
-/// What a sheet has done since it was last looked at in this substep.
+/// How particles of a sheet may have moved since it was last looked at in this substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Since {
-    /// It was not.
+    /// It was not looked at.
     Never,
-    /// A pass over the springs around those that were found, and nothing else.
+    /// By a pass over the springs around those that were found, and by nothing else.
     Pass,
-    /// A pass, and then anything.
+    /// By a pass, and then by anything.
     Round,
 }
 

@@ -67,7 +67,7 @@ pub(crate) struct ActiveSet {
     pub unpulled: Soa,
     /// Part of the pulls carried on that was left out for good, by slot \[m\]; known where a collider is measured.
     pub dropped: Soa,
-    /// What corrections that are no pulls moved a particle by in this substep, by slot \[m\]; known where a collider is measured.
+    /// Displacement of a particle in this substep by corrections that are no pulls, by slot \[m\]; known where a collider is measured.
     pub mended: Soa,
     /// Momentum that the cloth gives to colliders.
     pub impulses: Impulses,

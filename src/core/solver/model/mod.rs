@@ -109,7 +109,7 @@ pub(crate) trait Stages {
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
     /// Whether threads leave so much to do that springs may be beyond their limit where none came to them so.
     fn leaves_much(&self) -> bool;
-    /// Whether any spring may be beyond the limit, after what was done since the last look found any, if there was one.
+    /// Whether any spring may be beyond the limit. `since` says what has moved particles since the last look, which found some.
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool;
     /// Third stage: one pass over the springs. Tells whether any may have come beyond its limit.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool;

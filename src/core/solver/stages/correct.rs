@@ -46,8 +46,9 @@ impl ClothSolver {
 
     /// Second part of the third stage: springs are held to their limit, then tethers pull.
     pub(crate) fn hold_threads(&mut self, exceeds: bool) {
+        // Of threads that cross, the later ones may stretch the earlier.
         let leaves_much = self.model.stages().leaves_much();
-        if exceeds || self.goes_on() && leaves_much {
+        if exceeds || leaves_much && self.goes_on() {
             self.limit_strain();
         }
         self.end_corrections();
@@ -105,15 +106,16 @@ impl ClothSolver {
     }
 
     fn limit_strain(&mut self) {
-        if self.passes() == 0 || !self.may_exceed_limit(Since::Never) {
+        let mut left = self.passes();
+        if left == 0 || !self.may_exceed_limit(Since::Never) {
             return;
         }
         self.end_corrections();
         self.pause_pulls();
         self.begin_corrections();
-        for pass in 1..=self.passes() {
-            let goes_on = self.pass_over_springs() && pass < self.passes();
-            if !(goes_on && self.may_exceed_limit(Since::Pass)) {
+        while self.pass_over_springs() {
+            left -= 1;
+            if left == 0 || !self.may_exceed_limit(Since::Pass) {
                 break;
             }
         }
@@ -137,6 +139,7 @@ impl ClothSolver {
         is_beyond
     }
 
+    /// The same, of corrections that have begun.
     fn pass_over_springs(&mut self) -> bool {
         let limit = self.strain_limit();
         if limit.all {
@@ -170,7 +173,8 @@ impl ClothSolver {
     /// Whether this substep's passes of the strain limit go on until all springs are within it, but for next to nothing: in the last of a
     /// tick. Within a tick the next substep goes on where one ended; what is drawn is to be within the limit.
     ///
-    /// Not on colliders, nor a sheet on layers of cloth, where it would not come to rest; what is worn ends in a way of its own (`stages/worn`).
+    /// Not on colliders, nor a sheet on layers of cloth, where it would not come to rest; what is worn ends in a way of its own
+    /// (`stages/worn`).
     fn goes_on(&self) -> bool {
         self.done + 1 == self.plan.substeps
             && self.skin.is_none()
