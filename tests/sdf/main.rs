@@ -7,6 +7,7 @@
 //! - Surfaces with a thickness: the least distance in `f64` to all triangles, less the radius.
 //! - Saved fields: bit equality, and a checksum written out by its definition.
 //! - Blocks: the single point's bits.
+//! - Segments: the least of the distances at a thousand of their places.
 //! - Fitted capsules: a capsule is its own best capsule.
 //! - Baked fields: a table of the errors that exact samples make (`data/sdf_error.csv`), analytic
 //!   distances in `f64`, and on the bunny the least distance to all triangles and the winding number.
@@ -17,6 +18,7 @@ mod fit;
 mod ground;
 mod meshes;
 mod saved;
+mod segments;
 mod shapes;
 mod shells;
 mod solids;

@@ -2,6 +2,7 @@
 
 use crate::{meshes::*, support::dice::Dice};
 use bevy::math::{DVec3, Vec3, bounding::BoundingVolume, primitives::*};
+use bevy_drape::sdf::shapes::CapsuleBetween;
 use bevy_drape::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
 use core::f64::consts::TAU;
 
@@ -245,6 +246,8 @@ fn blocks_give_the_same_bits() {
     let mut shapes: Vec<Box<dyn SignedDistance>> = cases().into_iter().map(|c| c.shape).collect();
     shapes.push(Box::new(InfinitePlane3d::new(Vec3::new(0.3, 0.9, -0.2))));
     shapes.push(Box::new(bake(&sphere_mesh(8, 0.5), 0.1, 0.2)));
+    let (from, to) = (Vec3::new(-0.3, -0.4, 0.1), Vec3::new(0.2, 0.5, -0.1));
+    shapes.push(Box::new(CapsuleBetween { from, to, radius: 0.2 }));
     let odd = [0.0, -0.0, 1e-25, 0.5, -0.7, 3e4, f32::INFINITY, f32::NAN];
     let mut random = Dice(5);
     for shape in &shapes {

@@ -15,7 +15,6 @@
 //! only, never a fused or a transcendental operation, so it gives the same bits wherever it runs, one
 //! point at a time or [`LANES`] at once.
 //!
-//! [`Cylinder`]: bevy_math::primitives::Cylinder
 //! [`Torus`]: bevy_math::primitives::Torus
 //! [`Cone`]: bevy_math::primitives::Cone
 //! [`Rounded`]: shapes::Rounded
@@ -30,17 +29,19 @@ mod field;
 mod file;
 pub mod fit;
 mod lookup;
+mod segments;
 pub mod shapes;
 
 pub use bake::{BakeError, BakeSettings, MAX_NODES};
 pub use field::DistanceField;
 pub use file::SavedFieldError;
 pub use lookup::{field_block, field_distance_block};
+pub use segments::{NearestBlock, SegmentBlock};
 
 use bevy_math::{
     Vec3,
     bounding::Aabb3d,
-    primitives::{Capsule3d, Cuboid, InfinitePlane3d, Sphere},
+    primitives::{Capsule3d, Cuboid, Cylinder, InfinitePlane3d, Sphere},
 };
 
 /// Number of points in a block.
@@ -149,6 +150,14 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
         }
     }
 
+    /// The place on each segment of a block that is nearest, and the distance there.
+    ///
+    /// The default searches it by golden section, and finds it where the distance along a segment has one minimum, as around a convex
+    /// solid. A shape that can compute it is both faster and exact.
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        segments::search(segments, out, |points, out| self.distance_block(points, out));
+    }
+
     /// Smallest box around the surface \[m\], or `None` where there is none (a half-space).
     fn bounds(&self) -> Option<Aabb3d>;
 
@@ -197,6 +206,8 @@ pub enum KnownShape<'a> {
     CapsuleBetween(&'a shapes::CapsuleBetween),
     /// [`shapes::cuboid_block`].
     Cuboid(&'a Cuboid),
+    /// [`shapes::cylinder_block`].
+    Cylinder(&'a Cylinder),
     /// [`field_block`].
     Field(&'a DistanceField),
     /// [`shapes::shell_block`].
@@ -213,8 +224,32 @@ impl KnownShape<'_> {
             Self::Capsule(s) => shapes::capsule_block(s.radius, s.half_length, points, out),
             Self::CapsuleBetween(s) => shapes::capsule_between_block(s, points, out),
             Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
+            Self::Cylinder(s) => shapes::cylinder_block(s, points, out),
             Self::Field(field) => field_block(field, points, out),
             Self::Shell(shell) => shapes::shell_block(shell, points, out),
+        }
+    }
+
+    /// [`nearest_on_segments`](SignedDistance::nearest_on_segments) of the shape, inlined.
+    #[inline(always)]
+    pub fn nearest_on_segments(self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        match self {
+            Self::Sphere(s) => shapes::nearest_to_sphere(s.radius, segments, out),
+            Self::HalfSpace(s) => {
+                shapes::nearest_to_half_space(s.normal.as_vec3(), segments, out);
+            }
+            Self::Capsule(s) => shapes::nearest_to_capsule(&(*s).into(), segments, out),
+            Self::CapsuleBetween(s) => shapes::nearest_to_capsule(s, segments, out),
+            Self::Cuboid(s) => segments::search(segments, out, |points, out| {
+                shapes::cuboid_distance_block(s.half_size, points, out);
+            }),
+            Self::Cylinder(s) => segments::search(segments, out, |points, out| {
+                shapes::cylinder_distance_block(s, points, out);
+            }),
+            Self::Field(field) => segments::search(segments, out, |points, out| {
+                field_distance_block(field, points, out);
+            }),
+            Self::Shell(shell) => shell.nearest_on_segments(segments, out),
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::larger;
 use super::tree::{Bounds, BoxTree, Walk};
-use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use crate::sdf::{
+    LANES, NearestBlock, PointBlock, SampleBlock, SdfSample, SegmentBlock, SignedDistance,
+};
 use bevy_math::{Mat3, Quat, Vec3, Vec3A, bounding::Aabb3d};
 use std::sync::Arc;
 
@@ -124,11 +126,13 @@ impl Compound {
         (least, found, nearest)
     }
 
-    /// [`nearest`](Self::nearest) for a block. `measure` samples a part, and is told what is known: it takes what is nearer.
+    /// [`nearest`](Self::nearest) for a block of what is no further than `reach` from points. `measure` samples a part, and is told what
+    /// is known: it takes what is nearer.
     fn nearest_block(
         &self,
         points: &PointBlock,
-        mut measure: impl FnMut(&Placed, &PointBlock, &mut Known),
+        reach: &[f32; LANES],
+        mut measure: impl FnMut(&Placed, &mut Known),
     ) -> Known {
         let mut known = Known { index: 0, least: [f32::INFINITY; LANES], nearest: [0; LANES] };
         let mut walk = Walk::to_block(points);
@@ -136,9 +140,11 @@ impl Compound {
         while let Some(places) = walk.next_of_block(&self.tree, points, &limits) {
             for index in places {
                 known.index = index as u32;
-                let part = &self.parts[index];
-                measure(part, &part.local_block(points), &mut known);
-                limits = known.least.map(limit_of);
+                measure(&self.parts[index], &mut known);
+                for (limit, (least, reach)) in limits.iter_mut().zip(known.least.iter().zip(reach))
+                {
+                    *limit = limit_of(least + reach);
+                }
             }
         }
         known
@@ -191,8 +197,8 @@ impl SignedDistance for Compound {
         let mut sampled = SampleBlock::default();
         out.ny = [1.0; LANES];
         (out.nx, out.nz) = ([0.0; LANES], [0.0; LANES]);
-        let known = self.nearest_block(points, |part, local, known| {
-            part.solid.sample_block(local, &mut sampled);
+        let known = self.nearest_block(points, &[0.0; LANES], |part, known| {
+            part.solid.sample_block(&part.local_block(points), &mut sampled);
             for lane in 0..LANES {
                 let distance = sampled.distance[lane];
                 if known.take(lane, distance) {
@@ -206,13 +212,34 @@ impl SignedDistance for Compound {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         let mut sampled = [0.0; LANES];
-        let known = self.nearest_block(points, |part, local, known| {
-            part.solid.distance_block(local, &mut sampled);
+        let known = self.nearest_block(points, &[0.0; LANES], |part, known| {
+            part.solid.distance_block(&part.local_block(points), &mut sampled);
             for (lane, distance) in sampled.into_iter().enumerate() {
                 known.take(lane, distance);
             }
         });
         *out = known.least;
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        let [middles, ends] = [0.5, 1.0].map(|part| segments.at(&[part; LANES]));
+        let mut reach = [0.0; LANES];
+        for (lane, reach) in reach.iter_mut().enumerate() {
+            *reach = 0.5 * segments.way.point(lane).length();
+        }
+        out.unsure = 0.0;
+        let mut found = NearestBlock::default();
+        let known = self.nearest_block(&middles, &reach, |part, known| {
+            let [from, to] = [&segments.from, &ends].map(|points| part.local_block(points));
+            part.solid.nearest_on_segments(&SegmentBlock::between(&from, &to), &mut found);
+            out.unsure = larger(out.unsure, found.unsure);
+            for lane in 0..LANES {
+                if known.take(lane, found.distance[lane]) {
+                    out.at[lane] = found.at[lane];
+                }
+            }
+        });
+        out.distance = known.least;
     }
 
     /// A box around the parts' own boxes: a little more than the smallest where a part is turned.

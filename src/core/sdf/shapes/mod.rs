@@ -31,9 +31,11 @@ mod tree;
 pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
 pub use height_field::{HeightField, HeightFieldCell, HeightFieldError};
+pub use revolved::{cylinder_block, cylinder_distance_block};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
-    half_space_distance_block, sphere_block, sphere_distance_block,
+    half_space_distance_block, nearest_to_capsule, nearest_to_half_space, nearest_to_sphere,
+    sphere_block, sphere_distance_block,
 };
 pub use rounded::Rounded;
 pub use shell::{Shell, ShellError, shell_block};

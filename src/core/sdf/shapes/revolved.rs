@@ -1,7 +1,7 @@
 //! Cylinder, torus and cone: solids of revolution, solved in the half-plane of radius and height.
 
 use super::{Kernel, centred, larger, length_and_direction, smaller, to_sample};
-use crate::sdf::{SdfSample, SignedDistance};
+use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy_math::{
     Vec3,
     bounding::Aabb3d,
@@ -12,13 +12,15 @@ use bevy_math::{
 type Profile = Kernel;
 
 /// Solves `profile` at the point's radius and height and turns its normal back into space.
-fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> SdfSample {
+#[inline(always)]
+fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> Kernel {
     // On the axis every way across is as good.
     let (radius, across) = length_and_direction([point.x, 0.0, point.z], [1.0, 0.0, 0.0]);
     let (distance, [radial, vertical, _]) = profile(radius, point.y);
-    to_sample((distance, [across[0] * radial, vertical, across[2] * radial]))
+    (distance, [across[0] * radial, vertical, across[2] * radial])
 }
 
+#[inline(always)]
 fn cylinder(shape: &Cylinder, radius: f32, height: f32) -> Profile {
     let beyond_side = radius - shape.radius;
     let beyond_cap = height.abs() - shape.half_height;
@@ -29,6 +31,7 @@ fn cylinder(shape: &Cylinder, radius: f32, height: f32) -> Profile {
     (distance, [normal[0], normal[1].copysign(height), 0.0])
 }
 
+#[inline(always)]
 fn torus(shape: &Torus, radius: f32, height: f32) -> Profile {
     let (length, normal) =
         length_and_direction([radius - shape.major_radius, height, 0.0], [0.0, 1.0, 0.0]);
@@ -73,9 +76,40 @@ fn cone(shape: &Cone, radius: f32, height: f32) -> Profile {
     length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal)
 }
 
+/// [`Cylinder`] at a block of points.
+#[inline(always)]
+pub fn cylinder_block(shape: &Cylinder, points: &PointBlock, out: &mut SampleBlock) {
+    for lane in 0..LANES {
+        let cylinder = |radius, height| cylinder(shape, radius, height);
+        let (distance, normal) = revolve(points.point(lane), cylinder);
+        out.set(lane, distance, normal);
+    }
+}
+
+/// Distance alone \[m\] of a [`Cylinder`].
+#[inline(always)]
+pub fn cylinder_distance_block(shape: &Cylinder, points: &PointBlock, out: &mut [f32; LANES]) {
+    for (lane, distance) in out.iter_mut().enumerate() {
+        let cylinder = |radius, height| cylinder(shape, radius, height);
+        *distance = revolve(points.point(lane), cylinder).0;
+    }
+}
+
 impl SignedDistance for Cylinder {
     fn sample(&self, point: Vec3) -> SdfSample {
-        revolve(point, |radius, height| cylinder(self, radius, height))
+        to_sample(revolve(point, |radius, height| cylinder(self, radius, height)))
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        cylinder_block(self, points, out);
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        cylinder_distance_block(self, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Cylinder(self))
     }
 
     fn core_depth(&self) -> f32 {
@@ -90,7 +124,21 @@ impl SignedDistance for Cylinder {
 /// Exact where the tube does not overlap itself (`minor_radius <= major_radius`); elsewhere outside only.
 impl SignedDistance for Torus {
     fn sample(&self, point: Vec3) -> SdfSample {
-        revolve(point, |radius, height| torus(self, radius, height))
+        to_sample(revolve(point, |radius, height| torus(self, radius, height)))
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        for lane in 0..LANES {
+            let torus = |radius, height| torus(self, radius, height);
+            let (distance, normal) = revolve(points.point(lane), torus);
+            out.set(lane, distance, normal);
+        }
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        for (lane, distance) in out.iter_mut().enumerate() {
+            *distance = revolve(points.point(lane), |radius, height| torus(self, radius, height)).0;
+        }
     }
 
     fn core_depth(&self) -> f32 {
@@ -109,7 +157,7 @@ impl SignedDistance for Torus {
 
 impl SignedDistance for Cone {
     fn sample(&self, point: Vec3) -> SdfSample {
-        revolve(point, |radius, height| cone(self, radius, height))
+        to_sample(revolve(point, |radius, height| cone(self, radius, height)))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

@@ -1,7 +1,10 @@
 //! Sphere, capsule and half-space: the distance to a point, a segment and a plane.
 
 use super::{Kernel, centred, larger, length_and_direction, smaller, to_sample};
-use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use crate::sdf::{
+    KnownShape, LANES, NearestBlock, PointBlock, SampleBlock, SdfSample, SegmentBlock,
+    SignedDistance,
+};
 use bevy_math::{
     Vec3,
     bounding::Aabb3d,
@@ -49,6 +52,14 @@ impl CapsuleBetween {
     }
 }
 
+impl From<Capsule3d> for CapsuleBetween {
+    #[inline(always)]
+    fn from(Capsule3d { radius, half_length }: Capsule3d) -> Self {
+        let to = Vec3::new(0.0, half_length, 0.0);
+        Self { from: -to, to, radius }
+    }
+}
+
 impl SignedDistance for CapsuleBetween {
     fn sample(&self, p: Vec3) -> SdfSample {
         to_sample(self.kernel(p))
@@ -56,6 +67,16 @@ impl SignedDistance for CapsuleBetween {
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
         capsule_between_block(self, points, out);
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        for (i, distance) in out.iter_mut().enumerate() {
+            *distance = self.kernel(points.point(i)).0;
+        }
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        nearest_to_capsule(self, segments, out);
     }
 
     fn core_depth(&self) -> f32 {
@@ -150,6 +171,63 @@ pub fn half_space_distance_block(normal: Vec3, points: &PointBlock, out: &mut [f
     }
 }
 
+/// Part of a segment, within it; NaN where `part` is.
+#[inline(always)]
+fn within(part: f32) -> f32 {
+    smaller(larger(part, 0.0), 1.0)
+}
+
+/// Places of segments that are nearest to a [`Sphere`] of this `radius` \[m\].
+#[inline(always)]
+pub fn nearest_to_sphere(radius: f32, segments: &SegmentBlock, out: &mut NearestBlock) {
+    for i in 0..LANES {
+        let (from, way) = (segments.from.point(i), segments.way.point(i));
+        let at = within(-from.dot(way) / larger(way.dot(way), f32::MIN_POSITIVE));
+        let nearest = from + way * at;
+        out.at[i] = at;
+        out.distance[i] = nearest.dot(nearest).sqrt() - radius;
+    }
+    out.unsure = 0.0;
+}
+
+/// Places of segments that are nearest to a capsule: those of two segments that are nearest to each other (Ericson 2005, *Real-Time
+/// Collision Detection*, section 5.1.9). Of one that is parallel to the capsule, the one closest to its middle.
+#[inline(always)]
+pub fn nearest_to_capsule(shape: &CapsuleBetween, segments: &SegmentBlock, out: &mut NearestBlock) {
+    // Square of the sine of an angle below which two segments count as parallel.
+    const PARALLEL: f32 = 1e-6;
+    let axis = shape.to - shape.from;
+    let axis_squared = larger(axis.dot(axis), f32::MIN_POSITIVE);
+    for i in 0..LANES {
+        let (from, way) = (segments.from.point(i) - shape.from, segments.way.point(i));
+        let squared = larger(way.dot(way), f32::MIN_POSITIVE);
+        let (along, out_of) = (way.dot(axis), way.dot(from));
+        let beside = axis.dot(from);
+        let across = squared * axis_squared - along * along;
+        let is_parallel = across <= PARALLEL * squared * axis_squared;
+        let divisor = if is_parallel { 1.0 } else { across };
+        let at = (along * beside - out_of * axis_squared) / divisor;
+        let at = if is_parallel { 0.5 } else { within(at) };
+        let on_axis = within((along * at + beside) / axis_squared);
+        let at = within((along * on_axis - out_of) / squared);
+        let apart = from + way * at - axis * on_axis;
+        out.at[i] = at;
+        out.distance[i] = apart.dot(apart).sqrt() - shape.radius;
+    }
+    out.unsure = 0.0;
+}
+
+/// Places of segments that are nearest to the half-space below the plane through the origin with this unit `normal`: the lower ends.
+#[inline(always)]
+pub fn nearest_to_half_space(normal: Vec3, segments: &SegmentBlock, out: &mut NearestBlock) {
+    for i in 0..LANES {
+        let (from, way) = (normal.dot(segments.from.point(i)), normal.dot(segments.way.point(i)));
+        out.at[i] = if way < 0.0 { 1.0 } else { 0.0 };
+        out.distance[i] = from + smaller(way, 0.0);
+    }
+    out.unsure = 0.0;
+}
+
 impl SignedDistance for Sphere {
     fn sample(&self, p: Vec3) -> SdfSample {
         to_sample(sphere(self.radius, p.x, p.y, p.z))
@@ -161,6 +239,10 @@ impl SignedDistance for Sphere {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         sphere_distance_block(self.radius, points, out);
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        nearest_to_sphere(self.radius, segments, out);
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {
@@ -193,6 +275,10 @@ impl SignedDistance for Capsule3d {
         capsule_distance_block(self.radius, self.half_length, points, out);
     }
 
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        nearest_to_capsule(&(*self).into(), segments, out);
+    }
+
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Capsule(self))
     }
@@ -222,6 +308,10 @@ impl SignedDistance for InfinitePlane3d {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         half_space_distance_block(self.normal.as_vec3(), points, out);
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        nearest_to_half_space(self.normal.as_vec3(), segments, out);
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {

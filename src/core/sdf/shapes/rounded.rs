@@ -1,6 +1,8 @@
 //! A solid swollen by a radius.
 
-use crate::sdf::{LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
+use crate::sdf::{
+    LANES, NearestBlock, PointBlock, SampleBlock, SdfSample, SegmentBlock, SignedDistance,
+};
 use bevy_math::{Vec3, Vec3A, bounding::Aabb3d};
 use std::sync::Arc;
 
@@ -44,6 +46,13 @@ impl SignedDistance for Rounded {
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         self.solid.distance_block(points, out);
         for distance in out {
+            *distance -= self.radius;
+        }
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        self.solid.nearest_on_segments(segments, out);
+        for distance in &mut out.distance {
             *distance -= self.radius;
         }
     }

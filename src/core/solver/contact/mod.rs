@@ -290,7 +290,6 @@ impl<'c> ResolveContacts<'c> {
             }
             let held = HoldEdges {
                 edges,
-                layout: self.bands.rows.layout,
                 nearby,
                 rule,
                 until: &mut broad_phase.edge_until[from..to],

@@ -7,9 +7,9 @@ use crate::solver::contact::edges::solve::System;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::layout::Layout;
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
+use crate::solver::topology::lattice::Lattice;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
@@ -104,7 +104,6 @@ pub(super) struct FindClose<'a> {
     pub edges: &'a Edges,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
-    pub inside: Inside,
     pub until: &'a [f32],
     pub gone: f32,
 }
@@ -121,7 +120,9 @@ impl Kernel for FindClose<'_> {
                 continue;
             }
             match &self.edges.joined {
-                Joined::Neighbours { hops, .. } => self.look_at_fans(block, *hops),
+                Joined::Neighbours { lattice, hops } => {
+                    self.look_at_fans(lattice, block, *hops);
+                }
                 Joined::Pairs(pairs) => {
                     let Pairs { ends, first, .. } = pairs;
                     for edge in first[block]..first[block + 1] {
@@ -131,6 +132,9 @@ impl Kernel for FindClose<'_> {
                         }
                     }
                     let Pairs { faces, first_face, .. } = pairs;
+                    if !self.rule.has_faces {
+                        continue;
+                    }
                     for face in &faces[first_face[block] as usize..first_face[block + 1] as usize] {
                         let [a, b, c] = face.map(|slot| slot as usize);
                         if self.is_close(a, b) && self.is_close(b, c) && self.is_close(a, c) {
@@ -155,19 +159,27 @@ impl FindClose<'_> {
     }
 
     #[inline(always)]
-    fn look_at_fans(&mut self, block: usize, hops: [usize; FAN]) {
+    fn look_at_fans(&mut self, lattice: &Lattice, block: usize, hops: [usize; FAN]) {
         let slot = block * LANES;
         let Nearby { gap, normal, .. } = &*self.nearby;
         let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
+        // Beside the sheet they have no length.
+        let Lattice { weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
+        let rests = [
+            Block::load(&weft.rest, slot),
+            Block::load(antidiagonal_rest, slot - 1),
+            Block::load(&warp.rest, slot),
+            Block::load(&diagonal.rest, slot),
+        ];
         let mut found = [Block::ZERO; FAN];
         let mut any = Block::ZERO;
-        for (found, hop) in found.iter_mut().zip(hops) {
+        for ((found, hop), rest) in found.iter_mut().zip(hops).zip(&rests) {
             let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
             for i in 0..LANES {
                 let cosine = normal0.at(i).dot(normal1.at(i));
                 let least = if gap0.0[i] < gap1.0[i] { gap0.0[i] } else { gap1.0[i] };
                 let reaches = gap0.0[i] + gap1.0[i] < self.rule.reach;
-                let reaches = reaches && least > self.rule.inside;
+                let reaches = reaches && least > self.rule.inside && rest.0[i] > 0.0;
                 let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
                 found.0[i] = if reaches { differs } else { 0.0 };
                 any.0[i] = larger(found.0[i], any.0[i]);
@@ -177,20 +189,19 @@ impl FindClose<'_> {
             return;
         }
         for lane in (0..LANES).filter(|&lane| any.0[lane] > 0.0) {
-            for (i, (found, hop)) in found.iter().zip(hops).enumerate() {
-                let from = slot + lane;
-                if found.0[lane] > 0.0 && self.inside.has(from) && self.inside.has(from + hop) {
-                    self.take((from * FAN + i) as u32);
+            for (i, found) in found.iter().enumerate() {
+                if found.0[lane] > 0.0 {
+                    self.take(((slot + lane) * FAN + i) as u32);
                 }
             }
+            if !self.rule.has_faces {
+                continue;
+            }
             for [i, j] in FAN_FACES {
-                if found[i].0[lane] == 0.0 || found[j].0[lane] == 0.0 {
-                    continue;
-                }
                 let corners = [slot + lane, slot + lane + hops[i], slot + lane + hops[j]];
                 let [_, b, c] = corners;
-                if corners.iter().all(|&slot| self.inside.has(slot)) && self.is_close(b, c) {
-                    self.nearby.faces.push(corners.map(|slot| slot as u32));
+                if found[i].0[lane] > 0.0 && found[j].0[lane] > 0.0 && self.is_close(b, c) {
+                    self.nearby.faces.push([corners[0] as u32, b as u32, c as u32]);
                 }
             }
         }
@@ -202,17 +213,5 @@ impl FindClose<'_> {
         if self.until[edge as usize] <= self.gone {
             self.nearby.close.push(edge);
         }
-    }
-}
-
-/// Tells which slots are of particles.
-#[derive(Clone, Copy)]
-pub(super) struct Inside(pub Layout);
-
-impl Inside {
-    #[inline(always)]
-    fn has(&self, slot: usize) -> bool {
-        let from = slot.wrapping_sub(self.0.slot(0, 0));
-        from / self.0.stride < self.0.rows && from % self.0.stride < self.0.columns
     }
 }

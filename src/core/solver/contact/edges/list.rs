@@ -47,6 +47,16 @@ pub(super) struct Pairs {
     at: Buckets<u32>,
 }
 
+impl Joined {
+    /// Diameter of the largest circle in a face whose longest side is one: in half a square, or in an equilateral triangle.
+    pub fn widest_inscribed(&self) -> f32 {
+        match self {
+            Self::Neighbours { .. } => 0.4143,
+            Self::Pairs(_) => 0.5774,
+        }
+    }
+}
+
 impl Edges {
     /// Lists the edges of a cloth.
     pub fn new(topology: &Topology) -> Self {

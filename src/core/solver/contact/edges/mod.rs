@@ -3,10 +3,10 @@
 //! The distance to a solid changes by at most a metre in a metre. So an edge of length l, whose ends have the gaps g0 and g1
 //! to what is held, is held itself as long as g0 + g1 >= l. Of the others, those are left out whose ends see the surface face
 //! nearly the same way: a flat or gently curved side. What is left lies around a rim, a tip, a rod (`candidates`). There the
-//! place of an edge that is nearest to the solid is searched (`search`; for contact with distance fields: Macklin et al. 2020,
+//! place of an edge that is nearest to the solid is found (`search`; for contact with distance fields: Macklin et al. 2020,
 //! *Local Optimization for Robust Signed Distance Field Collision*), and moved out with both ends, each by its
 //! share and its inverse mass (`contact_point`). Where the three corners of a face see three sides of a solid, whose vertex may be in their
-//! midst, the face is searched and held in the same way.
+//! midst, the face is searched and held in the same way; but not on a solid so gently curved that it cannot reach in between edges.
 //!
 //! An edge is held at half the distance of the particles, so that on a smooth solid these touch first, and edges cost nothing.
 //!
@@ -34,15 +34,12 @@ pub(super) use crate::solver::contact::edges::candidates::{Nearby, NearbyMut};
 use crate::solver::contact::ContactSettings;
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::contact::collider::Motion;
-use crate::solver::contact::edges::candidates::{FindClose, Inside};
-use crate::solver::contact::edges::contact_point::Place;
-use crate::solver::contact::edges::search::{Search, UNSURE, nearest_on_faces};
+use crate::solver::contact::edges::candidates::FindClose;
+use crate::solver::contact::edges::search::{SearchEdges, SearchFaces};
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::Mobility;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::isa::Isa;
-use crate::solver::simd::lanes::LANES;
-use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 
 /// Part of the particles' distance at which edges are held.
@@ -59,8 +56,6 @@ const LEAST_INSIDE: f32 = 0.01;
 const SLOW: f32 = 0.125;
 /// Part of an edge from which on a collider passes edges within a substep, and only particles are held.
 const FAST: f32 = 0.75;
-/// Part of each corner in a place that is within a face.
-const WITHIN: f32 = 0.05;
 
 /// The rule for which edges are looked at closely.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +68,8 @@ pub(super) struct Rule {
     inside: f32,
     /// Least cosine between normals of a side that is gently curved.
     alike: f32,
+    /// Whether faces are searched too.
+    has_faces: bool,
 }
 
 impl Rule {
@@ -95,6 +92,9 @@ impl Rule {
         if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
             return None;
         }
+        // A face whose edges touch reaches as much further in as the arc over a chord of twice the radius of its inscribed circle.
+        let across = edges.joined.widest_inscribed() * length;
+        let has_faces = !is_slow || across * across > 8.0 * sagitta * motion.least_radius;
         let angle = 8.0 * sagitta / length;
         let less = 2.0 * (HELD - 1.0) * settings.epsilon + motion.reach;
         let reach = length + less;
@@ -103,6 +103,7 @@ impl Rule {
             is_slow,
             inside: -INSIDE * larger(settings.epsilon, LEAST_INSIDE * edges.longest) - motion.reach,
             alike: 1.0 - 0.5 * angle * angle,
+            has_faces,
         })
     }
 }
@@ -110,7 +111,6 @@ impl Rule {
 /// Holds the edges of a cloth out of one collider.
 pub(super) struct HoldEdges<'a> {
     pub edges: &'a Edges,
-    pub layout: Layout,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
     /// The ways at which edges may touch, and the way that has been gone, as `BroadPhase` counts it \[m\].
@@ -151,21 +151,25 @@ impl HoldEdges<'_> {
             edges: self.edges,
             nearby: self.nearby,
             rule: self.rule,
-            inside: Inside(self.layout),
             until: self.until,
             gone: self.gone,
         });
         // All are searched before any is moved: what is passed over as it is too far changes no bit of the others.
-        let close = core::mem::take(&mut self.nearby.close);
-        for close in close.chunks(LANES) {
-            self.search(close);
-        }
-        self.nearby.close = close;
-        let faces = core::mem::take(&mut self.nearby.faces);
-        for faces in faces.chunks(LANES) {
-            self.search_faces(faces);
-        }
-        self.nearby.faces = faces;
+        let Nearby { close, faces, places, .. } = &mut *self.nearby;
+        let (x, d, motion) = (&*self.x, &*self.d, self.motion);
+        let held = HELD * self.settings.epsilon;
+        isa.run(SearchEdges {
+            edges: self.edges,
+            close,
+            x,
+            d,
+            motion,
+            held,
+            until: self.until,
+            gone: self.gone,
+            places,
+        });
+        isa.run(SearchFaces { faces, x, d, motion, held, places });
         let mut system = core::mem::take(&mut self.nearby.system);
         self.find_pressed(&mut system.presses);
         let mut held =
@@ -174,43 +178,6 @@ impl HoldEdges<'_> {
         self.nearby.system = system;
         self.nearby.clear();
         held
-    }
-
-    /// Searches so many edges at once, and notes the places of those that are to be moved out.
-    fn search(&mut self, close: &[u32]) {
-        let mut ends = [[0; 2]; LANES];
-        for (lane, ends) in ends.iter_mut().enumerate() {
-            // Unused lanes look for what the last one does.
-            *ends = self.edges.ends(close[lane.min(close.len() - 1)]);
-        }
-        let search = Search::new(&ends, self.x, self.d, &self.motion.after);
-        let (at, distance) = search.nearest(self.motion);
-        for (lane, &edge) in close.iter().enumerate() {
-            let gap = distance[lane] * self.motion.after.scale - HELD * self.settings.epsilon;
-            if gap < 0.0 {
-                self.nearby.places.push(Place::on_edge(edge, ends[lane], at[lane]));
-            } else {
-                let unsure = self.motion.overestimate + UNSURE * self.edges.longest;
-                self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
-            }
-        }
-    }
-
-    /// Searches so many faces, which are few, and notes the places of those that are to be moved out.
-    fn search_faces(&mut self, faces: &[[u32; 3]]) {
-        let mut corners = [[0; 3]; LANES];
-        for (lane, corners) in corners.iter_mut().enumerate() {
-            *corners = faces[lane.min(faces.len() - 1)].map(|slot| slot as usize);
-        }
-        let (parts, distance) = nearest_on_faces(&corners, self.x, self.d, self.motion);
-        for (lane, &corners) in faces.iter().enumerate() {
-            let parts = parts[lane];
-            let gap = distance[lane] * self.motion.after.scale - HELD * self.settings.epsilon;
-            // What is nearest at a side of it is left to that edge.
-            if gap < 0.0 && parts.iter().all(|&part| part > WITHIN) {
-                self.nearby.places.push(Place { corners, parts, edge: None });
-            }
-        }
     }
 
     /// Changes the displacement of a slot's particle. What contact does is no pull of the cloth.

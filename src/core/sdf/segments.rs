@@ -1,0 +1,106 @@
+//! Which place of a segment is nearest to a solid.
+
+use super::{LANES, PointBlock};
+
+/// Steps of the search: each leaves 0.618 of a segment. Two places in it come before them.
+const STEPS: usize = 6;
+/// The smaller part of a golden section.
+const GOLDEN: f32 = 0.381_966_02;
+/// Part of a segment by which a place that was searched may be off.
+const UNSURE: f32 = 0.06;
+
+/// [`LANES`] segments \[m\] as a structure of arrays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SegmentBlock {
+    /// Where they begin \[m\].
+    pub from: PointBlock,
+    /// From there to where they end \[m\].
+    pub way: PointBlock,
+}
+
+impl SegmentBlock {
+    /// The segments between two blocks of points.
+    #[inline(always)]
+    pub fn between(from: &PointBlock, to: &PointBlock) -> Self {
+        let mut way = PointBlock::default();
+        for i in 0..LANES {
+            way.x[i] = to.x[i] - from.x[i];
+            way.y[i] = to.y[i] - from.y[i];
+            way.z[i] = to.z[i] - from.z[i];
+        }
+        Self { from: *from, way }
+    }
+
+    /// The places at these parts of the ways.
+    #[inline(always)]
+    pub fn at(&self, parts: &[f32; LANES]) -> PointBlock {
+        let Self { from, way } = self;
+        let mut points = PointBlock::default();
+        for (i, part) in parts.iter().enumerate() {
+            points.x[i] = from.x[i] + way.x[i] * part;
+            points.y[i] = from.y[i] + way.y[i] * part;
+            points.z[i] = from.z[i] + way.z[i] * part;
+        }
+        points
+    }
+}
+
+/// The places of [`LANES`] segments that are nearest to a solid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NearestBlock {
+    /// Parts of the ways to them, from 0 to 1.
+    pub at: [f32; LANES],
+    /// Distances there \[m\]. Negative inside.
+    pub distance: [f32; LANES],
+    /// How far `at` may be off, at most: 0 where it is computed exactly.
+    pub unsure: f32,
+}
+
+/// Searches the nearest places by golden section (Kiefer 1953): where the distance is a convex function, as it is around a
+/// convex solid, it finds them.
+#[inline(always)]
+pub(super) fn search(
+    segments: &SegmentBlock,
+    out: &mut NearestBlock,
+    measure: impl Fn(&PointBlock, &mut [f32; LANES]),
+) {
+    let distances = |at: &[f32; LANES]| {
+        let mut distances = [0.0; LANES];
+        measure(&segments.at(at), &mut distances);
+        distances
+    };
+    let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
+    let (mut first, mut second) = ([GOLDEN; LANES], [1.0 - GOLDEN; LANES]);
+    let (mut at_first, mut at_second) = (distances(&first), distances(&second));
+    for _ in 0..STEPS {
+        // All is loaded first, and then chosen between: so it is done in lanes.
+        let mut probe = [0.0; LANES];
+        for i in 0..LANES {
+            let (from, to, one, other) = (low[i], high[i], first[i], second[i]);
+            let is_low = at_first[i] < at_second[i];
+            let (from, to) = (if is_low { from } else { one }, if is_low { other } else { to });
+            let width = (to - from) * GOLDEN;
+            let (near, far) = (from + width, to - width);
+            (low[i], high[i]) = (from, to);
+            probe[i] = if is_low { near } else { far };
+        }
+        let new = distances(&probe);
+        for i in 0..LANES {
+            let (one, other, probe) = (first[i], second[i], probe[i]);
+            let (at_one, at_other, new) = (at_first[i], at_second[i], new[i]);
+            let is_low = at_one < at_other;
+            first[i] = if is_low { probe } else { other };
+            second[i] = if is_low { one } else { probe };
+            at_first[i] = if is_low { new } else { at_other };
+            at_second[i] = if is_low { at_one } else { new };
+        }
+    }
+    for i in 0..LANES {
+        let (one, other) = (first[i], second[i]);
+        let (at_one, at_other) = (at_first[i], at_second[i]);
+        let is_first = at_one < at_other;
+        out.at[i] = if is_first { one } else { other };
+        out.distance[i] = if is_first { at_one } else { at_other };
+    }
+    out.unsure = UNSURE;
+}
