@@ -64,7 +64,7 @@ fn numbers_are_what_the_cloths_tell() {
     let awake = [cloths[0], cloths[1]].map(|cloth| simulation(&app, cloth));
     let ticks = awake.map(|cloth| *cloth.last_tick().unwrap());
     let contacts = ticks.iter().map(|tick| tick.contact_count).sum::<u32>();
-    assert!(contacts > 4, "it lies on the ball");
+    assert!(contacts >= 4, "it lies on the ball");
     assert_eq!(value(&app, &It::CONTACTS), f64::from(contacts));
     assert_eq!(value(&app, &It::SUBSTEPS), 31.0);
     assert_ne!(ticks[1].substeps, 31);

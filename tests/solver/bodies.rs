@@ -252,7 +252,7 @@ fn momentum(cloth: &ClothSolver, body: &Body) -> (DVec3, DVec3, f64) {
 #[test]
 fn a_sheet_that_hits_a_free_box_keeps_momentum() {
     // As it is, from the side, and beside the middle: by how much differs from place to place.
-    let ways = [(Vec3::ZERO, 0.0, 5e-4), (Vec3::X * 3.0, 0.0, 8e-4)];
+    let ways = [(Vec3::ZERO, 0.0, 8e-4), (Vec3::X * 3.0, 0.0, 8e-4)];
     let aside = [0.15, 0.2, 0.25, 0.3, 0.35].map(|aside| (Vec3::ZERO, aside, 2e-3));
     let mut of_heavy_aside = 0.0;
     for (along, aside, of_angular) in ways.into_iter().chain(aside) {

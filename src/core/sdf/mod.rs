@@ -240,16 +240,30 @@ impl KnownShape<'_> {
             }
             Self::Capsule(s) => shapes::nearest_to_capsule(&(*s).into(), segments, out),
             Self::CapsuleBetween(s) => shapes::nearest_to_capsule(s, segments, out),
-            Self::Cuboid(s) => segments::search(segments, out, |points, out| {
-                shapes::cuboid_distance_block(s.half_size, points, out);
-            }),
-            Self::Cylinder(s) => segments::search(segments, out, |points, out| {
-                shapes::cylinder_distance_block(s, points, out);
-            }),
-            Self::Field(field) => segments::search(segments, out, |points, out| {
-                field_distance_block(field, points, out);
-            }),
-            Self::Shell(shell) => shell.nearest_on_segments(segments, out),
+            Self::Cuboid(s) => segments::search(
+                segments,
+                out,
+                #[inline(always)]
+                |points, out| shapes::cuboid_distance_block(s.half_size, points, out),
+            ),
+            Self::Cylinder(s) => segments::search(
+                segments,
+                out,
+                #[inline(always)]
+                |points, out| shapes::cylinder_distance_block(s, points, out),
+            ),
+            Self::Field(field) => segments::search(
+                segments,
+                out,
+                #[inline(always)]
+                |points, out| field_distance_block(field, points, out),
+            ),
+            Self::Shell(shell) => segments::search(
+                segments,
+                out,
+                #[inline(always)]
+                |points, out| shapes::shell_distance_block(shell, points, out),
+            ),
         }
     }
 }

@@ -43,6 +43,18 @@ impl SegmentBlock {
         }
         points
     }
+
+    /// The distances at these parts of the ways. No closure: one would not be compiled for the instructions around it.
+    #[inline(always)]
+    fn distances(
+        &self,
+        at: &[f32; LANES],
+        measure: &impl Fn(&PointBlock, &mut [f32; LANES]),
+    ) -> [f32; LANES] {
+        let mut distances = [0.0; LANES];
+        measure(&self.at(at), &mut distances);
+        distances
+    }
 }
 
 /// The places of [`LANES`] segments that are nearest to a solid.
@@ -52,8 +64,8 @@ pub struct NearestBlock {
     pub at: [f32; LANES],
     /// Distances there \[m\]. Negative inside.
     pub distance: [f32; LANES],
-    /// How far `at` may be off, at most: 0 where it is computed exactly.
-    pub unsure: f32,
+    /// What no place of the segments is nearer than, around a convex solid \[m\]: the distance itself where it is computed exactly.
+    pub least: [f32; LANES],
 }
 
 /// Searches the nearest places by golden section (Kiefer 1953): where the distance is a convex function, as it is around a
@@ -64,14 +76,10 @@ pub(super) fn search(
     out: &mut NearestBlock,
     measure: impl Fn(&PointBlock, &mut [f32; LANES]),
 ) {
-    let distances = |at: &[f32; LANES]| {
-        let mut distances = [0.0; LANES];
-        measure(&segments.at(at), &mut distances);
-        distances
-    };
     let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
     let (mut first, mut second) = ([GOLDEN; LANES], [1.0 - GOLDEN; LANES]);
-    let (mut at_first, mut at_second) = (distances(&first), distances(&second));
+    let (mut at_first, mut at_second) =
+        (segments.distances(&first, &measure), segments.distances(&second, &measure));
     for _ in 0..STEPS {
         // All is loaded first, and then chosen between: so it is done in lanes.
         let mut probe = [0.0; LANES];
@@ -84,7 +92,7 @@ pub(super) fn search(
             (low[i], high[i]) = (from, to);
             probe[i] = if is_low { near } else { far };
         }
-        let new = distances(&probe);
+        let new = segments.distances(&probe, &measure);
         for i in 0..LANES {
             let (one, other, probe) = (first[i], second[i], probe[i]);
             let (at_one, at_other, new) = (at_first[i], at_second[i], new[i]);
@@ -101,6 +109,8 @@ pub(super) fn search(
         let is_first = at_one < at_other;
         out.at[i] = if is_first { one } else { other };
         out.distance[i] = if is_first { at_one } else { at_other };
+        // A distance changes by no more than the way.
+        let way = segments.way.point(i);
+        out.least[i] = out.distance[i] - UNSURE * way.dot(way).sqrt();
     }
-    out.unsure = UNSURE;
 }

@@ -1,7 +1,7 @@
 //! Several solids as one.
 
-use super::larger;
 use super::tree::{Bounds, BoxTree, Walk};
+use super::{larger, smaller};
 use crate::sdf::{
     LANES, NearestBlock, PointBlock, SampleBlock, SdfSample, SegmentBlock, SignedDistance,
 };
@@ -227,13 +227,13 @@ impl SignedDistance for Compound {
         for (lane, reach) in reach.iter_mut().enumerate() {
             *reach = 0.5 * segments.way.point(lane).length();
         }
-        out.unsure = 0.0;
+        out.least = [f32::INFINITY; LANES];
         let mut found = NearestBlock::default();
         let known = self.nearest_block(&middles, &reach, |part, known| {
             let [from, to] = [&segments.from, &ends].map(|points| part.local_block(points));
             part.solid.nearest_on_segments(&SegmentBlock::between(&from, &to), &mut found);
-            out.unsure = larger(out.unsure, found.unsure);
             for lane in 0..LANES {
+                out.least[lane] = smaller(out.least[lane], found.least[lane]);
                 if known.take(lane, found.distance[lane]) {
                     out.at[lane] = found.at[lane];
                 }

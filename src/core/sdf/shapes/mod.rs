@@ -38,7 +38,7 @@ pub use round::{
     sphere_block, sphere_distance_block,
 };
 pub use rounded::Rounded;
-pub use shell::{Shell, ShellError, shell_block};
+pub use shell::{Shell, ShellError, shell_block, shell_distance_block};
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};

@@ -38,42 +38,43 @@ fn torus(shape: &Torus, radius: f32, height: f32) -> Profile {
     (length - shape.minor_radius, normal)
 }
 
+#[inline(always)]
 fn cone(shape: &Cone, radius: f32, height: f32) -> Profile {
     let half_height = 0.5 * shape.height;
+    let below_tip = half_height - height;
     let slant_squared = shape.radius * shape.radius + shape.height * shape.height;
+    let tip = length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
     if slant_squared < f32::MIN_POSITIVE {
         // A point has no sides.
-        return length_and_direction([radius, height, 0.0], [0.0, 1.0, 0.0]);
+        return tip;
     }
     let slant = slant_squared.sqrt();
     let side_normal = [shape.height / slant, shape.radius / slant, 0.0];
-    let base_normal = [0.0, -1.0, 0.0];
 
-    let below_tip = half_height - height;
     let beyond_side = radius * side_normal[0] - below_tip * side_normal[1];
     let beyond_base = -half_height - height;
     // How far down the side, from the tip, the foot of the perpendicular lies.
     let along_side = radius * side_normal[1] + below_tip * side_normal[0];
+    let side = (beyond_side, side_normal);
+    let base = (beyond_base, [0.0, -1.0, 0.0]);
+    let rim = length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal);
 
-    // A convex polygon: inside, the nearest side line is the nearest side.
-    if beyond_side <= 0.0 && beyond_base <= 0.0 {
-        return if beyond_base >= beyond_side {
-            (beyond_base, base_normal)
-        } else {
-            (beyond_side, side_normal)
-        };
-    }
-    // Outside, exactly one of side, base, tip and rim has the point in its normal cone.
-    if beyond_side > 0.0 && along_side >= 0.0 && along_side <= slant {
-        return (beyond_side, side_normal);
-    }
-    if beyond_base > 0.0 && radius <= shape.radius {
-        return (beyond_base, base_normal);
-    }
-    if along_side < 0.0 {
-        return length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
-    }
-    length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal)
+    // A convex polygon: inside, the nearest side line is the nearest side. Outside, exactly one of side, base, tip and rim has the
+    // point in its normal cone.
+    let is_inside = beyond_side <= 0.0 && beyond_base <= 0.0;
+    let is_off_side = beyond_side > 0.0 && along_side >= 0.0 && along_side <= slant;
+    let is_off_base = beyond_base > 0.0 && radius <= shape.radius;
+    let inside = pick(beyond_base >= beyond_side, base, side);
+    let at_end = pick(along_side < 0.0, tip, rim);
+    let outside = pick(is_off_side, side, pick(is_off_base, base, at_end));
+    pick(is_inside, inside, outside)
+}
+
+/// One profile or the other, number by number: so it is done in lanes.
+#[inline(always)]
+fn pick(first: bool, a: Profile, b: Profile) -> Profile {
+    let pick = |a: f32, b: f32| if first { a } else { b };
+    (pick(a.0, b.0), [pick(a.1[0], b.1[0]), pick(a.1[1], b.1[1]), 0.0])
 }
 
 /// [`Cylinder`] at a block of points.
@@ -158,6 +159,20 @@ impl SignedDistance for Torus {
 impl SignedDistance for Cone {
     fn sample(&self, point: Vec3) -> SdfSample {
         to_sample(revolve(point, |radius, height| cone(self, radius, height)))
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        for lane in 0..LANES {
+            let cone = |radius, height| cone(self, radius, height);
+            let (distance, normal) = revolve(points.point(lane), cone);
+            out.set(lane, distance, normal);
+        }
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        for (lane, distance) in out.iter_mut().enumerate() {
+            *distance = revolve(points.point(lane), |radius, height| cone(self, radius, height)).0;
+        }
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

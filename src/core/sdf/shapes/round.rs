@@ -187,7 +187,7 @@ pub fn nearest_to_sphere(radius: f32, segments: &SegmentBlock, out: &mut Nearest
         out.at[i] = at;
         out.distance[i] = nearest.dot(nearest).sqrt() - radius;
     }
-    out.unsure = 0.0;
+    out.least = out.distance;
 }
 
 /// Places of segments that are nearest to a capsule: those of two segments that are nearest to each other (Ericson 2005, *Real-Time
@@ -214,7 +214,7 @@ pub fn nearest_to_capsule(shape: &CapsuleBetween, segments: &SegmentBlock, out: 
         out.at[i] = at;
         out.distance[i] = apart.dot(apart).sqrt() - shape.radius;
     }
-    out.unsure = 0.0;
+    out.least = out.distance;
 }
 
 /// Places of segments that are nearest to the half-space below the plane through the origin with this unit `normal`: the lower ends.
@@ -225,7 +225,7 @@ pub fn nearest_to_half_space(normal: Vec3, segments: &SegmentBlock, out: &mut Ne
         out.at[i] = if way < 0.0 { 1.0 } else { 0.0 };
         out.distance[i] = from + smaller(way, 0.0);
     }
-    out.unsure = 0.0;
+    out.least = out.distance;
 }
 
 impl SignedDistance for Sphere {

@@ -52,7 +52,7 @@ impl SignedDistance for Rounded {
 
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
         self.solid.nearest_on_segments(segments, out);
-        for distance in &mut out.distance {
+        for distance in out.distance.iter_mut().chain(&mut out.least) {
             *distance -= self.radius;
         }
     }

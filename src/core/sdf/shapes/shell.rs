@@ -181,10 +181,7 @@ impl SignedDistance for Shell {
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
-        let NearestFaces { squared, .. } = self.nearest_block(points);
-        for lane in 0..LANES {
-            out[lane] = squared[lane].sqrt() - self.radius;
-        }
+        shell_distance_block(self, points, out);
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
@@ -215,6 +212,15 @@ pub fn shell_block(shell: &Shell, points: &PointBlock, out: &mut SampleBlock) {
         let way = [away.x[lane], away.y[lane], away.z[lane]];
         let normal = shell.outward(way, face[lane] as usize);
         out.set(lane, squared[lane].sqrt() - shell.radius, normal);
+    }
+}
+
+/// Distances alone \[m\] of a shell, inlined where it is called.
+#[inline(always)]
+pub fn shell_distance_block(shell: &Shell, points: &PointBlock, out: &mut [f32; LANES]) {
+    let NearestFaces { squared, .. } = shell.nearest_block(points);
+    for lane in 0..LANES {
+        out[lane] = squared[lane].sqrt() - shell.radius;
     }
 }
 

@@ -42,14 +42,14 @@ impl Kernel for SearchEdges<'_> {
             }
             let from = corner(&ends, 0, x, d, &motion.after);
             let to = corner(&ends, 1, x, d, &motion.after);
-            let NearestBlock { at, distance, unsure } = nearest(motion, &from, &to);
-            let unsure = motion.overestimate + unsure * edges.longest;
+            let NearestBlock { at, distance, least } = nearest(motion, &from, &to);
             for (lane, &edge) in close.iter().enumerate() {
                 let gap = distance[lane] * motion.after.scale - self.held;
                 if gap < 0.0 {
                     self.places.push(Place::on_edge(edge, ends[lane], at[lane]));
                 } else {
-                    self.until[edge as usize] = self.gone + larger(gap - unsure, 0.0);
+                    let gap = least[lane] * motion.after.scale - motion.overestimate - self.held;
+                    self.until[edge as usize] = self.gone + larger(gap, 0.0);
                 }
             }
         }
