@@ -5,7 +5,7 @@ use crate::{
     turns::{Bound, Wrong, heading, in_turns, line},
 };
 use bevy::{
-    asset::AssetPlugin,
+    asset::{AssetPlugin, LoadState},
     ecs::system::RunSystemOnce,
     mesh::{
         Indices, VertexAttributeValues,
@@ -35,28 +35,38 @@ pub fn bodies_of(files: &[impl AsRef<Path>], rounds: usize, wrong: &mut Wrong) {
         let file = file.as_ref();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         match character(file) {
-            Some((app, body)) => fit_again(app, body, &name, rounds, wrong),
-            None => wrong.unless(false, &name, "no capsules were fitted"),
+            Ok((app, body)) => fit_again(app, body, &name, rounds, wrong),
+            Err(error) => wrong.unless(false, &name, &error),
         }
     }
 }
 
 /// An app with the character of a file, with its capsules.
-fn character(file: &Path) -> Option<(App, Entity)> {
-    let file_path = file.parent()?.canonicalize().ok()?.to_string_lossy().into();
+fn character(file: &Path) -> Result<(App, Entity), String> {
+    let file = file.canonicalize().map_err(|error| error.to_string())?;
+    let (folder, name) = (file.parent().ok_or("it is a folder")?, file.file_name());
+    let file_path = folder.to_string_lossy().into();
     let mut app = app_of(Some(AssetPlugin { file_path, ..default() }), add_gltf);
-    let name = file.file_name()?.to_string_lossy().into_owned();
-    let scene = app.world().load_asset(GltfAssetLabel::Scene(0).from_asset(name));
+    let name = name.unwrap_or_default().to_string_lossy().into_owned();
+    let scene: Handle<WorldAsset> =
+        app.world().load_asset(GltfAssetLabel::Scene(0).from_asset(name));
+    let id = scene.id();
     let place = (Transform::default(), Visibility::default());
     let body = app.world_mut().spawn((WorldAssetRoot(scene), ClothBody::default(), place)).id();
     for _ in 0..PATIENCE {
         app.update();
         if capsules(&app, body).is_some() {
-            return Some((app, body));
+            return Ok((app, body));
+        }
+        // One with textures takes an app that reads images.
+        if let Some(LoadState::Failed(error)) =
+            app.world().resource::<AssetServer>().get_load_state(id)
+        {
+            return Err(error.to_string().lines().next().unwrap_or_default().into());
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    None
+    Err("no capsules were fitted".into())
 }
 
 fn capsules(app: &App, body: Entity) -> Option<&Vec<BodyCapsule>> {

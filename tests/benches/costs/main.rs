@@ -10,6 +10,7 @@ mod app;
 mod bodies;
 mod body;
 mod crowd;
+mod edges;
 #[cfg(feature = "avian")]
 mod engines;
 mod fields;
@@ -67,7 +68,7 @@ enum Part {
     Wind,
     /// Max distance, backstop, drive, and where the skin is.
     Skin,
-    /// Impulses, swept contact, soft pins.
+    /// Impulses, swept contact, edges, soft pins.
     Contact,
     /// Baked fields, and baking them.
     Fields,
@@ -110,7 +111,10 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
                 solver::skin(side, ticks, wrong)?;
                 skinned::skinning(ticks);
             }
-            Part::Contact => solver::contact(side, ticks, wrong)?,
+            Part::Contact => {
+                solver::contact(side, ticks, wrong)?;
+                edges::edges(ticks.min(250), wrong)?;
+            }
             Part::Fields => fields::fields(side, ticks, wrong)?,
             Part::Ground => ground::ground()?,
             Part::Plugin => app::plugin(n, ticks, wrong),

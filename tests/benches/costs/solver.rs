@@ -53,6 +53,13 @@ impl<'a> Scene<'a> {
         Ok(Self { cloth, pins: Vec::new(), skin: Vec::new(), colliders, wind, ticks: 0 })
     }
 
+    /// The same, whose particles alone are held.
+    pub fn without_edges(mut self) -> Result<Self, Box<dyn Error>> {
+        let settings = Settings { edges: false, ..*self.cloth.settings() };
+        self.cloth.set_settings(settings)?;
+        Ok(self)
+    }
+
     /// The same, among these.
     pub fn among(self, colliders: &'a [Collider<'a>]) -> Self {
         Self { colliders, ..self }
