@@ -13,11 +13,14 @@ use std::{collections::BTreeSet, sync::Arc};
 
 use bevy::math::{
     Vec2, Vec3,
-    primitives::{Cuboid, InfinitePlane3d, Sphere},
+    primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d, Sphere},
 };
 use bevy_drape::{
     hang::{Relaxation, relax},
-    sdf::SignedDistance,
+    sdf::{
+        BakeSettings, DistanceField, SignedDistance,
+        shapes::{CapsuleBetween, Shell},
+    },
     solver::{
         Air, Bending, ClothSolver, Collider, DampingForm, Gusts, Integrator, Isa, Lattice,
         MassLumping, Material, PinMotion, Pose, PushOn, PushWith, Settings, SoftPin, StepInput,
@@ -52,6 +55,11 @@ enum Shape {
     Ground,
     Ball(f32),
     Cube(f32),
+    Limb,
+    Post,
+    Spike,
+    Surface,
+    Baked,
 }
 
 const GROUND: Solid = Solid { shape: Shape::Ground, at: Vec3::ZERO, velocity: Vec3::ZERO };
@@ -72,6 +80,23 @@ const STILL: Scene = Scene {
     windy: false,
     pushed: false,
 };
+
+/// Particles that are far apart beside what they lie on: edges and faces are held.
+const COARSE: Scene = Scene {
+    solver: || above(&sheet(Vec2::splat(1.0), 16, 16, MassLumping::Lumped), 0.33),
+    ticks: 48,
+    ..STILL
+};
+const LIMB: Solid =
+    Solid { shape: Shape::Limb, at: Vec3::new(0.0, 0.2, 0.0), velocity: Vec3::new(0.05, 0.0, 0.0) };
+const POST: Solid =
+    Solid { shape: Shape::Post, at: Vec3::new(0.0, 0.2, 0.0), velocity: Vec3::ZERO };
+const SPIKE: Solid =
+    Solid { shape: Shape::Spike, at: Vec3::new(0.0, 0.2, 0.0), velocity: Vec3::ZERO };
+const SURFACE: Solid =
+    Solid { shape: Shape::Surface, at: Vec3::new(0.0, 0.15, 0.0), velocity: Vec3::ZERO };
+const BAKED: Solid =
+    Solid { shape: Shape::Baked, at: Vec3::new(0.0, 0.15, 0.0), velocity: Vec3::ZERO };
 
 /// The scenes: what they are and what they have beside it.
 const SCENES: &[Scene] = &[
@@ -156,6 +181,11 @@ const SCENES: &[Scene] = &[
         pushed: true,
         ..STILL
     },
+    Scene { name: "coarse sheet on a limb", solids: &[LIMB], ..COARSE },
+    Scene { name: "coarse sheet on a post", solids: &[POST], ..COARSE },
+    Scene { name: "coarse sheet on a spike", solids: &[SPIKE], ..COARSE },
+    Scene { name: "coarse sheet on the surface of a crate", solids: &[SURFACE], ..COARSE },
+    Scene { name: "coarse sheet on a baked crate", solids: &[BAKED], ..COARSE },
     Scene { name: "sheet, saved in mid-air and restored", solver: restored, ..STILL },
 ];
 
@@ -314,8 +344,32 @@ impl Shape {
             Self::Ground => Box::new(InfinitePlane3d::default()),
             Self::Ball(radius) => Box::new(Sphere::new(radius)),
             Self::Cube(side) => Box::new(Cuboid::from_length(side)),
+            Self::Limb => {
+                let half = Vec3::new(0.3, 0.02, 0.08);
+                Box::new(CapsuleBetween { from: -half, to: half, radius: 0.1 })
+            }
+            Self::Post => Box::new(Cylinder::new(0.1, 0.24)),
+            Self::Spike => Box::new(Cone::new(0.15, 0.24)),
+            Self::Surface => {
+                let (corners, indices) = crate_of(0.15);
+                Box::new(Shell::new(&corners, &indices, 0.01).unwrap())
+            }
+            Self::Baked => {
+                let (corners, indices) = crate_of(0.15);
+                let settings = BakeSettings::for_mesh(&corners, 12);
+                Box::new(DistanceField::bake(&corners, &indices, &settings).unwrap())
+            }
         }
     }
+}
+
+/// Corners and triangles of a cube of so much on each side of the middle.
+fn crate_of(half: f32) -> (Vec<Vec3>, Vec<u32>) {
+    let along = |corner: u32, axis: u32| if corner >> axis & 1 == 0 { -half } else { half };
+    let corners = (0..8).map(|i| Vec3::new(along(i, 0), along(i, 1), along(i, 2))).collect();
+    let sides =
+        [[0, 2, 1, 3], [4, 5, 6, 7], [0, 1, 4, 5], [2, 6, 3, 7], [0, 4, 2, 6], [1, 3, 5, 7]];
+    (corners, sides.map(|[a, b, c, d]| [a, b, c, b, d, c]).concat())
 }
 
 #[test]

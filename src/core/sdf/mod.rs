@@ -150,7 +150,8 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
         }
     }
 
-    /// The place on each segment of a block that is nearest, and the distance there.
+    /// The place on each segment of a block that is nearest, and the distance there. All of `out` is written, lane by lane; a segment with a
+    /// coordinate that is NaN is near to nothing.
     ///
     /// The default searches it by golden section, and finds it where the distance along a segment has one minimum, as around a convex
     /// solid. A shape that can compute it is both faster and exact.

@@ -64,7 +64,8 @@ pub struct NearestBlock {
     pub at: [f32; LANES],
     /// Distances there \[m\]. Negative inside.
     pub distance: [f32; LANES],
-    /// What no place of the segments is nearer than, around a convex solid \[m\]: the distance itself where it is computed exactly.
+    /// No place of a segment is nearer than this, if the solid is convex or made of convex parts \[m\]. As far as the distances are true:
+    /// [`overestimate`](crate::sdf::SignedDistance::overestimate) still comes off.
     pub least: [f32; LANES],
 }
 

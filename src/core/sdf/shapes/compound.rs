@@ -126,8 +126,8 @@ impl Compound {
         (least, found, nearest)
     }
 
-    /// [`nearest`](Self::nearest) for a block of what is no further than `reach` from points. `measure` samples a part, and is told what
-    /// is known: it takes what is nearer.
+    /// [`nearest`](Self::nearest) for a block: to anything within `reach` of each point \[m\]. `measure` samples a part, and is told what is
+    /// known: it takes what is nearer.
     fn nearest_block(
         &self,
         points: &PointBlock,
@@ -227,7 +227,7 @@ impl SignedDistance for Compound {
         for (lane, reach) in reach.iter_mut().enumerate() {
             *reach = 0.5 * segments.way.point(lane).length();
         }
-        out.least = [f32::INFINITY; LANES];
+        (out.at, out.least) = ([0.0; LANES], [f32::INFINITY; LANES]);
         let mut found = NearestBlock::default();
         let known = self.nearest_block(&middles, &reach, |part, known| {
             let [from, to] = [&segments.from, &ends].map(|points| part.local_block(points));

@@ -1,7 +1,7 @@
 //! Exact signed distances of `bevy_math`'s primitives.
 //!
 //! Each shape is one kernel of a few lines without branches, used for single points and for blocks
-//! alike, so both give the same bits. The `*_block` functions are inlined always: called from code that is
+//! alike, so both give the same bits. The `*_block` and `nearest_to_*` functions are inlined always: called from code that is
 //! compiled for a wider instruction set, they become that set's instructions.
 //!
 //! Axes are those of `bevy_math`: [`Capsule3d`], [`Cylinder`] and [`Cone`] stand along Y, centred (the

@@ -20,6 +20,31 @@ fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> Kernel {
     (distance, [across[0] * radial, vertical, across[2] * radial])
 }
 
+/// [`revolve`] at a block of points.
+#[inline(always)]
+fn revolve_block(
+    points: &PointBlock,
+    out: &mut SampleBlock,
+    profile: impl Fn(f32, f32) -> Profile,
+) {
+    for lane in 0..LANES {
+        let (distance, normal) = revolve(points.point(lane), &profile);
+        out.set(lane, distance, normal);
+    }
+}
+
+/// Distances alone of [`revolve`] at a block of points.
+#[inline(always)]
+fn revolve_distances(
+    points: &PointBlock,
+    out: &mut [f32; LANES],
+    profile: impl Fn(f32, f32) -> Profile,
+) {
+    for (lane, distance) in out.iter_mut().enumerate() {
+        *distance = revolve(points.point(lane), &profile).0;
+    }
+}
+
 #[inline(always)]
 fn cylinder(shape: &Cylinder, radius: f32, height: f32) -> Profile {
     let beyond_side = radius - shape.radius;
@@ -80,20 +105,23 @@ fn pick(first: bool, a: Profile, b: Profile) -> Profile {
 /// [`Cylinder`] at a block of points.
 #[inline(always)]
 pub fn cylinder_block(shape: &Cylinder, points: &PointBlock, out: &mut SampleBlock) {
-    for lane in 0..LANES {
-        let cylinder = |radius, height| cylinder(shape, radius, height);
-        let (distance, normal) = revolve(points.point(lane), cylinder);
-        out.set(lane, distance, normal);
-    }
+    revolve_block(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| cylinder(shape, radius, height),
+    );
 }
 
 /// Distance alone \[m\] of a [`Cylinder`].
 #[inline(always)]
 pub fn cylinder_distance_block(shape: &Cylinder, points: &PointBlock, out: &mut [f32; LANES]) {
-    for (lane, distance) in out.iter_mut().enumerate() {
-        let cylinder = |radius, height| cylinder(shape, radius, height);
-        *distance = revolve(points.point(lane), cylinder).0;
-    }
+    revolve_distances(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| cylinder(shape, radius, height),
+    );
 }
 
 impl SignedDistance for Cylinder {
@@ -129,17 +157,11 @@ impl SignedDistance for Torus {
     }
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
-        for lane in 0..LANES {
-            let torus = |radius, height| torus(self, radius, height);
-            let (distance, normal) = revolve(points.point(lane), torus);
-            out.set(lane, distance, normal);
-        }
+        revolve_block(points, out, |radius, height| torus(self, radius, height));
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
-        for (lane, distance) in out.iter_mut().enumerate() {
-            *distance = revolve(points.point(lane), |radius, height| torus(self, radius, height)).0;
-        }
+        revolve_distances(points, out, |radius, height| torus(self, radius, height));
     }
 
     fn core_depth(&self) -> f32 {
@@ -162,17 +184,11 @@ impl SignedDistance for Cone {
     }
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
-        for lane in 0..LANES {
-            let cone = |radius, height| cone(self, radius, height);
-            let (distance, normal) = revolve(points.point(lane), cone);
-            out.set(lane, distance, normal);
-        }
+        revolve_block(points, out, |radius, height| cone(self, radius, height));
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
-        for (lane, distance) in out.iter_mut().enumerate() {
-            *distance = revolve(points.point(lane), |radius, height| cone(self, radius, height)).0;
-        }
+        revolve_distances(points, out, |radius, height| cone(self, radius, height));
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

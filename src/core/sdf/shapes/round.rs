@@ -42,7 +42,7 @@ impl CapsuleBetween {
     fn kernel(&self, p: Vec3) -> Kernel {
         let (way, from) = (self.to - self.from, p - self.from);
         let squared = larger(way.dot(way), f32::MIN_POSITIVE);
-        let part = smaller(larger(from.dot(way) / squared, 0.0), 1.0);
+        let part = within(from.dot(way) / squared);
         // On the line every way across is as short, and this one is across.
         let across =
             if way.x.abs() < way.y.abs() { [0.0, -way.z, way.y] } else { [-way.z, 0.0, way.x] };
@@ -191,11 +191,13 @@ pub fn nearest_to_sphere(radius: f32, segments: &SegmentBlock, out: &mut Nearest
 }
 
 /// Places of segments that are nearest to a capsule: those of two segments that are nearest to each other (Ericson 2005, *Real-Time
-/// Collision Detection*, section 5.1.9). Of one that is parallel to the capsule, the one closest to its middle.
+/// Collision Detection*, section 5.1.9). Of a segment that is parallel to the capsule, or nearly so, it is the one closest to the
+/// segment's middle: its distance may be larger than the least by a thousandth of the segment.
 #[inline(always)]
 pub fn nearest_to_capsule(shape: &CapsuleBetween, segments: &SegmentBlock, out: &mut NearestBlock) {
-    // Square of the sine of an angle below which two segments count as parallel.
+    // Square of the sine of an angle below which two segments count as parallel, and what that may add, as a part of a segment.
     const PARALLEL: f32 = 1e-6;
+    const ADDED: f32 = 2e-3;
     let axis = shape.to - shape.from;
     let axis_squared = larger(axis.dot(axis), f32::MIN_POSITIVE);
     for i in 0..LANES {
@@ -213,16 +215,18 @@ pub fn nearest_to_capsule(shape: &CapsuleBetween, segments: &SegmentBlock, out: 
         let apart = from + way * at - axis * on_axis;
         out.at[i] = at;
         out.distance[i] = apart.dot(apart).sqrt() - shape.radius;
+        out.least[i] = out.distance[i] - ADDED * squared.sqrt();
     }
-    out.least = out.distance;
 }
 
-/// Places of segments that are nearest to the half-space below the plane through the origin with this unit `normal`: the lower ends.
+/// Places of segments that are nearest to the half-space below the plane through the origin with this unit `normal`: the lower
+/// ends, and the middle of what is level.
 #[inline(always)]
 pub fn nearest_to_half_space(normal: Vec3, segments: &SegmentBlock, out: &mut NearestBlock) {
     for i in 0..LANES {
         let (from, way) = (normal.dot(segments.from.point(i)), normal.dot(segments.way.point(i)));
-        out.at[i] = if way < 0.0 { 1.0 } else { 0.0 };
+        let at_end = if way < 0.0 { 1.0 } else { 0.0 };
+        out.at[i] = if way == 0.0 { 0.5 } else { at_end };
         out.distance[i] = from + smaller(way, 0.0);
     }
     out.least = out.distance;

@@ -2,7 +2,7 @@
 
 use crate::solver::contact::edges::Rule;
 use crate::solver::contact::edges::contact_point::Place;
-use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs};
+use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs, rests_of_fans};
 use crate::solver::contact::edges::solve::System;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
@@ -163,14 +163,7 @@ impl FindClose<'_> {
         let slot = block * LANES;
         let Nearby { gap, normal, .. } = &*self.nearby;
         let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
-        // Beside the sheet they have no length.
-        let Lattice { weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
-        let rests = [
-            Block::load(&weft.rest, slot),
-            Block::load(antidiagonal_rest, slot - 1),
-            Block::load(&warp.rest, slot),
-            Block::load(&diagonal.rest, slot),
-        ];
+        let rests = rests_of_fans(lattice, slot);
         let mut found = [Block::ZERO; FAN];
         let mut any = Block::ZERO;
         for ((found, hop), rest) in found.iter_mut().zip(hops).zip(&rests) {

@@ -29,6 +29,7 @@ pub(super) struct Place {
 
 impl Place {
     /// The place at a part of the way along an edge.
+    #[inline(always)]
     pub fn on_edge(edge: u32, [a, b]: [usize; 2], at: f32) -> Self {
         let corners = [a, b, a].map(|slot| slot as u32);
         Self { corners, parts: [1.0 - at, at, 0.0], edge: Some(edge) }
@@ -182,7 +183,8 @@ impl HoldEdges<'_> {
         }
         let outward = motion.after.rotate(sample.normal);
         let [a, b, c] = slots.map(|slot| self.x.get(slot) + self.d.get(slot));
-        // At the nearest place exactly the normal is across it. What the search is off by would drive it along.
+        // At the nearest place the normal is across it, but for an end, where the way out is across it too. What a search is off by would
+        // drive it along.
         let normal = if place.is_on_edge() {
             let along = b - a;
             let across = along * (outward.dot(along) / larger(along.dot(along), LEAST_SLIDING));

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::solver::simd::block::Block;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::topology::Topology;
 use crate::solver::topology::buckets::Buckets;
@@ -47,12 +48,26 @@ pub(super) struct Pairs {
     at: Buckets<u32>,
 }
 
+/// Lengths at rest of the edges that go from a block of particles of a lattice \[m\]; 0 beside the sheet, where there are none.
+#[inline(always)]
+pub(super) fn rests_of_fans(lattice: &Lattice, slot: usize) -> [Block; FAN] {
+    let Lattice { weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
+    [
+        Block::load(&weft.rest, slot),
+        // A cell's diagonals stand at its first corner.
+        Block::load(antidiagonal_rest, slot - 1),
+        Block::load(&warp.rest, slot),
+        Block::load(&diagonal.rest, slot),
+    ]
+}
+
 impl Joined {
-    /// Diameter of the largest circle in a face whose longest side is one: in half a square, or in an equilateral triangle.
+    /// Diameter of the largest circle in a face whose longest side is one: in half a rectangle, at most that of half a square; in any
+    /// other triangle, at most that of an equilateral one.
     pub fn widest_inscribed(&self) -> f32 {
         match self {
-            Self::Neighbours { .. } => 0.4143,
-            Self::Pairs(_) => 0.5774,
+            Self::Neighbours { lattice, .. } if lattice.uniform => 0.4143,
+            Self::Neighbours { .. } | Self::Pairs(_) => 0.5774,
         }
     }
 }
@@ -84,6 +99,7 @@ impl Edges {
     }
 
     /// The slots that one joins.
+    #[inline(always)]
     pub fn ends(&self, edge: u32) -> [usize; 2] {
         match &self.joined {
             Joined::Neighbours { hops, .. } => {

@@ -92,7 +92,7 @@ impl Rule {
         if is_slow && length * length <= 8.0 * sagitta * motion.least_radius {
             return None;
         }
-        // A face whose edges touch reaches as much further in as the arc over a chord of twice the radius of its inscribed circle.
+        // Between edges that touch, a solid reaches into a face by the sagitta of a chord as long as the face's inscribed circle is wide.
         let across = edges.joined.widest_inscribed() * length;
         let has_faces = !is_slow || across * across > 8.0 * sagitta * motion.least_radius;
         let angle = 8.0 * sagitta / length;

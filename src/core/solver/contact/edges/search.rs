@@ -42,7 +42,13 @@ impl Kernel for SearchEdges<'_> {
             }
             let from = corner(&ends, 0, x, d, &motion.after);
             let to = corner(&ends, 1, x, d, &motion.after);
-            let NearestBlock { at, distance, least } = nearest(motion, &from, &to);
+            let segments = SegmentBlock::between(&from, &to);
+            let mut found = NearestBlock::default();
+            match motion.known {
+                Some(known) => known.nearest_on_segments(&segments, &mut found),
+                None => motion.shape.nearest_on_segments(&segments, &mut found),
+            }
+            let NearestBlock { at, distance, least } = found;
             for (lane, &edge) in close.iter().enumerate() {
                 let gap = distance[lane] * motion.after.scale - self.held;
                 if gap < 0.0 {
@@ -111,18 +117,6 @@ fn corner<const N: usize>(
     points
 }
 
-/// The nearest places of segments in a collider's frame.
-#[inline(always)]
-fn nearest(motion: &Motion<'_>, from: &PointBlock, to: &PointBlock) -> NearestBlock {
-    let segments = SegmentBlock::between(from, to);
-    let mut found = NearestBlock::default();
-    match motion.known {
-        Some(known) => known.nearest_on_segments(&segments, &mut found),
-        None => motion.shape.nearest_on_segments(&segments, &mut found),
-    }
-    found
-}
-
 /// The places of faces that are nearest, as parts of their corners, and their distances. The distance to a convex solid is a
 /// convex function: along a line from a corner, along one beside the opposite side, and along the first again.
 #[inline(always)]
@@ -132,17 +126,28 @@ fn nearest_on_faces(
     d: &Soa,
     motion: &Motion<'_>,
 ) -> ([[f32; 3]; LANES], [f32; LANES]) {
-    let [a, b, c] = [0, 1, 2].map(|which| corner(corners, which, x, d, &motion.after));
-    let [to_b, to_c, across] =
-        [(&a, &b), (&a, &c), (&b, &c)].map(|(a, b)| SegmentBlock::between(a, b));
+    let a = corner(corners, 0, x, d, &motion.after);
+    let b = corner(corners, 1, x, d, &motion.after);
+    let c = corner(corners, 2, x, d, &motion.after);
+    let (to_b, to_c) = (SegmentBlock::between(&a, &b), SegmentBlock::between(&a, &c));
+    let across = SegmentBlock::between(&b, &c);
     // How far from the first corner to the opposite side, and how far along that.
-    let beside = [0.5; LANES];
-    let NearestBlock { at: out, .. } = nearest(motion, &a, &across.at(&beside));
-    let NearestBlock { at: beside, .. } = nearest(motion, &to_b.at(&out), &to_c.at(&out));
-    let NearestBlock { at: out, distance, .. } = nearest(motion, &a, &across.at(&beside));
+    let (mut out, mut beside) = (NearestBlock::default(), NearestBlock::default());
+    beside.at = [0.5; LANES];
+    for is_last in [false, true] {
+        let opposite = across.at(&beside.at);
+        motion.shape.nearest_on_segments(&SegmentBlock::between(&a, &opposite), &mut out);
+        if !is_last {
+            // At the corner itself there is nothing beside it.
+            let far = out.at.map(|out| larger(out, WITHIN));
+            let line = SegmentBlock::between(&to_b.at(&far), &to_c.at(&far));
+            motion.shape.nearest_on_segments(&line, &mut beside);
+        }
+    }
     let mut parts = [[0.0; 3]; LANES];
     for i in 0..LANES {
-        parts[i] = [1.0 - out[i], out[i] * (1.0 - beside[i]), out[i] * beside[i]];
+        let (out, beside) = (out.at[i], beside.at[i]);
+        parts[i] = [1.0 - out, out * (1.0 - beside), out * beside];
     }
-    (parts, distance)
+    (parts, out.distance)
 }
