@@ -66,7 +66,7 @@ impl Joined {
     /// other triangle, at most that of an equilateral one.
     pub fn widest_inscribed(&self) -> f32 {
         match self {
-            Self::Neighbours { lattice, .. } if lattice.uniform => 0.4143,
+            Self::Neighbours { lattice, .. } if lattice.flat => 0.4143,
             Self::Neighbours { .. } | Self::Pairs(_) => 0.5774,
         }
     }
