@@ -145,9 +145,8 @@ fn nearest_on_faces(
         }
     }
     let mut parts = [[0.0; 3]; LANES];
-    for i in 0..LANES {
-        let (out, beside) = (out.at[i], beside.at[i]);
-        parts[i] = [1.0 - out, out * (1.0 - beside), out * beside];
+    for (parts, (out, beside)) in parts.iter_mut().zip(out.at.iter().zip(beside.at)) {
+        *parts = [1.0 - out, out * (1.0 - beside), out * beside];
     }
     (parts, out.distance)
 }
