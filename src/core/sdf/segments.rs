@@ -44,7 +44,7 @@ impl SegmentBlock {
         points
     }
 
-    /// The distances at these parts of the ways. No closure: one would not be compiled for the instructions around it.
+    /// The distances at these parts of the ways. It is no closure of [`search`]: that would not be compiled for the instructions around it.
     #[inline(always)]
     fn distances(
         &self,
@@ -64,8 +64,8 @@ pub struct NearestBlock {
     pub at: [f32; LANES],
     /// Distances there \[m\]. Negative inside.
     pub distance: [f32; LANES],
-    /// No place of a segment is nearer than this, if the solid is convex or made of convex parts \[m\]. As far as the distances are true:
-    /// [`overestimate`](crate::sdf::SignedDistance::overestimate) still comes off.
+    /// No place of a segment is nearer than this, if the solid is convex or made of convex parts \[m\]. It is as true as the distances
+    /// are: [`overestimate`](crate::sdf::SignedDistance::overestimate) still comes off.
     pub least: [f32; LANES],
 }
 
