@@ -4,8 +4,8 @@
 use crate::solids::{hold_to, somewhere};
 use crate::support::dice::Dice;
 use bevy::math::{DVec2, DVec3, Vec2, Vec3};
-use bevy_drape::sdf::SignedDistance;
 use bevy_drape::sdf::shapes::{HeightField, HeightFieldCell, HeightFieldError};
+use bevy_drape::sdf::{LANES, NearestBlock, PointBlock, SampleBlock, SegmentBlock, SignedDistance};
 use std::collections::HashMap;
 
 /// Ground by its triangles, upper side only, as parry's `HeightField::triangles_at` makes them.
@@ -195,6 +195,82 @@ fn normals_are_those_of_the_faces() {
     }
     assert_eq!(field.height_at(1.01, 0.0), None);
     assert_eq!(field.height_at(f32::NAN, 0.0), None);
+}
+
+/// On the ground exactly, out is up: on a face, a side, a corner, and at the border.
+#[test]
+fn on_the_ground_out_is_up() {
+    let field = HeightField::new(9, 9, vec![0.0; 81], Vec2::splat(2.0)).unwrap();
+    for x in [-1.0, -0.9, -0.25, 0.0, 0.07, 0.5] {
+        for z in [-1.0, -0.8, -0.5, 0.0, 0.03, 0.25] {
+            let found = field.sample(Vec3::new(x, 0.0, z));
+            assert_eq!(found.distance.abs(), 0.0, "{x}, {z}");
+            assert_eq!(found.normal, Vec3::Y, "{x}, {z}");
+        }
+    }
+}
+
+/// Where a block is close to the ground, it finds in lanes what each point finds alone: on flat ground, where many places are
+/// as near, on hills, with diagonals either way, at corners and sides of cells, across the border and far up.
+#[test]
+fn blocks_find_what_points_find() {
+    let flat = HeightField::new(9, 9, vec![0.25; 81], Vec2::splat(2.0)).unwrap();
+    let zigzag = |column: usize, row: usize| HeightFieldCell {
+        zigzag: (column * 3 + row * 5) % 7 < 3,
+        ..HeightFieldCell::default()
+    };
+    let fields = [
+        flat,
+        ground(24, 17, 0.1),
+        ground(33, 30, 0.7),
+        ground(2, 2, 0.3),
+        ground(20, 14, 0.4).with_cells(zigzag).unwrap(),
+        ground(20, 14, 0.2).with_floor(-0.6).unwrap(),
+    ];
+    let mut dice = Dice(74);
+    for field in &fields {
+        let cell =
+            field.size() / Vec2::new(field.columns() as f32 - 1.0, field.rows() as f32 - 1.0);
+        for round in 0..4_000 {
+            let spread = f64::from(cell.x) * [0.1, 0.5, 3.0][dice.below(3)];
+            let off = [0.0, 1e-4, 0.01, 0.05, 0.5][dice.below(5)];
+            let middle = dice.in_box(1.05);
+            let mut points = PointBlock::default();
+            for lane in 0..LANES {
+                let at = (middle + dice.in_box(spread)).as_vec3();
+                let [mut x, mut z] = [at.x, at.z];
+                if round % 3 == 0 {
+                    x = (x / cell.x).round() * cell.x;
+                    z = if round % 2 == 0 { (z / cell.y).round() * cell.y } else { z };
+                }
+                let on = field.height_at(x, z).unwrap_or(0.0);
+                points.set(lane, Vec3::new(x, on + dice.between(-off, off) as f32, z));
+            }
+            let (mut samples, mut distances) = (SampleBlock::default(), [0.0; LANES]);
+            let mut inlined = SampleBlock::default();
+            field.sample_block(&points, &mut samples);
+            field.distance_block(&points, &mut distances);
+            field.known().unwrap().sample_block(&points, &mut inlined);
+            assert_eq!(inlined, samples);
+            for lane in 0..LANES {
+                let (point, one) = (points.point(lane), field.sample(points.point(lane)));
+                let bits = |distance: f32, normal: [f32; 3]| {
+                    (distance.to_bits(), normal.map(|n| (n + 0.0).to_bits()))
+                };
+                let found = [samples.nx[lane], samples.ny[lane], samples.nz[lane]];
+                let of_block = bits(samples.distance[lane], found);
+                let of_point = bits(one.distance, one.normal.to_array());
+                assert_eq!(of_block, of_point, "{field:?}, {point}: {found:?}, {one:?}");
+                assert_eq!(distances[lane].to_bits(), one.distance.to_bits(), "{point}");
+            }
+            let (from, to) = (points, PointBlock { y: points.y.map(|y| y + 0.01), ..points });
+            let segments = SegmentBlock::between(&from, &to);
+            let (mut found, mut inlined) = (NearestBlock::default(), NearestBlock::default());
+            field.nearest_on_segments(&segments, &mut found);
+            field.known().unwrap().nearest_on_segments(&segments, &mut inlined);
+            assert_eq!(found, inlined);
+        }
+    }
 }
 
 /// What is no ground is told, and what the solver takes on trust is there.

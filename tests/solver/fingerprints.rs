@@ -19,7 +19,7 @@ use bevy_drape::{
     hang::{Relaxation, relax},
     sdf::{
         BakeSettings, DistanceField, SignedDistance,
-        shapes::{CapsuleBetween, Shell},
+        shapes::{CapsuleBetween, HeightField, Shell},
     },
     solver::{
         Air, Bending, ClothSolver, Collider, DampingForm, Gusts, Integrator, Isa, Lattice,
@@ -60,6 +60,7 @@ enum Shape {
     Spike,
     Surface,
     Baked,
+    Hills,
 }
 
 const GROUND: Solid = Solid { shape: Shape::Ground, at: Vec3::ZERO, velocity: Vec3::ZERO };
@@ -97,6 +98,9 @@ const SURFACE: Solid =
     Solid { shape: Shape::Surface, at: Vec3::new(0.0, 0.15, 0.0), velocity: Vec3::ZERO };
 const BAKED: Solid =
     Solid { shape: Shape::Baked, at: Vec3::new(0.0, 0.15, 0.0), velocity: Vec3::ZERO };
+
+const HILLS: Solid =
+    Solid { shape: Shape::Hills, at: Vec3::new(0.0, 0.1, 0.0), velocity: Vec3::ZERO };
 
 /// The scenes: what they are and what they have beside it.
 const SCENES: &[Scene] = &[
@@ -186,6 +190,7 @@ const SCENES: &[Scene] = &[
     Scene { name: "coarse sheet on a spike", solids: &[SPIKE], ..COARSE },
     Scene { name: "coarse sheet on the surface of a crate", solids: &[SURFACE], ..COARSE },
     Scene { name: "coarse sheet on a baked crate", solids: &[BAKED], ..COARSE },
+    Scene { name: "coarse sheet on hills", solids: &[HILLS], ..COARSE },
     Scene { name: "sheet, saved in mid-air and restored", solver: restored, ..STILL },
 ];
 
@@ -358,6 +363,11 @@ impl Shape {
                 let (corners, indices) = crate_of(0.15);
                 let settings = BakeSettings::for_mesh(&corners, 12);
                 Box::new(DistanceField::bake(&corners, &indices, &settings).unwrap())
+            }
+            Self::Hills => {
+                let height = |i: usize| 0.08 * ((i / 17 * 5 + i % 17 * 3) % 7) as f32 / 6.0;
+                let heights: Vec<f32> = (0..17 * 17).map(height).collect();
+                Box::new(HeightField::new(17, 17, heights, Vec2::splat(1.6)).unwrap())
             }
         }
     }

@@ -10,16 +10,16 @@ const ROUNDER: f32 = 8_388_608.0;
 
 /// A coordinate in cells from the first node: which cell, and where in it.
 #[derive(Clone, Copy)]
-struct Place {
-    cell: u32,
-    fraction: f32,
+pub(super) struct Place {
+    pub cell: u32,
+    pub fraction: f32,
 }
 
 /// Finds the cell along one axis; `last` is the number of the last cell, a whole float.
 ///
 /// Outside the grid it is the border's place; NaN is taken for the first node.
 #[inline(always)]
-fn place(coordinate: f32, last: f32) -> Place {
+pub(super) fn place(coordinate: f32, last: f32) -> Place {
     let end = last + 1.0;
     let inside = if coordinate > 0.0 { coordinate } else { 0.0 };
     let inside = if inside < end { inside } else { end };

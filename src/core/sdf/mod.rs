@@ -211,6 +211,8 @@ pub enum KnownShape<'a> {
     Cylinder(&'a Cylinder),
     /// [`field_block`].
     Field(&'a DistanceField),
+    /// [`shapes::height_field_block`].
+    HeightField(&'a shapes::HeightField),
     /// [`shapes::shell_block`].
     Shell(&'a shapes::Shell),
 }
@@ -227,6 +229,7 @@ impl KnownShape<'_> {
             Self::Cuboid(s) => shapes::cuboid_block(s.half_size, points, out),
             Self::Cylinder(s) => shapes::cylinder_block(s, points, out),
             Self::Field(field) => field_block(field, points, out),
+            Self::HeightField(field) => shapes::height_field_block(field, points, out),
             Self::Shell(shell) => shapes::shell_block(shell, points, out),
         }
     }
@@ -258,6 +261,12 @@ impl KnownShape<'_> {
                 out,
                 #[inline(always)]
                 |points, out| field_distance_block(field, points, out),
+            ),
+            Self::HeightField(field) => segments::search(
+                segments,
+                out,
+                #[inline(always)]
+                |points, out| shapes::height_field_distance_block(field, points, out),
             ),
             Self::Shell(shell) => segments::search(
                 segments,

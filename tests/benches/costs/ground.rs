@@ -1,13 +1,20 @@
 //! What a point costs on a height field, by how far from the ground it is; and near shells and compounds, by how many parts they
 //! have.
 
-use std::{error::Error, time::Instant};
+use std::{error::Error, sync::Arc, time::Instant};
 
-use bevy::math::{Quat, Vec2, Vec3, ops, primitives::Sphere};
+use bevy::math::{
+    Quat, Vec2, Vec3, ops,
+    primitives::{InfinitePlane3d, Sphere},
+};
 use bevy_drape::sdf::shapes::{Compound, HeightField, Part, Shell};
 use bevy_drape::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
+use bevy_drape::solver::{Collider, Lattice, MassLumping, Pose};
 
-use crate::turns::median;
+use crate::{
+    solver::{Scene, compare},
+    turns::{Bound, Wrong, heading, line, median},
+};
 
 /// Points that are looked at in one go, and how often.
 const POINTS: usize = 20_000;
@@ -48,6 +55,9 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
             let [near, far] = [2.0, 0.9 * size.x].map(|side| cost(&field, side, [low, high]));
             println!("  {name:48} {near:10.0} {far:10.0}");
         }
+        let places: Vec<Vec3> = (0..POINTS).map(|k| on_ground(&field, k)).collect();
+        let name = "16 within 0.05 m, 0.03 m apart, at once";
+        println!("  {name:48} {:>10} {:10.0}", "", block_cost(&field, &places));
     }
     println!("\nof many parts, a point within 0.05 m, 16 points 0.03 m apart at once");
     println!("  {:32} {:>10} {:>10} {:>10}", "", "made in s", "MB", "ns a point");
@@ -76,6 +86,30 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
         println!("  {name:32} {made:10.3} {:>10} {cost:10.1}", "");
     }
     Ok(())
+}
+
+/// A cloth that lies on hills, and one that lies on a plane.
+pub fn lying(rounds: usize, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
+    let lattice = Arc::new(Lattice::sheet(Vec2::ONE, 64, 64, MassLumping::Lumped)?);
+    heading("on the ground, us a tick, 64 x 64 on a square metre", "plane", "hills");
+    let plane = InfinitePlane3d::default();
+    for (name, count) in [("cells of 25 cm", 17), ("cells of 6 cm", 65)] {
+        let field = HeightField::new(count, count, hills(count, 0.03), Vec2::splat(4.0))?;
+        let under = |solid, below| [Collider::new(solid, Pose::from_translation(Vec3::Y * below))];
+        let (on_plane, on_hills) =
+            (under(&plane as &dyn SignedDistance, -0.05), under(&field, -0.06));
+        let without = Scene::new(lattice.clone().into(), 1e-5)?.among(&on_plane);
+        let with = Scene::new(lattice.clone().into(), 1e-5)?.among(&on_hills);
+        line(name, &compare(name, rounds, (&without, with), false, wrong), Bound::None);
+    }
+    Ok(())
+}
+
+/// A place on the ground, all over it.
+fn on_ground(field: &HeightField, k: usize) -> Vec3 {
+    let part = |many: f32| (many * k as f32).fract() - 0.5;
+    let (x, z) = (0.9 * part(0.618_034) * field.size().x, 0.9 * part(0.754_878) * field.size().y);
+    Vec3::new(x, field.height_at(x, z).unwrap_or_default(), z)
 }
 
 /// Two triangles for each square of a grid.

@@ -114,6 +114,7 @@ fn measure(cli: &Cli, wrong: &mut Wrong) -> Result<(), Box<dyn Error>> {
             Part::Contact => {
                 solver::contact(side, ticks, wrong)?;
                 edges::edges(ticks.min(250), wrong)?;
+                ground::lying(ticks.min(250), wrong)?;
             }
             Part::Fields => fields::fields(side, ticks, wrong)?,
             Part::Ground => ground::ground()?,

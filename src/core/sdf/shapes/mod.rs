@@ -30,7 +30,9 @@ mod tree;
 
 pub use compound::{Compound, CompoundError, Part};
 pub use cuboid::{cuboid_block, cuboid_distance_block};
-pub use height_field::{HeightField, HeightFieldCell, HeightFieldError};
+pub use height_field::{
+    HeightField, HeightFieldCell, HeightFieldError, height_field_block, height_field_distance_block,
+};
 pub use revolved::{cylinder_block, cylinder_distance_block};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,

@@ -1,44 +1,50 @@
 //! What is straight above and below a point.
 
 use super::HeightField;
+use crate::sdf::lookup;
+use crate::sdf::shapes::{larger, smaller};
 
 /// The column of the ground that a point is in, or nearest to.
 #[derive(Clone, Copy)]
 pub struct Column {
-    pub column: usize,
-    pub row: usize,
+    pub column: u32,
+    pub row: u32,
     /// The point's x and z, or the nearest ones that the rectangle has.
     pub place: [f32; 2],
     /// Whether these are its own.
     pub is_within: bool,
-    /// Whether the triangle there is.
-    pub is_present: bool,
+    /// Whether the triangle there is the one of most x.
+    pub is_right: bool,
     /// How far the point is above the triangle, there.
     pub above: f32,
 }
 
+/// A coordinate, or the one of the rectangle that is nearest to it; one of its own also for what is no number.
+#[inline(always)]
+fn held(at: f32, half: f32) -> f32 {
+    smaller(half, larger(-half, at))
+}
+
 impl HeightField {
-    /// A place's cell along an axis, not yet a whole number. Off by a few roundings of the number of cells.
+    /// The cell that a place is in along an axis, or the one at the end that it is beyond; `room` moves the place by part of a cell.
+    /// Off by a few roundings of the number of cells; the first one for what is no number.
     #[inline(always)]
-    pub(super) fn cell_coordinate(&self, axis: usize, place: f32) -> f32 {
-        (place / self.size[axis] + 0.5) * self.last(axis) as f32
+    pub(super) fn cell_number(&self, axis: usize, place: f32, room: f32) -> u32 {
+        let last = self.last(axis) as f32;
+        lookup::place((place / self.size[axis] + 0.5) * last + room, last - 1.0).cell
     }
 
     #[inline(always)]
     pub(super) fn column_at(&self, point: [f32; 3]) -> Column {
         let [x, y, z] = point;
         let [half_x, half_z] = self.size.map(|side| 0.5 * side);
-        // Not `clamp`, which keeps NaN: `height_at` is asked at any place.
-        let place = [x.max(-half_x).min(half_x), z.max(-half_z).min(half_z)];
-        let is_within = place == [x, z];
-        // Casting rounds towards zero, and puts what is below zero there.
-        let column = (self.cell_coordinate(0, place[0]) as usize).min(self.columns - 2);
-        let row = (self.cell_coordinate(1, place[1]) as usize).min(self.rows - 2);
+        let place = [held(x, half_x), held(z, half_z)];
+        let is_within = (place[0] == x) & (place[1] == z);
+        let column = self.cell_number(0, place[0], 0.0);
+        let row = self.cell_number(1, place[1], 0.0);
 
-        let triangles = self.triangles(column, row, [place[0], y, place[1]]);
-        let [u, v] = triangles[0].parts(0.0, 0.0);
-        let side = usize::from(u + v > 1.0);
-        let is_present = self.cell_at(column, row).present()[side];
-        Column { column, row, place, is_within, is_present, above: triangles[side].above() }
+        let seen = self.seen(column as usize, row as usize, [place[0], y, place[1]]);
+        let (is_right, above) = (seen.is_right(), seen.above());
+        Column { column, row, place, is_within, is_right, above }
     }
 }

@@ -9,6 +9,9 @@ const MOST: usize = 65_537;
 /// Smallest and largest side of the rectangle \[m\], and largest height: squares of all are well within `f32`.
 const SIDES: core::ops::RangeInclusive<f32> = 1e-6..=1e7;
 
+/// A few roundings.
+const ROUNDING: f32 = 4e-7;
+
 /// Why heights make no [`HeightField`].
 #[derive(thiserror::Error, Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -110,7 +113,11 @@ impl HeightField {
             heights,
             floor: 0.0,
             core_depth: 0.0,
+            room: 0.0,
         };
+        let [cell_x, cell_z] = [0, 1].map(|axis| field.size[axis] * field.step[axis]);
+        let rise = field.pyramid.highest() - field.pyramid.lowest();
+        field.room = ROUNDING * (cell_x + cell_z + rise);
         field.floor = field.pyramid.lowest() - size.max_element();
         field.core_depth = field.measure_core();
         Ok(field)
@@ -171,7 +178,7 @@ impl HeightField {
         let mut steepest = 1_f32;
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                for triangle in self.triangles(column, row, [0.0; 3]) {
+                for triangle in self.seen(column, row, [0.0; 3]).0 {
                     steepest = steepest.max(triangle.steepness());
                 }
             }

@@ -1,20 +1,23 @@
 //! Height field: ground given by its height over a grid.
 
+mod block;
 mod column;
 mod construct;
 mod nearest;
 mod pyramid;
 mod triangle;
 
+pub use block::{height_field_block, height_field_distance_block};
 pub use construct::HeightFieldError;
 
 use super::larger;
-use crate::sdf::{SdfSample, SignedDistance};
+use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy_math::{Vec2, Vec3, bounding::Aabb3d};
+use column::Column;
 use core::fmt;
 use nearest::Search;
 use pyramid::Pyramid;
-use triangle::Corner;
+use triangle::Cell;
 
 /// Ground: heights over a rectangle of the XZ plane around the origin, and everything that is below them.
 ///
@@ -46,6 +49,8 @@ pub struct HeightField {
     pyramid: Pyramid,
     floor: f32,
     core_depth: f32,
+    /// What places near the ground may be off by, as seen from a point near it \[m\].
+    room: f32,
 }
 
 /// How a cell of a [`HeightField`] is divided into two triangles, and which of them are there.
@@ -111,7 +116,7 @@ impl HeightField {
     /// Height of the ground at a place \[m\]; `None` beyond the border and in holes.
     pub fn height_at(&self, x: f32, z: f32) -> Option<f32> {
         let at = self.column_at([x, 0.0, z]);
-        (at.is_within && at.is_present).then_some(-at.above)
+        (at.is_within && self.is_ground(&at)).then_some(-at.above)
     }
 
     /// Memory that the field takes \[B\].
@@ -120,6 +125,13 @@ impl HeightField {
             + size_of_val::<[f32]>(&self.heights)
             + size_of_val::<[HeightFieldCell]>(&self.cells)
             + self.pyramid.memory_bytes()
+    }
+
+    /// Whether the triangle above or below a point is there.
+    #[inline(always)]
+    fn is_ground(&self, at: &Column) -> bool {
+        !self.has_holes
+            || self.cell_at(at.column as usize, at.row as usize).present()[usize::from(at.is_right)]
     }
 
     #[inline(always)]
@@ -140,27 +152,32 @@ impl HeightField {
     /// those of parry, so the vertices are its to the bit.
     #[inline(always)]
     fn place(&self, axis: usize, index: usize) -> f32 {
-        (-0.5 + self.step[axis] * index as f32) * self.size[axis]
+        self.place_of(axis, index as f32)
     }
 
-    /// The two triangles of a cell as seen from a point, the left one first.
+    /// [`place`](Self::place) of a whole number.
     #[inline(always)]
-    fn triangles(&self, column: usize, row: usize, point: [f32; 3]) -> [Corner; 2] {
-        let (x0, x1) = (self.place(0, column), self.place(0, column + 1));
-        let (z0, z1) = (self.place(1, row), self.place(1, row + 1));
+    fn place_of(&self, axis: usize, index: f32) -> f32 {
+        (-0.5 + self.step[axis] * index) * self.size[axis]
+    }
+
+    /// A cell's two triangles as seen from a point.
+    #[inline(always)]
+    fn seen(&self, column: usize, row: usize, point: [f32; 3]) -> Cell {
+        let x = [self.place(0, column), self.place(0, column + 1)];
+        let (z, heights) = self.turned(column, row);
+        Cell::new(x, z, heights, point)
+    }
+
+    /// A cell's places in z and its heights as [`Cell::new`] takes them.
+    #[inline(always)]
+    fn turned(&self, column: usize, row: usize) -> ([f32; 2], [f32; 4]) {
+        let [z0, z1] = [self.place(1, row), self.place(1, row + 1)];
         let [y00, y10, y01, y11] = self.corner_heights(column, row);
-        // The sides are taken before the point: from far away, their ends are the same.
-        let triangle = |corner: [f32; 3], x: [f32; 2], z: [f32; 2]| {
-            let along_x = [x[0] - corner[0], x[1] - corner[1]];
-            let along_z = [z[0] - corner[2], z[1] - corner[1]];
-            Corner::new([0, 1, 2].map(|i| corner[i] - point[i]), along_x, along_z)
-        };
         if self.cell_at(column, row).zigzag {
-            let left = triangle([x0, y01, z1], [x1, y11], [z0, y00]);
-            [left, triangle([x1, y10, z0], [x0, y00], [z1, y11])]
+            ([z1, z0], [y01, y11, y00, y10])
         } else {
-            let left = triangle([x0, y00, z0], [x1, y10], [z1, y01]);
-            [left, triangle([x1, y11, z1], [x0, y01], [z0, y10])]
+            ([z0, z1], [y00, y10, y01, y11])
         }
     }
 
@@ -168,13 +185,9 @@ impl HeightField {
     #[inline(always)]
     fn corner_heights(&self, column: usize, row: usize) -> [f32; 4] {
         let first = row * self.columns + column;
-        let second = first + self.columns;
-        [
-            self.heights[first],
-            self.heights[first + 1],
-            self.heights[second],
-            self.heights[second + 1],
-        ]
+        // One check for the cell instead of four.
+        let heights = &self.heights[first..][..self.columns + 2];
+        [heights[0], heights[1], heights[self.columns], heights[self.columns + 1]]
     }
 }
 
@@ -199,6 +212,18 @@ impl SignedDistance for HeightField {
             return SdfSample { distance, normal: Vec3::Y };
         }
         Search::run(self, point.to_array())
+    }
+
+    fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        height_field_block(self, points, out);
+    }
+
+    fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
+        height_field_distance_block(self, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::HeightField(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

@@ -9,21 +9,32 @@ use super::column::Column;
 use super::triangle::{Corner, Foot};
 use super::{HeightField, larger};
 use crate::sdf::SdfSample;
-use crate::sdf::shapes::{length_and_direction, smaller};
+use crate::sdf::shapes::{Kernel, length_and_direction, smaller, to_sample};
 
 /// What has been found up to now.
 pub struct Search<'a> {
     field: &'a HeightField,
     point: [f32; 3],
     is_inside: bool,
-    /// Square of the distance to the nearest place.
-    least: f32,
-    /// From the point to that place.
-    way: [f32; 3],
-    /// Direction out of the solid there.
-    outward: [f32; 3],
-    /// Whether that is the normal, and not the way: over a face, and where the way is too short to tell.
-    is_face: bool,
+    nearest: Foot,
+    /// Number of the cell where that is. Of places as near as each other it is that of the cell of the least number, so that the order in
+    /// which they are looked at does not matter.
+    found: usize,
+    /// What is further than this cannot be nearer, with room for rounding; and the square of it.
+    reach: f32,
+    reach_squared: f32,
+}
+
+/// Distance and normal at a point inside the ground or outside, of which the nearest place is known.
+#[inline(always)]
+pub fn finish(foot: &Foot, is_inside: bool) -> Kernel {
+    let side = if is_inside { -1.0 } else { 1.0 };
+    let [x, y, z] = foot.way;
+    let (_, upward) = length_and_direction(foot.upward, [0.0, 1.0, 0.0]);
+    let (_, away) = length_and_direction([-side * x, -side * y, -side * z], upward);
+    let pick = |a: f32, b: f32| if foot.is_face { a } else { b };
+    let normal = [pick(upward[0], away[0]), pick(upward[1], away[1]), pick(upward[2], away[2])];
+    (side * foot.squared.sqrt(), normal)
 }
 
 impl<'a> Search<'a> {
@@ -31,50 +42,46 @@ impl<'a> Search<'a> {
     pub fn run(field: &'a HeightField, point: [f32; 3]) -> SdfSample {
         let at = field.column_at(point);
         let is_over_floor = point[1] > field.floor;
+        let is_over_ground = at.is_within && field.is_ground(&at);
         let mut search = Self {
             field,
             point,
-            is_inside: at.is_within && at.is_present && at.above < 0.0 && is_over_floor,
-            least: f32::INFINITY,
-            way: [f32::INFINITY; 3],
-            outward: [0.0, 1.0, 0.0],
-            is_face: true,
+            is_inside: is_over_ground && at.above < 0.0 && is_over_floor,
+            nearest: Foot {
+                squared: f32::INFINITY,
+                way: [f32::INFINITY; 3],
+                is_face: true,
+                upward: [0.0, 1.0, 0.0],
+            },
+            found: 0,
+            reach: f32::INFINITY,
+            reach_squared: f32::INFINITY,
         };
         if search.is_inside {
             search.look_at_border_from_inside();
-        } else if !field.has_holes {
+        } else if !(field.has_holes || at.is_within && is_over_floor) {
             search.look_at_border_from_outside(&at);
         }
         // The cell below is mostly the nearest one, or shows how near the nearest one is.
-        let known = [at.column, at.row];
+        let known = [at.column as usize, at.row as usize];
         search.look_at_cell(known);
         search.look_around(known);
-        search.sample()
+        to_sample(finish(&search.nearest, search.is_inside))
     }
 
-    fn sample(&self) -> SdfSample {
-        let [x, y, z] = self.outward;
-        let (_, normal) = length_and_direction([x, y, z], [0.0, 1.0, 0.0]);
-        let distance = self.least.sqrt();
-        let distance = if self.is_inside { -distance } else { distance };
-        if self.is_face {
-            return SdfSample { distance, normal: normal.into() };
-        }
-        let out = if self.is_inside { self.way } else { self.way.map(|w| -w) };
-        let (_, normal) = length_and_direction(out, normal);
-        SdfSample { distance, normal: normal.into() }
-    }
-
-    fn take(&mut self, foot: Foot, outward: [f32; 3]) {
-        if foot.squared < self.least {
-            self.least = foot.squared;
-            (self.way, self.is_face, self.outward) = (foot.way, foot.is_face, outward);
+    fn take(&mut self, foot: Foot, cell: usize) {
+        let (squared, least) = (foot.squared, self.nearest.squared);
+        if squared < least || squared == least && cell < self.found {
+            (self.nearest, self.found) = (foot, cell);
+            self.reach = self.field.reach(squared);
+            self.reach_squared = self.reach * self.reach;
         }
     }
 
-    fn take_way(&mut self, way: [f32; 3], outward: [f32; 3]) {
+    /// Takes a place of a wall or of the floor, before all cells.
+    fn take_way(&mut self, way: [f32; 3], upward: [f32; 3]) {
         let squared = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-        self.take(Foot { squared, way, is_face: false }, outward);
+        self.take(Foot { squared, way, is_face: false, upward }, 0);
     }
 
     fn look_at_border_from_inside(&mut self) {
@@ -98,29 +105,35 @@ impl<'a> Search<'a> {
     }
 
     fn look_at_cell(&mut self, [column, row]: [usize; 2]) {
+        let number = row * self.field.last(0) + column;
+        let seen = self.field.seen(column, row, self.point);
+        if !self.field.has_holes {
+            self.take(seen.nearest(), number);
+            return;
+        }
         let present = self.field.cell_at(column, row).present();
-        let triangles = self.field.triangles(column, row, self.point);
-        for (triangle, is_present) in triangles.iter().zip(present) {
-            if is_present && let Some(foot) = triangle.nearest(self.least) {
-                self.take(foot, triangle.normal());
+        for (triangle, is_present) in seen.0.iter().zip(present) {
+            if is_present {
+                self.take(triangle.nearest(), number);
             }
             // A triangle is taken away where there is a hole. Without any, the border has been looked at.
-            if self.field.has_holes && is_present != self.is_inside {
-                self.look_at_walls(triangle);
+            if is_present != self.is_inside {
+                self.look_at_walls(triangle, number);
             }
         }
     }
 
     /// The upright sides of a triangle's column, and its end at the floor.
-    fn look_at_walls(&mut self, triangle: &Corner) {
+    fn look_at_walls(&mut self, triangle: &Corner, number: usize) {
         let to_floor = larger(self.field.floor - self.point[1], 0.0);
         for wall in triangle.walls() {
+            let [x, _, z] = wall.outward;
             // Seen from inside, the column is a hole, and ends nowhere.
-            if self.is_inside {
-                let [x, _, z] = wall.outward;
-                self.take(wall.foot(0.0), [-x, 0.0, -z]);
-            } else if wall.above <= 0.0 {
-                self.take(wall.foot(to_floor), wall.outward);
+            let (up, upward) =
+                if self.is_inside { (0.0, [-x, 0.0, -z]) } else { (to_floor, wall.outward) };
+            if self.is_inside || wall.above <= 0.0 {
+                let (squared, way, is_face) = wall.foot(up);
+                self.take(Foot { squared, way, is_face, upward }, number);
             }
         }
         if self.point[1] <= self.field.floor && triangle.is_over(0.0, 0.0) {
@@ -130,7 +143,8 @@ impl<'a> Search<'a> {
 
     /// Everything that may be nearer than what is known, but for one cell.
     fn look_around(&mut self, known: [usize; 2]) {
-        let [columns, rows] = [0, 1].map(|axis| self.cells_within_reach(axis));
+        let within = |axis: usize| self.field.cells_within(axis, self.point[2 * axis], self.reach);
+        let [columns, rows] = [0, 1].map(|axis| within(axis).map(|cell| cell as usize));
         // Begins with squares so large that two each way hold all of that.
         let mut level = 0;
         let span = |[low, high]: [usize; 2], level: usize| (high >> level) - (low >> level);
@@ -146,7 +160,7 @@ impl<'a> Search<'a> {
 
     /// A square of cells, unless what is known is nearer. Goes as deep as there are levels, 16 at most.
     fn look_into(&mut self, level: usize, square: [usize; 2], known: [usize; 2]) {
-        if self.squared_gap(level, square) >= self.least {
+        if self.squared_gap(level, square) > self.reach_squared {
             return;
         }
         let Some(below) = level.checked_sub(1) else {
@@ -167,20 +181,6 @@ impl<'a> Search<'a> {
                 self.look_into(below, quarter, known);
             }
         }
-    }
-
-    /// First and last cell along an axis that may be as near as what is known.
-    fn cells_within_reach(&self, axis: usize) -> [usize; 2] {
-        let last = self.field.last(axis) - 1;
-        // A few roundings each of the distance and of the cell's number.
-        let reach = 1.000_001 * self.least.sqrt();
-        let room = 4e-7 * (last + 1) as f32;
-        let at = self.point[2 * axis];
-        let cell = |place: f32, room: f32| self.field.cell_coordinate(axis, place) + room;
-        // Casting puts what is below zero there, and what is infinite at the end.
-        let low = (cell(at - reach, -room) as usize).min(last);
-        let high = (cell(at + reach, room) as usize).min(last);
-        [low, high.max(low)]
     }
 
     /// Square of the distance to a box around what a square of cells has to look at.
@@ -204,5 +204,24 @@ impl<'a> Search<'a> {
         let is_open = self.is_inside && node.has_hole;
         let gap_y = if is_open { 0.0 } else { larger(larger(low - y, y - node.range.high), 0.0) };
         gap_x * gap_x + gap_y * gap_y + gap_z * gap_z
+    }
+}
+
+impl HeightField {
+    /// How far something may be that is as near as the root of `squared`, with room for rounding: some of the distance, and some of
+    /// the places of corners.
+    #[inline(always)]
+    pub(super) fn reach(&self, squared: f32) -> f32 {
+        1.000_001 * squared.sqrt() + self.room
+    }
+
+    /// First and last cell along an axis that are within a reach.
+    #[inline(always)]
+    pub(super) fn cells_within(&self, axis: usize, at: f32, reach: f32) -> [u32; 2] {
+        // A few roundings of the cell's number.
+        let room = 4e-7 * self.last(axis) as f32;
+        let low = self.cell_number(axis, at - reach, -room);
+        let high = self.cell_number(axis, at + reach, room);
+        [low, if high > low { high } else { low }]
     }
 }
