@@ -217,7 +217,8 @@ impl Couples {
             let Some(parts) = body.parts() else { continue };
             let (regions, shift) = (&mut parts.others.regions, parts.origin - self.base);
             if parts.moves {
-                let since = Since { from: &self.at, last: &mut self.last, first: first as usize };
+                let (from, last) = (&self.at, Some(&mut self.last));
+                let since = Since { from, last, first: first as usize };
                 regions.measure(parts.isa, (parts.x, parts.d, shift), since);
                 self.boxes.extend(&regions.extents);
                 self.moved.extend(&regions.steps);

@@ -31,6 +31,9 @@ use crate::solver::topology::Topology;
 /// Pairs that there is room for from the start, for each particle.
 const ROOM: usize = 4;
 
+/// Pairs up to which each is looked at in every substep: less work than to measure how far particles go in a substep.
+const FEW: usize = 1024;
+
 /// How a cloth collides with itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -193,10 +196,14 @@ impl SelfContact {
         let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
-            let since = Since { from: &self.found_at, last: &mut self.last, first: 0 };
+            let is_few = self.pairs.len() <= FEW;
+            let last = if is_few { None } else { Some(&mut self.last) };
+            let since = Since { from: &self.found_at, last, first: 0 };
             self.regions.measure(isa, (x, d, Vec3::ZERO), since);
             let Regions { extents: all, steps: step, .. } = &self.regions;
             travelled = self.allowance.measure([Moved { all, step }; 2]);
+            // So far that all wake.
+            travelled.step = if is_few { self.margin } else { travelled.step };
         }
         if travelled.is_too_far {
             isa.run(AddUp { x, d, shift: Vec3::ZERO, to: &mut self.found_at, first: 0 });

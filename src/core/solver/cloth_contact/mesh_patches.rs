@@ -12,7 +12,7 @@ use crate::solver::cloth_contact::clusters::Clusters;
 use crate::solver::cloth_contact::faces::FacesAt;
 use crate::solver::cloth_contact::find::Pair;
 use crate::solver::cloth_contact::grid::NOWHERE;
-use crate::solver::cloth_contact::patch::{PARTICLES, Patch, are_flat};
+use crate::solver::cloth_contact::patch::{PARTICLES, Patch, are_flat, narrow_cosine};
 use crate::solver::cloth_contact::regions::Extent;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::isa::{Isa, TransposingKernel};
@@ -275,7 +275,7 @@ impl TransposingKernel for LookAtPatches<'_> {
             let axis = sum.sum();
             let axis = axis * (1.0 / larger(axis.dot(axis), f32::MIN_POSITIVE).sqrt());
             let cosine = if *is_seam { -1.0 } else { least_cosine(normals, axis) };
-            all.push(Patch::new(extent, axis, cosine));
+            all.push(Patch { extent, axis, least_cosine: narrow_cosine(cosine) });
         }
     }
 }

@@ -3,8 +3,9 @@
 use bevy_math::Vec3;
 
 use crate::solver::cloth_contact::regions::Extent;
-use crate::solver::simd::block::larger;
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::soa::{Array, Soa};
 
 /// Particles of a patch at most: the places of a patch are the lanes of a block.
 pub(super) const PARTICLES: usize = LANES;
@@ -21,19 +22,18 @@ pub(super) struct Patch {
     pub axis: Vec3,
     /// Least cosine of the angle between this axis and that of a narrow cone which holds the cone; infinite where none does, as the
     /// patch is bent.
-    least_cosine: f32,
+    pub least_cosine: f32,
+}
+
+/// [`Patch::least_cosine`] of a patch whose normals lie in a cone of which half the angle has this cosine.
+#[inline(always)]
+pub(super) fn narrow_cosine(cosine: f32) -> f32 {
+    // The cosine of the difference of both angles.
+    let sines = larger((1.0 - NARROW * NARROW) * (1.0 - cosine * cosine), 0.0).sqrt();
+    if cosine < NARROW { f32::INFINITY } else { NARROW * cosine + sines }
 }
 
 impl Patch {
-    /// A part in this box, whose normals lie in a cone of which half the angle has this cosine.
-    #[inline(always)]
-    pub fn new(extent: Extent, axis: Vec3, cosine: f32) -> Self {
-        // The cosine of the difference of both angles.
-        let sines = larger((1.0 - NARROW * NARROW) * (1.0 - cosine * cosine), 0.0).sqrt();
-        let least_cosine = if cosine < NARROW { f32::INFINITY } else { NARROW * cosine + sines };
-        Self { extent, axis, least_cosine }
-    }
-
     pub fn is_bent(&self) -> bool {
         self.least_cosine == f32::INFINITY
     }
@@ -49,4 +49,51 @@ pub(super) fn are_flat(all: &[Patch], some: impl Iterator<Item = usize> + Clone)
     let sum = some.clone().map(|patch| all[patch].axis).sum::<Vec3>();
     let length = sum.length();
     length > 0.0 && some.into_iter().all(|patch| all[patch].is_along(sum, length))
+}
+
+/// The cones of patches, side by side.
+#[derive(Clone, Debug)]
+pub(super) struct Cones {
+    /// See [`Patch`].
+    axis: Soa,
+    least_cosine: Array,
+}
+
+impl Cones {
+    /// Of so many patches that hold nothing.
+    pub fn zeros(count: usize) -> Self {
+        Self { axis: Soa::zeros(count), least_cosine: Array::zeros(count) }
+    }
+
+    /// That of a patch.
+    #[inline(always)]
+    pub fn set(&mut self, number: usize, patch: &Patch) {
+        self.axis.set(number, patch.axis);
+        self.least_cosine[number] = patch.least_cosine;
+    }
+
+    /// Axes and least cosines of some patches that follow each other.
+    #[inline(always)]
+    pub fn load(&self, first: usize) -> (Block3, Block) {
+        (Block3::load(&self.axis, first), Block::load(&self.least_cosine, first))
+    }
+
+    /// One in each lane where patches all lie in one narrow cone, and zero elsewhere.
+    #[inline(always)]
+    pub fn are_flat<const N: usize>(some: [&(Block3, Block); N]) -> Block {
+        let mut flat = Block::ZERO;
+        for i in 0..LANES {
+            let mut sum = Vec3::ZERO;
+            for (axis, _) in some {
+                sum += axis.at(i);
+            }
+            let length = sum.length();
+            let mut is_flat = length > 0.0;
+            for (axis, least_cosine) in some {
+                is_flat &= axis.at(i).dot(sum) >= least_cosine.0[i] * length;
+            }
+            flat.0[i] = if is_flat { 1.0 } else { 0.0 };
+        }
+        flat
+    }
 }

@@ -67,7 +67,7 @@ impl Patches {
         let near = sweep.near(isa, all.len(), extent, reach).iter();
         match division {
             Division::Sheet(sheet) => {
-                meetings.extend(near.filter(|&&pair| !sheet.are_flat_neighbours(all, pair)));
+                meetings.extend(near.filter(|&&pair| !sheet.are_flat_neighbours(pair)));
             }
             Division::Mesh(mesh) => {
                 mesh.begin(all);

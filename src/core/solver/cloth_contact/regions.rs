@@ -110,7 +110,7 @@ impl Regions {
     }
 
     /// Measures how far particles at `x + d`, and a shift further, have moved since they were at `from`, and since they were at `last`,
-    /// from some place on. Then writes where they are to `last`.
+    /// from some place on. Then writes where they are to `last`. Without one, [`steps`](Self::steps) is left empty.
     pub fn measure(&mut self, isa: Isa, (x, d, shift): (&Soa, &Soa, Vec3), since: Since<'_>) {
         isa.run(Measure { regions: self, x, d, shift, since });
     }
@@ -119,7 +119,7 @@ impl Regions {
 /// Where particles were, those of a cloth from some place on.
 pub(super) struct Since<'a> {
     pub from: &'a Soa,
-    pub last: &'a mut Soa,
+    pub last: Option<&'a mut Soa>,
     pub first: usize,
 }
 
@@ -201,7 +201,7 @@ impl Kernel for Measure<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { regions, x, d, shift, since: Since { from, last, first: start } } = self;
+        let Self { regions, x, d, shift, since: Since { from, mut last, first: start } } = self;
         let parts = regions.parts();
         let Regions { layout, extents, steps, .. } = regions;
         extents.clear();
@@ -213,22 +213,29 @@ impl Kernel for Measure<'_> {
                     let slot = layout.slot(row, 0) + block * LANES;
                     let inside = layout.inside(row, block * LANES);
                     let (x, d) = (Block3::load(x, slot), Block3::load(d, slot));
-                    let [from, before] =
-                        [Block3::load(from, start + slot), Block3::load(last, start + slot)];
-                    let [mut now, mut moved, mut stepped] = [Block3::ZERO; 3];
+                    let from = Block3::load(from, start + slot);
+                    let [mut now, mut moved] = [Block3::ZERO; 2];
                     for i in 0..LANES {
                         let p = x.at(i) + d.at(i) + shift;
                         now.set(i, p);
                         moved.set(i, p - from.at(i));
-                        stepped.set(i, p - before.at(i));
                     }
-                    now.store(last, start + slot);
                     all.take(&moved, inside);
-                    step.take(&stepped, inside);
+                    if let Some(last) = &mut last {
+                        let before = Block3::load(&**last, start + slot);
+                        let mut stepped = Block3::ZERO;
+                        for i in 0..LANES {
+                            stepped.set(i, now.at(i) - before.at(i));
+                        }
+                        now.store(&mut **last, start + slot);
+                        step.take(&stepped, inside);
+                    }
                 }
             }
             extents.push(all.extent());
-            steps.push(step.extent());
+            if last.is_some() {
+                steps.push(step.extent());
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::cloth_contact::patch::{PARTICLES, Patch, are_flat};
+use crate::solver::cloth_contact::patch::{Cones, PARTICLES, Patch, narrow_cosine};
 use crate::solver::cloth_contact::regions::{Extent, Wide};
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::isa::{Isa, Kernel};
@@ -20,11 +20,24 @@ const IN_BLOCK: usize = LANES / SIDE;
 pub(super) struct SheetPatches {
     layout: Layout,
     across: usize,
+    cones: Cones,
+    /// By patch, whether it lies in a narrow cone with the next one, with the one below, and with these two and the one across: a bit
+    /// each.
+    flat: Vec<u32>,
 }
+
+/// The bits of what a patch lies in a narrow cone with.
+const NEXT: u32 = 1;
+const BELOW: u32 = 2;
+const ACROSS: u32 = 4;
 
 impl SheetPatches {
     pub fn new(layout: Layout) -> Self {
-        Self { layout, across: layout.blocks_across() * IN_BLOCK }
+        let across = layout.blocks_across() * IN_BLOCK;
+        let count = (layout.rows.div_ceil(SIDE) * across).next_multiple_of(LANES);
+        // The neighbours of the last block are beside the sheet.
+        let cones = Cones::zeros((count + across + 1).next_multiple_of(LANES) + LANES);
+        Self { layout, across, cones, flat: vec![0; count] }
     }
 
     /// Number of patches, with those beside the sheet that fill up blocks.
@@ -42,27 +55,30 @@ impl SheetPatches {
     }
 
     /// Looks at particles that are at these places, and writes them patch by patch.
-    pub fn look(&self, isa: Isa, at: &Soa, x: &mut Soa, all: &mut Vec<Patch>) {
-        isa.run(LookAtPatches { layout: &self.layout, at, all });
+    pub fn look(&mut self, isa: Isa, at: &Soa, x: &mut Soa, all: &mut Vec<Patch>) {
+        let Self { layout, across, cones, flat } = self;
+        isa.run(LookAtPatches { layout, at, all, cones });
+        isa.run(FindFlat { across: *across, cones, flat });
         self.put(at, x);
     }
 
     /// Whether two patches are side by side, or corner to corner, and all patches around their seam lie in one narrow cone.
-    pub fn are_flat_neighbours(&self, all: &[Patch], pair: [u32; 2]) -> bool {
-        let [a, b] = pair.map(|patch| patch as usize);
-        let across = self.across;
-        let ([row_a, column_a], [row_b, column_b]) =
-            ([a / across, a % across], [b / across, b % across]);
-        if row_a.abs_diff(row_b) > 1 || column_a.abs_diff(column_b) > 1 {
-            return false;
-        }
-        let around = [a, b, row_a * across + column_b, row_b * across + column_a];
-        are_flat(all, around.into_iter())
+    pub fn are_flat_neighbours(&self, [a, b]: [u32; 2]) -> bool {
+        let place = |patch: u32| [patch as usize / self.across, patch as usize % self.across];
+        let ([row_a, column_a], [row_b, column_b]) = (place(a), place(b));
+        let first = row_a.min(row_b) * self.across + column_a.min(column_b);
+        let with = match [row_a.abs_diff(row_b), column_a.abs_diff(column_b)] {
+            [0, 1] => NEXT,
+            [1, 0] => BELOW,
+            [1, 1] => ACROSS,
+            _ => 0,
+        };
+        self.flat[first] & with != 0
     }
 
     /// Writes where particles are patch by patch.
     fn put(&self, at: &Soa, x: &mut Soa) {
-        let Self { layout, across } = *self;
+        let Self { layout, across, .. } = *self;
         for (to, from) in [(&mut x.x, &at.x), (&mut x.y, &at.y), (&mut x.z, &at.z)] {
             for row in 0..layout.rows {
                 let from = &from[layout.slot(row, 0)..][..layout.columns];
@@ -86,6 +102,7 @@ struct LookAtPatches<'a> {
     layout: &'a Layout,
     at: &'a Soa,
     all: &'a mut Vec<Patch>,
+    cones: &'a mut Cones,
 }
 
 impl Kernel for LookAtPatches<'_> {
@@ -93,12 +110,46 @@ impl Kernel for LookAtPatches<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { layout, at, all } = self;
+        let Self { layout, at, all, cones } = self;
         for first_row in (0..layout.rows).step_by(SIDE) {
             for column in (0..layout.columns).step_by(LANES) {
                 let rows = layout.rows.min(first_row + SIDE) - first_row;
                 let seen = Seen::new(layout, at, first_row, rows, column);
-                all.extend(seen.patches());
+                for patch in seen.patches() {
+                    cones.set(all.len(), &patch);
+                    all.push(patch);
+                }
+            }
+        }
+    }
+}
+
+/// Finds which neighbours of each patch lie in a narrow cone with it.
+struct FindFlat<'a> {
+    across: usize,
+    cones: &'a Cones,
+    flat: &'a mut [u32],
+}
+
+impl Kernel for FindFlat<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { across, cones, flat } = self;
+        for (block, flat) in flat.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            let first = block * LANES;
+            let own = cones.load(first);
+            let (next, below) = (cones.load(first + 1), cones.load(first + across));
+            let opposite = cones.load(first + across + 1);
+            let is_next = Cones::are_flat([&own, &next]);
+            let is_below = Cones::are_flat([&own, &below]);
+            let is_across = Cones::are_flat([&own, &next, &below, &opposite]);
+            for (i, flat) in flat.iter_mut().enumerate() {
+                let bit = |is_flat: f32, bit: u32| if is_flat > 0.0 { bit } else { 0 };
+                *flat = bit(is_next.0[i], NEXT)
+                    | bit(is_below.0[i], BELOW)
+                    | bit(is_across.0[i], ACROSS);
             }
         }
     }
@@ -107,7 +158,7 @@ impl Kernel for LookAtPatches<'_> {
 /// Boxes and normals of the patches in a block, a column each.
 struct Seen {
     wide: Wide,
-    /// Normals of the cells of each row, of length one; zero beside the sheet.
+    /// Normals of the cells of each row, as long as twice their areas; zero beside the sheet.
     normals: [Block3; SIDE],
     sum: Block3,
 }
@@ -131,9 +182,7 @@ impl Seen {
             for i in 0..LANES {
                 // Of a cell, by its diagonals.
                 let (a, b) = (across.at(i) - here.at(i), right.at(i) - below.at(i));
-                let normal = a.cross(b);
-                let part = 1.0 / larger(normal.dot(normal), f32::MIN_POSITIVE).sqrt();
-                let normal = if i + 1 < inside { normal * part } else { Vec3::ZERO };
+                let normal = if i + 1 < inside { a.cross(b) } else { Vec3::ZERO };
                 normals.set(i, normal);
                 seen.sum.set(i, seen.sum.at(i) + normal);
             }
@@ -154,21 +203,27 @@ impl Seen {
             let axis = axes.at(i);
             axes.set(i, axis * (1.0 / larger(axis.dot(axis), f32::MIN_POSITIVE).sqrt()));
         }
-        let mut cosines = Block::splat(1.0);
+        // Squares that have the cosines' signs.
+        let mut squares = Block::splat(1.0);
         for normals in &self.normals {
             for i in 0..LANES {
                 let n = normals.at(i);
+                let (along, squared) = (n.dot(axes.at(i)), n.dot(n));
                 // Beside the sheet there is none.
-                let along = if n.dot(n) == 0.0 { 1.0 } else { n.dot(axes.at(i)) };
-                cosines.0[i] = smaller(along, cosines.0[i]);
+                let square = if squared > 0.0 { along * along.abs() / squared } else { 1.0 };
+                squares.0[i] = smaller(square, squares.0[i]);
             }
         }
-        let cosines = of_each_patch(cosines, smaller);
+        let squares = of_each_patch(squares, smaller);
+        let mut least = Block::ZERO;
+        for i in 0..LANES {
+            least.0[i] = narrow_cosine(larger(squares.0[i], 0.0).sqrt());
+        }
         core::array::from_fn(|patch| {
             let i = patch * SIDE;
             let corner = |along: &[Block; 3]| Vec3::from(along.map(|along| along.0[i]));
             let extent = Extent { low: corner(&low), high: corner(&high) };
-            Patch::new(extent, axes.at(i), cosines.0[i])
+            Patch { extent, axis: axes.at(i), least_cosine: least.0[i] }
         })
     }
 }
@@ -183,4 +238,55 @@ fn of_each_patch(mut lanes: Block, with: impl Fn(f32, f32) -> f32) -> Block {
         }
     }
     lanes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::cloth_contact::patch::are_flat;
+
+    /// Patches of a sheet with folds along both sides, and the seams between them, one by one.
+    #[test]
+    fn neighbours_are_flat_where_all_patches_around_their_seam_lie_in_a_narrow_cone() {
+        for (rows, columns) in [(21, 37), (64, 64), (4, 16)] {
+            let layout = Layout::new(rows, columns);
+            let mut at = Soa::zeros(layout.len());
+            for row in 0..rows {
+                for column in 0..columns {
+                    let (u, v) = (column as f32, row as f32);
+                    let up = 3.0 * (0.3 * u).sin() * (0.11 * v).cos() + 2.0 * (0.35 * v).sin();
+                    at.set(layout.slot(row, column), Vec3::new(u, up, v));
+                }
+            }
+            let mut sheet = SheetPatches::new(layout);
+            let mut x = Soa::zeros(sheet.count() * PARTICLES);
+            let mut all = Vec::new();
+            sheet.look(Isa::detect(), &at, &mut x, &mut all);
+            assert_eq!(all.len(), sheet.count());
+            let (high, wide) = (rows.div_ceil(SIDE), columns.div_ceil(SIDE));
+            let mut found = [0; 2];
+            for a in 0..high * wide {
+                for b in a + 1..high * wide {
+                    let [[row_a, column_a], [row_b, column_b]] =
+                        [a, b].map(|patch| [patch / wide, patch % wide]);
+                    let number = |row: usize, column: usize| row * sheet.across + column;
+                    let is_beside = row_a.abs_diff(row_b) <= 1 && column_a.abs_diff(column_b) <= 1;
+                    let around = [
+                        [row_a, column_a],
+                        [row_a, column_b],
+                        [row_b, column_a],
+                        [row_b, column_b],
+                    ];
+                    let around = around.map(|[row, column]| number(row, column));
+                    let is_flat = is_beside && are_flat(&all, around.into_iter());
+                    for pair in [[0, 3], [3, 0]] {
+                        let pair = pair.map(|i| around[i] as u32);
+                        assert_eq!(sheet.are_flat_neighbours(pair), is_flat, "{pair:?}");
+                    }
+                    found[usize::from(is_flat)] += usize::from(is_beside);
+                }
+            }
+            assert!(found.iter().all(|&count| count > 0), "{rows} x {columns}: {found:?}");
+        }
+    }
 }

@@ -12,8 +12,8 @@ use crate::solver::simd::soa::Soa;
 /// Boxes in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
-    /// Their numbers.
-    order: Vec<u32>,
+    /// Their numbers, below where they begin.
+    order: Vec<u64>,
     low: Soa,
     high: Soa,
     /// Pairs of numbers of boxes that are near each other.
@@ -37,12 +37,12 @@ impl Sweep {
     ) -> &[[u32; 2]] {
         let Self { order, low, high, near } = self;
         order.clear();
-        order.extend(0..count as u32);
-        let begin = |number: u32| extent(number).low.x;
-        order.sort_unstable_by(|&a, &b| begin(a).total_cmp(&begin(b)).then(a.cmp(&b)));
-        for (place, &number) in order.iter().enumerate() {
-            low.set(place, extent(number).low);
-            high.set(place, extent(number).high);
+        order.extend((0..count as u32).map(|number| key(extent(number).low.x, number)));
+        order.sort_unstable();
+        for (place, &key) in order.iter().enumerate() {
+            let Extent { low: begin, high: end } = extent(key as u32);
+            low.set(place, *begin);
+            high.set(place, *end);
         }
         for place in count..count + LANES {
             low.set(place, Vec3::splat(NOWHERE));
@@ -54,8 +54,16 @@ impl Sweep {
     }
 }
 
+/// A number's place in the order of where boxes begin, and the number in its lower half.
+fn key(begin: f32, number: u32) -> u64 {
+    let bits = begin.to_bits();
+    // As whole numbers, negative ones have the opposite order, and come after the others.
+    let ascending = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+    u64::from(ascending) << 32 | u64::from(number)
+}
+
 struct FindNear<'a> {
-    order: &'a [u32],
+    order: &'a [u64],
     low: &'a Soa,
     high: &'a Soa,
     reach: f32,
@@ -84,7 +92,8 @@ impl Kernel for FindNear<'_> {
                 }
                 let mut lanes = bits.into_iter().fold(0, |all, bit| all | bit);
                 while lanes != 0 {
-                    near.push([number, order[at + lanes.trailing_zeros() as usize]]);
+                    let other = order[at + lanes.trailing_zeros() as usize];
+                    near.push([number as u32, other as u32]);
                     lanes &= lanes - 1;
                 }
                 at += LANES;

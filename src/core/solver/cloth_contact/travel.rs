@@ -30,6 +30,7 @@ impl Travelled {
 #[derive(Clone, Copy)]
 pub(super) struct Moved<'a> {
     pub all: &'a [Extent],
+    /// Empty where that is not measured.
     pub step: &'a [Extent],
 }
 
@@ -107,7 +108,9 @@ impl Allowance {
         for regions in &self.near {
             let [a, b] = regions.map(usize::from);
             most = larger(some.all[a].difference(&others.all[b]), most);
-            step = larger(some.step[a].difference(&others.step[b]), step);
+            if let (Some(a), Some(b)) = (some.step.get(a), others.step.get(b)) {
+                step = larger(a.difference(b), step);
+            }
         }
         let mut is_too_far = most >= self.margin * self.margin;
         // What is far need not be looked at one by one, unless the whole cloths have moved as far.
