@@ -252,7 +252,7 @@ fn blocks_find_what_points_find() {
             field.distance_block(&points, &mut distances);
             field.known().unwrap().sample_block(&points, &mut inlined);
             assert_eq!(inlined, samples);
-            for lane in 0..LANES {
+            for (lane, distance) in distances.into_iter().enumerate() {
                 let (point, one) = (points.point(lane), field.sample(points.point(lane)));
                 let bits = |distance: f32, normal: [f32; 3]| {
                     (distance.to_bits(), normal.map(|n| (n + 0.0).to_bits()))
@@ -261,7 +261,7 @@ fn blocks_find_what_points_find() {
                 let of_block = bits(samples.distance[lane], found);
                 let of_point = bits(one.distance, one.normal.to_array());
                 assert_eq!(of_block, of_point, "{field:?}, {point}: {found:?}, {one:?}");
-                assert_eq!(distances[lane].to_bits(), one.distance.to_bits(), "{point}");
+                assert_eq!(distance.to_bits(), one.distance.to_bits(), "{point}");
             }
             let (from, to) = (points, PointBlock { y: points.y.map(|y| y + 0.01), ..points });
             let segments = SegmentBlock::between(&from, &to);

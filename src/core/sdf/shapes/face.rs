@@ -2,65 +2,62 @@
 
 use super::{larger, smaller};
 use crate::sdf::{LANES, PointBlock};
+use bevy_math::Vec3;
 
 /// A triangle with what the distance to it needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
-    corner: [f32; 3],
+    corner: Vec3,
     ab: Side,
     ac: Side,
     bc: Side,
     /// Unit length; zero where the triangle has no area.
-    pub normal: [f32; 3],
+    pub normal: Vec3,
 }
 
 /// Square of a distance, and the way.
-type Found = (f32, [f32; 3]);
+type Found = (f32, Vec3);
 
 /// A side, and the direction in the triangle's plane that leads inside from it.
 #[derive(Clone, Copy, Debug)]
 struct Side {
-    way: [f32; 3],
+    way: Vec3,
     /// One over the square of its length; zero where it has none.
     inverse_squared: f32,
-    inward: [f32; 3],
+    inward: Vec3,
 }
 
 impl Side {
-    fn new(way: [f32; 3], normal: [f32; 3]) -> Self {
-        let squared = dot(way, way);
-        let inverse = 1.0 / squared;
+    fn new(way: Vec3, normal: Vec3) -> Self {
+        let inverse = 1.0 / way.dot(way);
         let inverse_squared = if inverse.is_finite() { inverse } else { 0.0 };
-        Self { way, inverse_squared, inward: cross(normal, way) }
+        Self { way, inverse_squared, inward: normal.cross(way) }
     }
 
     /// From the nearest place of the side to what is `from` its start, and the square of that.
     #[inline(always)]
-    fn away(&self, from: [f32; 3]) -> Found {
-        let along = dot(from, self.way) * self.inverse_squared;
+    fn away(&self, from: Vec3) -> Found {
+        let along = from.dot(self.way) * self.inverse_squared;
         let along = smaller(larger(along, 0.0), 1.0);
-        let away = [0, 1, 2].map(|i| from[i] - along * self.way[i]);
-        (dot(away, away), away)
+        let away = from - self.way * along;
+        (away.dot(away), away)
     }
 }
 
 impl Face {
     /// A triangle between three corners \[m\].
-    pub fn new([a, b, c]: [[f32; 3]; 3]) -> Self {
-        let (ab, ac, bc) = (minus(b, a), minus(c, a), minus(c, b));
-        let across = cross(ab, ac);
-        let squared = dot(across, across);
-        let normal = if squared >= f32::MIN_POSITIVE {
-            across.map(|x| x / squared.sqrt())
-        } else {
-            [0.0; 3]
-        };
+    pub fn new([a, b, c]: [Vec3; 3]) -> Self {
+        let (ab, ac, bc) = (b - a, c - a, c - b);
+        let across = ab.cross(ac);
+        let squared = across.dot(across);
+        let normal =
+            if squared >= f32::MIN_POSITIVE { across / squared.sqrt() } else { Vec3::ZERO };
         let ac = Side::new(ac, normal);
         Self {
             corner: a,
             ab: Side::new(ab, normal),
             // Inside is on the other side of it, as it goes the other way around.
-            ac: Side { inward: ac.inward.map(|x| -x), ..ac },
+            ac: Side { inward: -ac.inward, ..ac },
             bc: Side::new(bc, normal),
             normal,
         }
@@ -68,18 +65,17 @@ impl Face {
 
     /// Square of the distance \[m2\], and the way from the nearest place to the point \[m\].
     #[inline(always)]
-    pub fn away(&self, point: [f32; 3]) -> Found {
-        let from_a = minus(point, self.corner);
-        let from_b = minus(from_a, self.ab.way);
+    pub fn away(&self, point: Vec3) -> Found {
+        let from_a = point - self.corner;
+        let from_b = from_a - self.ab.way;
         let beside_a = nearer(self.ab.away(from_a), self.ac.away(from_a));
-        let (least, away) = nearer(beside_a, self.bc.away(from_b));
+        let beside = nearer(beside_a, self.bc.away(from_b));
         // Without an area it is beside nothing.
-        let is_over = (dot(from_a, self.ab.inward) > 0.0)
-            & (dot(from_a, self.ac.inward) > 0.0)
-            & (dot(from_b, self.bc.inward) > 0.0);
-        let height = dot(from_a, self.normal);
-        let above = (height * height, self.normal.map(|x| height * x));
-        pick(is_over, above, (least, away))
+        let is_over = (from_a.dot(self.ab.inward) > 0.0)
+            & (from_a.dot(self.ac.inward) > 0.0)
+            & (from_b.dot(self.bc.inward) > 0.0);
+        let height = from_a.dot(self.normal);
+        pick(is_over, (height * height, self.normal * height), beside)
     }
 }
 
@@ -107,21 +103,21 @@ impl NearestFaces {
         let face = *face;
         let (mut squared, mut way) = ([0.0; LANES], PointBlock::default());
         for (lane, squared) in squared.iter_mut().enumerate() {
-            let (of_lane, [x, y, z]) = face.away([points.x[lane], points.y[lane], points.z[lane]]);
+            let (of_lane, away) = face.away(points.point(lane));
             *squared = of_lane;
-            (way.x[lane], way.y[lane], way.z[lane]) = (x, y, z);
+            way.set(lane, away);
         }
-        for (lane, squared) in squared.into_iter().enumerate() {
-            let (least, known) = (self.squared[lane], self.face[lane]);
+        for lane in 0..LANES {
+            // All is loaded before it is chosen between: what is chosen first would be gathered.
+            let (squared, way) = (squared[lane], way.point(lane));
+            let (least, away, known) = (self.squared[lane], self.away.point(lane), self.face[lane]);
             let is_nearer = squared < least;
             let ties = (squared == least) & (number < known);
             let takes = is_nearer | ties;
-            let old = [self.away.x[lane], self.away.y[lane], self.away.z[lane]];
-            self.squared[lane] = if takes { squared } else { least };
+            let (least, away) = pick(takes, (squared, way), (least, away));
+            self.squared[lane] = least;
+            self.away.set(lane, away);
             self.face[lane] = if takes { number } else { known };
-            self.away.x[lane] = if takes { way.x[lane] } else { old[0] };
-            self.away.y[lane] = if takes { way.y[lane] } else { old[1] };
-            self.away.z[lane] = if takes { way.z[lane] } else { old[2] };
         }
     }
 }
@@ -132,23 +128,9 @@ fn nearer(a: Found, b: Found) -> Found {
     pick(b.0 < a.0, b, a)
 }
 
+/// One of two, number by number: arrays of them would be gathered from memory.
 #[inline(always)]
 fn pick(which: bool, a: Found, b: Found) -> Found {
     let pick = |a: f32, b: f32| if which { a } else { b };
-    (pick(a.0, b.0), [pick(a.1[0], b.1[0]), pick(a.1[1], b.1[1]), pick(a.1[2], b.1[2])])
-}
-
-#[inline(always)]
-fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    (pick(a.0, b.0), Vec3::new(pick(a.1.x, b.1.x), pick(a.1.y, b.1.y), pick(a.1.z, b.1.z)))
 }

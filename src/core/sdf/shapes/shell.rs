@@ -105,7 +105,7 @@ impl Shell {
         }
         let boxes: Vec<Bounds> = corners.iter().map(bounds_of).collect();
         let (tree, order) = BoxTree::new(&boxes, LEAF);
-        let face = |&number: &u32| Face::new(corners[number as usize].map(|at| at.to_array()));
+        let face = |&number: &u32| Face::new(corners[number as usize]);
         let whole = tree.bounds();
         let (low, high) = (Vec3::from(whole.low) - radius, Vec3::from(whole.high) + radius);
         Ok(Self {
@@ -132,9 +132,9 @@ impl Shell {
     }
 
     /// The nearest triangle's squared distance, the way from its nearest place, and its place in the list.
-    fn nearest(&self, point: [f32; 3]) -> (f32, [f32; 3], usize) {
-        let (mut least, mut away, mut found) = (f32::INFINITY, [0.0; 3], 0);
-        let mut walk = Walk::to_point(point);
+    fn nearest(&self, point: Vec3) -> (f32, Vec3, usize) {
+        let (mut least, mut away, mut found) = (f32::INFINITY, Vec3::ZERO, 0);
+        let mut walk = Walk::to_point(point.to_array());
         while let Some(places) = walk.next(&self.tree, least) {
             for place in places {
                 let (squared, other) = self.faces[place].away(point);
@@ -160,16 +160,16 @@ impl Shell {
 
     /// The direction out of the shell, on the side where the point is. On a triangle both its sides are as near.
     #[inline(always)]
-    fn outward(&self, away: [f32; 3], found: usize) -> [f32; 3] {
+    fn outward(&self, away: Vec3, found: usize) -> [f32; 3] {
         let across = self.faces[found].normal;
-        let across = if across == [0.0; 3] { [0.0, 1.0, 0.0] } else { across };
-        length_and_direction(away, across).1
+        let across = if across == Vec3::ZERO { Vec3::Y } else { across };
+        length_and_direction(away.into(), across.into()).1
     }
 }
 
 impl SignedDistance for Shell {
     fn sample(&self, point: Vec3) -> SdfSample {
-        let (squared, away, found) = self.nearest(point.to_array());
+        let (squared, away, found) = self.nearest(point);
         SdfSample {
             distance: squared.sqrt() - self.radius,
             normal: self.outward(away, found).into(),
@@ -209,8 +209,7 @@ impl SignedDistance for Shell {
 pub fn shell_block(shell: &Shell, points: &PointBlock, out: &mut SampleBlock) {
     let NearestFaces { squared, away, face } = shell.nearest_block(points);
     for lane in 0..LANES {
-        let way = [away.x[lane], away.y[lane], away.z[lane]];
-        let normal = shell.outward(way, face[lane] as usize);
+        let normal = shell.outward(away.point(lane), face[lane] as usize);
         out.set(lane, squared[lane].sqrt() - shell.radius, normal);
     }
 }

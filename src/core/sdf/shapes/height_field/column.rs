@@ -30,8 +30,8 @@ impl HeightField {
     /// Off by a few roundings of the number of cells; the first one for what is no number.
     #[inline(always)]
     pub(super) fn cell_number(&self, axis: usize, place: f32, room: f32) -> u32 {
-        let last = self.last(axis) as f32;
-        lookup::place((place / self.size[axis] + 0.5) * last + room, last - 1.0).cell
+        let count = self.count[axis];
+        lookup::place((place / self.size[axis] + 0.5) * count + room, count - 1.0).cell
     }
 
     #[inline(always)]

@@ -106,6 +106,7 @@ impl HeightField {
             columns,
             rows,
             size: size.to_array(),
+            count: [columns, rows].map(|count| count as f32 - 1.0),
             step: [columns, rows].map(|count| 1.0 / (count as f32 - 1.0)),
             cells: Box::default(),
             has_holes: false,

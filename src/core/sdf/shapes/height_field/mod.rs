@@ -38,7 +38,8 @@ pub struct HeightField {
     columns: usize,
     rows: usize,
     size: [f32; 2],
-    /// A cell's part of the size.
+    /// Number of cells along x and z, and a cell's part of the size.
+    count: [f32; 2],
     step: [f32; 2],
     /// Row by row.
     heights: Box<[f32]>,

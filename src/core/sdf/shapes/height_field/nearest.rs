@@ -219,7 +219,7 @@ impl HeightField {
     #[inline(always)]
     pub(super) fn cells_within(&self, axis: usize, at: f32, reach: f32) -> [u32; 2] {
         // A few roundings of the cell's number.
-        let room = 4e-7 * self.last(axis) as f32;
+        let room = 4e-7 * self.count[axis];
         let low = self.cell_number(axis, at - reach, -room);
         let high = self.cell_number(axis, at + reach, room);
         [low, if high > low { high } else { low }]

@@ -44,10 +44,7 @@ impl Kernel for SearchEdges<'_> {
             let to = corner(&ends, 1, x, d, &motion.after);
             let segments = SegmentBlock::between(&from, &to);
             let mut found = NearestBlock::default();
-            match motion.known {
-                Some(known) => known.nearest_on_segments(&segments, &mut found),
-                None => motion.shape.nearest_on_segments(&segments, &mut found),
-            }
+            nearest_on_segments(motion, &segments, &mut found);
             let NearestBlock { at, distance, least } = found;
             for (lane, &edge) in close.iter().enumerate() {
                 let gap = distance[lane] * motion.after.scale - self.held;
@@ -117,6 +114,14 @@ fn corner<const N: usize>(
     points
 }
 
+#[inline(always)]
+fn nearest_on_segments(motion: &Motion<'_>, segments: &SegmentBlock, out: &mut NearestBlock) {
+    match motion.known {
+        Some(known) => known.nearest_on_segments(segments, out),
+        None => motion.shape.nearest_on_segments(segments, out),
+    }
+}
+
 /// The places of faces that are nearest, as parts of their corners, and their distances. The distance to a convex solid is a
 /// convex function: along a line from a corner, along one beside the opposite side, and along the first again.
 #[inline(always)]
@@ -134,15 +139,17 @@ fn nearest_on_faces(
     // How far from the first corner to the opposite side, and how far along that.
     let (mut out, mut beside) = (NearestBlock::default(), NearestBlock::default());
     beside.at = [0.5; LANES];
-    for is_last in [false, true] {
-        let opposite = across.at(&beside.at);
-        motion.shape.nearest_on_segments(&SegmentBlock::between(&a, &opposite), &mut out);
-        if !is_last {
-            // At the corner itself there is nothing beside it.
-            let far = out.at.map(|out| larger(out, WITHIN));
-            let line = SegmentBlock::between(&to_b.at(&far), &to_c.at(&far));
-            motion.shape.nearest_on_segments(&line, &mut beside);
-        }
+    for is_line in [false, true, false] {
+        // At the corner itself there is nothing beside it.
+        let far = out.at.map(|out| larger(out, WITHIN));
+        let segments = if is_line {
+            SegmentBlock::between(&to_b.at(&far), &to_c.at(&far))
+        } else {
+            SegmentBlock::between(&a, &across.at(&beside.at))
+        };
+        let mut found = NearestBlock::default();
+        nearest_on_segments(motion, &segments, &mut found);
+        *(if is_line { &mut beside } else { &mut out }) = found;
     }
     let mut parts = [[0.0; 3]; LANES];
     for (parts, (out, beside)) in parts.iter_mut().zip(out.at.iter().zip(beside.at)) {

@@ -1,0 +1,270 @@
+//! The nearest places of ground to a block of points, in lanes.
+//!
+//! Each lane looks at the cell that its point is above or below, which shows how near the nearest place is, and then at the
+//! cells within that reach. The points of a block that are far from the ground, beside it or below its floor are left to the
+//! search of one point, and so are those of ground with holes.
+
+use super::HeightField;
+use super::nearest::finish;
+use super::triangle::{Cell, Foot};
+use crate::sdf::shapes::{larger, smaller};
+use crate::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
+use bevy_math::Vec3;
+
+/// Cells beside the first one within a point's reach, along an axis, that are still looked at in lanes.
+const MOST: u32 = 3;
+
+/// Cells along x and z, a lane each.
+#[derive(Clone, Copy)]
+struct Cells {
+    column: [u32; LANES],
+    row: [u32; LANES],
+}
+
+/// The nearest places, as far as they are known.
+struct Nearest<'a> {
+    field: &'a HeightField,
+    points: &'a PointBlock,
+    squared: [f32; LANES],
+    way: PointBlock,
+    /// First and third component of the normal there, upwards; the second one is one.
+    upward: [[f32; LANES]; 2],
+    is_face: [bool; LANES],
+    /// The cells' numbers.
+    found: [u32; LANES],
+    /// How far the points are above the ground.
+    above: [f32; LANES],
+    /// One in lanes that are to be searched on their own, zero in others: numbers as wide as the others, as lanes are.
+    alone: [u32; LANES],
+}
+
+/// Distances and normals of a [`HeightField`] at a block of points: what its `sample_block` does, inlined.
+#[inline(always)]
+pub fn height_field_block(field: &HeightField, points: &PointBlock, out: &mut SampleBlock) {
+    let mut alone = [1; LANES];
+    if !field.has_holes {
+        let nearest = Nearest::search(field, points);
+        alone = nearest.alone;
+        for i in 0..LANES {
+            let (distance, normal) = finish(&nearest.foot(i), nearest.above[i] < 0.0);
+            out.set(i, distance, normal);
+        }
+    }
+    for (i, is_alone) in alone.into_iter().enumerate() {
+        if is_alone != 0 {
+            let sample = field.sample(points.point(i));
+            out.set(i, sample.distance, sample.normal.to_array());
+        }
+    }
+}
+
+/// Distances alone \[m\] of a [`HeightField`] at a block of points, inlined.
+#[inline(always)]
+pub fn height_field_distance_block(
+    field: &HeightField,
+    points: &PointBlock,
+    out: &mut [f32; LANES],
+) {
+    let mut alone = [1; LANES];
+    if !field.has_holes {
+        let nearest = Nearest::search(field, points);
+        alone = nearest.alone;
+        for (i, out) in out.iter_mut().enumerate() {
+            let distance = nearest.squared[i].sqrt();
+            *out = if nearest.above[i] < 0.0 { -distance } else { distance };
+        }
+    }
+    for (i, is_alone) in alone.into_iter().enumerate() {
+        if is_alone != 0 {
+            out[i] = field.distance(points.point(i));
+        }
+    }
+}
+
+impl<'a> Nearest<'a> {
+    /// Ground without holes.
+    #[inline(always)]
+    fn search(field: &'a HeightField, points: &'a PointBlock) -> Self {
+        let mut nearest = Self {
+            field,
+            points,
+            squared: [f32::INFINITY; LANES],
+            way: PointBlock::default(),
+            upward: [[0.0; LANES]; 2],
+            is_face: [true; LANES],
+            found: [0; LANES],
+            above: [0.0; LANES],
+            alone: [0; LANES],
+        };
+        let own = nearest.columns();
+        nearest.look_at(&own, true);
+        nearest.look_around(&own);
+        nearest
+    }
+
+    #[inline(always)]
+    fn foot(&self, lane: usize) -> Foot {
+        Foot {
+            squared: self.squared[lane],
+            way: self.way.point(lane).to_array(),
+            is_face: self.is_face[lane],
+            upward: [self.upward[0][lane], 1.0, self.upward[1][lane]],
+        }
+    }
+
+    /// The cells above or below the points. Points that are beside the rectangle or not above the floor are searched alone.
+    #[inline(always)]
+    fn columns(&mut self) -> Cells {
+        let mut own = Cells { column: [0; LANES], row: [0; LANES] };
+        let [half_x, half_z] = self.field.size.map(|side| 0.5 * side);
+        let (field, points) = (self.field, self.points);
+        let mut alone = [0; LANES];
+        for (i, alone) in alone.iter_mut().enumerate() {
+            let (x, y, z) = (points.x[i], points.y[i], points.z[i]);
+            own.column[i] = field.cell_number(0, x, 0.0);
+            own.row[i] = field.cell_number(1, z, 0.0);
+            let is_within = (x >= -half_x) & (x <= half_x) & (z >= -half_z) & (z <= half_z);
+            *alone = u32::from(!(is_within & (y > field.floor)));
+        }
+        self.alone = alone;
+        own
+    }
+
+    /// Takes the nearest places of cells, one a lane, where they are nearer than what is known, or as near and of a cell of a
+    /// lower number. Over their own cells, points are so far above the ground.
+    #[inline(always)]
+    fn look_at(&mut self, cells: &Cells, is_own: bool) {
+        let field = self.field;
+        let mut heights = [[0.0; LANES]; 4];
+        let mut zigzag = [false; LANES];
+        for i in 0..LANES {
+            let (column, row) = (cells.column[i] as usize, cells.row[i] as usize);
+            let of_cell = field.corner_heights(column, row);
+            for (heights, height) in heights.iter_mut().zip(of_cell) {
+                heights[i] = height;
+            }
+        }
+        if !field.cells.is_empty() {
+            for (i, zigzag) in zigzag.iter_mut().enumerate() {
+                let (column, row) = (cells.column[i] as usize, cells.row[i] as usize);
+                *zigzag = field.cell_at(column, row).zigzag;
+            }
+        }
+        let [mut squared, mut above] = [[0.0; LANES]; 2];
+        let mut way = PointBlock::default();
+        let mut upward = [[0.0; LANES]; 2];
+        let mut is_face = [false; LANES];
+        for i in 0..LANES {
+            let (column, row) = (cells.column[i] as i32, cells.row[i] as i32);
+            let x = [field.place_of(0, column as f32), field.place_of(0, (column + 1) as f32)];
+            let z = [field.place_of(1, row as f32), field.place_of(1, (row + 1) as f32)];
+            let [a, b, c, d] = [heights[0][i], heights[1][i], heights[2][i], heights[3][i]];
+            let turns = zigzag[i];
+            let pick = |a: f32, b: f32| if turns { a } else { b };
+            let z = [pick(z[1], z[0]), pick(z[0], z[1])];
+            let heights = [pick(c, a), pick(d, b), pick(a, c), pick(b, d)];
+            let point = [self.points.x[i], self.points.y[i], self.points.z[i]];
+            let cell = Cell::new(x, z, heights, point);
+            let foot = cell.nearest();
+            above[i] = cell.above();
+            squared[i] = foot.squared;
+            way.set(i, foot.way.into());
+            (upward[0][i], upward[1][i]) = (foot.upward[0], foot.upward[2]);
+            is_face[i] = foot.is_face;
+        }
+        let columns = field.columns as u32 - 1;
+        for i in 0..LANES {
+            let (least, known) = (self.squared[i], self.found[i]);
+            let number = cells.row[i].wrapping_mul(columns).wrapping_add(cells.column[i]);
+            let takes = (squared[i] < least) | ((squared[i] == least) & (number < known));
+            let pick = |new: f32, old: f32| if takes { new } else { old };
+            self.squared[i] = pick(squared[i], least);
+            self.found[i] = if takes { number } else { known };
+            self.is_face[i] = (takes & is_face[i]) | (!takes & self.is_face[i]);
+            let (new, old) = (way.point(i), self.way.point(i));
+            let chosen = Vec3::new(pick(new.x, old.x), pick(new.y, old.y), pick(new.z, old.z));
+            self.way.set(i, chosen);
+            let [x, z] = [self.upward[0][i], self.upward[1][i]];
+            self.upward[0][i] = pick(upward[0][i], x);
+            self.upward[1][i] = pick(upward[1][i], z);
+        }
+        if is_own {
+            self.above = above;
+        }
+    }
+
+    /// Everything that may be nearer than what is known of the own cells.
+    #[inline(always)]
+    fn look_around(&mut self, own: &Cells) {
+        let field = self.field;
+        let [mut low, mut high] = [*own; 2];
+        let (squared, above, mut alone) = (self.squared, self.above, self.alone);
+        let [mut across, mut along] = [[0; LANES]; 2];
+        for i in 0..LANES {
+            let (x, y, z) = (self.points.x[i], self.points.y[i], self.points.z[i]);
+            let reach = field.reach(squared[i]);
+            let [first, last] = field.cells_within(0, x, reach);
+            (low.column[i], high.column[i]) = (first, last);
+            let [first, last] = field.cells_within(1, z, reach);
+            (low.row[i], high.row[i]) = (first, last);
+            across[i] = high.column[i] - low.column[i];
+            along[i] = high.row[i] - low.row[i];
+            // From inside, the border is a way out too.
+            let beside = smaller(0.5 * field.size[0] - x.abs(), 0.5 * field.size[1] - z.abs());
+            let to_border = smaller(beside, y - field.floor);
+            let is_near_border = (above[i] < 0.0) & (to_border <= reach);
+            let is_many = (across[i] > MOST) | (along[i] > MOST);
+            let is_unknown = squared[i] == f32::INFINITY;
+            alone[i] |= u32::from(is_near_border | is_many | is_unknown);
+        }
+        let [mut wide, mut long] = [0; 2];
+        for i in 0..LANES {
+            let together = 1 - alone[i];
+            (across[i], along[i]) = (across[i] * together, along[i] * together);
+            (wide, long) = (wide.max(across[i]), long.max(along[i]));
+        }
+        self.alone = alone;
+        for down in 0..=long {
+            for right in 0..=wide {
+                let mut cells = *own;
+                let mut any = [0; LANES];
+                let squared = self.squared;
+                for i in 0..LANES {
+                    // Turns about from the own cell, so that a neighbour on either side has one turn.
+                    let after = |own: u32, low: u32, high: u32, steps: u32| {
+                        let cell = own + steps;
+                        if cell > high { cell - (high - low + 1) } else { cell }
+                    };
+                    let [from, to] = [low.column[i], high.column[i]];
+                    let [above, below] = [low.row[i], high.row[i]];
+                    // Lanes that are alone have no cells but their own.
+                    let is_wanted = (right <= across[i]) & (down <= along[i]);
+                    let column = after(own.column[i], from, to, right);
+                    let row = after(own.row[i], above, below, down);
+                    let (own_column, own_row) = (own.column[i], own.row[i]);
+                    cells.column[i] = if is_wanted { column } else { own_column };
+                    cells.row[i] = if is_wanted { row } else { own_row };
+                    let gap_x = field.gap_along(0, column, self.points.x[i]);
+                    let gap_z = field.gap_along(1, row, self.points.z[i]);
+                    let reach = field.reach(squared[i]);
+                    let is_near = gap_x * gap_x + gap_z * gap_z <= reach * reach;
+                    any[i] = u32::from(is_wanted & is_near);
+                }
+                let is_any = any.into_iter().fold(0, |all, any| all | any) != 0;
+                if is_any && (down, right) != (0, 0) {
+                    self.look_at(&cells, false);
+                }
+            }
+        }
+    }
+}
+
+impl HeightField {
+    /// How far a place is from a cell, along x or along z (`axis` zero and one).
+    #[inline(always)]
+    fn gap_along(&self, axis: usize, cell: u32, at: f32) -> f32 {
+        let low = self.place_of(axis, cell as i32 as f32);
+        let high = self.place_of(axis, (cell as i32 + 1) as f32);
+        larger(larger(low - at, at - high), 0.0)
+    }
+}
