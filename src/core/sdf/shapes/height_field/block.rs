@@ -9,7 +9,6 @@ use super::nearest::finish;
 use super::triangle::{Cell, Foot};
 use crate::sdf::shapes::{larger, smaller};
 use crate::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
-use bevy_math::Vec3;
 
 /// Cells beside the first one within a point's reach, along an axis, that are still looked at in lanes.
 const MOST: u32 = 3;
@@ -26,7 +25,7 @@ struct Nearest<'a> {
     field: &'a HeightField,
     points: &'a PointBlock,
     squared: [f32; LANES],
-    way: PointBlock,
+    way: [[f32; LANES]; 3],
     /// First and third component of the normal there, upwards; the second one is one.
     upward: [[f32; LANES]; 2],
     is_face: [bool; LANES],
@@ -89,7 +88,7 @@ impl<'a> Nearest<'a> {
             field,
             points,
             squared: [f32::INFINITY; LANES],
-            way: PointBlock::default(),
+            way: [[0.0; LANES]; 3],
             upward: [[0.0; LANES]; 2],
             is_face: [true; LANES],
             found: [0; LANES],
@@ -106,7 +105,7 @@ impl<'a> Nearest<'a> {
     fn foot(&self, lane: usize) -> Foot {
         Foot {
             squared: self.squared[lane],
-            way: self.way.point(lane).to_array(),
+            way: [self.way[0][lane], self.way[1][lane], self.way[2][lane]],
             is_face: self.is_face[lane],
             upward: [self.upward[0][lane], 1.0, self.upward[1][lane]],
         }
@@ -151,7 +150,7 @@ impl<'a> Nearest<'a> {
             }
         }
         let [mut squared, mut above] = [[0.0; LANES]; 2];
-        let mut way = PointBlock::default();
+        let mut way = [[0.0; LANES]; 3];
         let mut upward = [[0.0; LANES]; 2];
         let mut is_face = [false; LANES];
         for i in 0..LANES {
@@ -168,7 +167,7 @@ impl<'a> Nearest<'a> {
             let foot = cell.nearest();
             above[i] = cell.above();
             squared[i] = foot.squared;
-            way.set(i, foot.way.into());
+            (way[0][i], way[1][i], way[2][i]) = (foot.way[0], foot.way[1], foot.way[2]);
             (upward[0][i], upward[1][i]) = (foot.upward[0], foot.upward[2]);
             is_face[i] = foot.is_face;
         }
@@ -181,12 +180,12 @@ impl<'a> Nearest<'a> {
             self.squared[i] = pick(squared[i], least);
             self.found[i] = if takes { number } else { known };
             self.is_face[i] = (takes & is_face[i]) | (!takes & self.is_face[i]);
-            let (new, old) = (way.point(i), self.way.point(i));
-            let chosen = Vec3::new(pick(new.x, old.x), pick(new.y, old.y), pick(new.z, old.z));
-            self.way.set(i, chosen);
-            let [x, z] = [self.upward[0][i], self.upward[1][i]];
-            self.upward[0][i] = pick(upward[0][i], x);
-            self.upward[1][i] = pick(upward[1][i], z);
+            for (old, new) in self.way.iter_mut().zip(&way) {
+                old[i] = pick(new[i], old[i]);
+            }
+            for (old, new) in self.upward.iter_mut().zip(&upward) {
+                old[i] = pick(new[i], old[i]);
+            }
         }
         if is_own {
             self.above = above;
