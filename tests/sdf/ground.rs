@@ -197,21 +197,23 @@ fn normals_are_those_of_the_faces() {
     assert_eq!(field.height_at(f32::NAN, 0.0), None);
 }
 
-/// On the ground exactly, out is up: on a face, a side, a corner, and at the border.
+/// On a slope of one in one exactly, out is across it: on a face, a side, a corner, and at the border.
 #[test]
-fn on_the_ground_out_is_up() {
-    let field = HeightField::new(9, 9, vec![0.0; 81], Vec2::splat(2.0)).unwrap();
-    for x in [-1.0, -0.9, -0.25, 0.0, 0.07, 0.5] {
+fn on_the_ground_out_is_across_it() {
+    let heights: Vec<f32> = (0..81).map(|i| 0.25 * (i % 9) as f32).collect();
+    let field = HeightField::new(9, 9, heights, Vec2::splat(2.0)).unwrap();
+    let across = Vec3::new(-1.0, 1.0, 0.0).normalize();
+    for x in [-1.0, -0.875, -0.25, 0.0, 0.0625, 0.5] {
         for z in [-1.0, -0.8, -0.5, 0.0, 0.03, 0.25] {
-            let found = field.sample(Vec3::new(x, 0.0, z));
+            let found = field.sample(Vec3::new(x, x + 1.0, z));
             assert_eq!(found.distance.abs(), 0.0, "{x}, {z}");
-            assert_eq!(found.normal, Vec3::Y, "{x}, {z}");
+            assert!((found.normal - across).length() < 1e-6, "{x}, {z}: {}", found.normal);
         }
     }
 }
 
 /// Where a block is close to the ground, it finds in lanes what each point finds alone: on flat ground, where many places are
-/// as near, on hills, with diagonals either way, at corners and sides of cells, across the border and far up.
+/// as near, on hills, with diagonals either way, with holes, at corners and sides of cells, across the border, far up and nowhere.
 #[test]
 fn blocks_find_what_points_find() {
     let flat = HeightField::new(9, 9, vec![0.25; 81], Vec2::splat(2.0)).unwrap();
@@ -226,7 +228,14 @@ fn blocks_find_what_points_find() {
         ground(2, 2, 0.3),
         ground(20, 14, 0.4).with_cells(zigzag).unwrap(),
         ground(20, 14, 0.2).with_floor(-0.6).unwrap(),
+        ground(20, 14, 0.2)
+            .with_cells(|column, row| HeightFieldCell {
+                left_removed: column == 7 && row > 4,
+                ..HeightFieldCell::default()
+            })
+            .unwrap(),
     ];
+    let odd = [-0.0, 1e-25, 3e4, 1e30, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
     let mut dice = Dice(74);
     for field in &fields {
         let cell =
@@ -244,33 +253,44 @@ fn blocks_find_what_points_find() {
                     z = if round % 2 == 0 { (z / cell.y).round() * cell.y } else { z };
                 }
                 let on = field.height_at(x, z).unwrap_or(0.0);
-                points.set(lane, Vec3::new(x, on + dice.between(-off, off) as f32, z));
+                let mut point = Vec3::new(x, on + dice.between(-off, off) as f32, z);
+                if round % 5 == 0 && lane % 7 == 3 {
+                    point[dice.below(3)] = odd[dice.below(odd.len())];
+                }
+                points.set(lane, point);
             }
             let (mut samples, mut distances) = (SampleBlock::default(), [0.0; LANES]);
             let mut inlined = SampleBlock::default();
             field.sample_block(&points, &mut samples);
             field.distance_block(&points, &mut distances);
             field.known().unwrap().sample_block(&points, &mut inlined);
-            assert_eq!(inlined, samples);
+            let bits =
+                |of: &SampleBlock| [of.distance, of.nx, of.ny, of.nz].map(|of| of.map(bits_of));
+            assert_eq!(bits(&inlined), bits(&samples));
             for (lane, distance) in distances.into_iter().enumerate() {
                 let (point, one) = (points.point(lane), field.sample(points.point(lane)));
-                let bits = |distance: f32, normal: [f32; 3]| {
-                    (distance.to_bits(), normal.map(|n| (n + 0.0).to_bits()))
-                };
+                let bits =
+                    |distance: f32, normal: [f32; 3]| (bits_of(distance), normal.map(bits_of));
                 let found = [samples.nx[lane], samples.ny[lane], samples.nz[lane]];
                 let of_block = bits(samples.distance[lane], found);
                 let of_point = bits(one.distance, one.normal.to_array());
                 assert_eq!(of_block, of_point, "{field:?}, {point}: {found:?}, {one:?}");
-                assert_eq!(distance.to_bits(), one.distance.to_bits(), "{point}");
+                assert_eq!(bits_of(distance), bits_of(one.distance), "{point}");
             }
             let (from, to) = (points, PointBlock { y: points.y.map(|y| y + 0.01), ..points });
             let segments = SegmentBlock::between(&from, &to);
             let (mut found, mut inlined) = (NearestBlock::default(), NearestBlock::default());
             field.nearest_on_segments(&segments, &mut found);
             field.known().unwrap().nearest_on_segments(&segments, &mut inlined);
-            assert_eq!(found, inlined);
+            let bits = |of: &NearestBlock| [of.at, of.distance, of.least].map(|of| of.map(bits_of));
+            assert_eq!(bits(&inlined), bits(&found));
         }
     }
+}
+
+/// A number's bits; all that are none are the same.
+fn bits_of(number: f32) -> u32 {
+    if number.is_nan() { f32::NAN.to_bits() } else { number.to_bits() }
 }
 
 /// What is no ground is told, and what the solver takes on trust is there.

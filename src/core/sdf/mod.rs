@@ -196,6 +196,7 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
 
 /// A solid whose block functions are inlined where they are called.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum KnownShape<'a> {
     /// [`shapes::sphere_block`].
     Sphere(&'a Sphere),

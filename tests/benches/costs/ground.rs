@@ -1,5 +1,5 @@
 //! What a point costs on a height field, by how far from the ground it is; and near shells and compounds, by how many parts they
-//! have.
+//! have. What a cloth costs that lies on hills.
 
 use std::{error::Error, sync::Arc, time::Instant};
 
@@ -57,7 +57,7 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
         }
         let places: Vec<Vec3> = (0..POINTS).map(|k| on_ground(&field, k)).collect();
         let name = "16 within 0.05 m, 0.03 m apart, at once";
-        println!("  {name:48} {:>10} {:10.0}", "", block_cost(&field, &places));
+        println!("  {name:48} {:>10} {:10.0}", "", block_cost(&field, &places, Some(&field)));
     }
     println!("\nof many parts, a point within 0.05 m, 16 points 0.03 m apart at once");
     println!("  {:32} {:>10} {:>10} {:>10}", "", "made in s", "MB", "ns a point");
@@ -74,7 +74,7 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
         let shell = Shell::new(&vertices, &squares(side), 0.02)?;
         let (made, memory) = (begun.elapsed().as_secs_f64(), shell.memory_bytes() as f64 / 1e6);
         let name = format!("shell of {} triangles", shell.triangle_count());
-        let cost = block_cost(&shell, &vertices);
+        let cost = block_cost(&shell, &vertices, None);
         println!("  {name:32} {made:10.3} {memory:10.2} {cost:10.1}");
 
         let ball = |at: &Vec3| Part::new(Sphere::new(0.1), *at, Quat::IDENTITY);
@@ -82,7 +82,7 @@ pub fn ground() -> Result<(), Box<dyn Error>> {
         let balls = Compound::new(vertices.iter().map(ball))?;
         let made = begun.elapsed().as_secs_f64();
         let name = format!("compound of {} balls", balls.part_count());
-        let cost = block_cost(&balls, &vertices);
+        let cost = block_cost(&balls, &vertices, None);
         println!("  {name:32} {made:10.3} {:>10} {cost:10.1}", "");
     }
     Ok(())
@@ -125,16 +125,18 @@ fn squares(side: usize) -> Vec<u32> {
         .collect()
 }
 
-/// The cost of a point in a row of 16 that begins near one of these places \[ns\].
-fn block_cost(solid: &dyn SignedDistance, places: &[Vec3]) -> f64 {
+/// The cost of a point in a row of 16 that begins near one of these places \[ns\], and goes along the ground if there is any.
+fn block_cost(solid: &dyn SignedDistance, places: &[Vec3], ground: Option<&HeightField>) -> f64 {
     let mut dice = Dice(73);
     let blocks: Vec<_> = (0..POINTS / LANES)
         .map(|_| {
             let first = places[(dice.roll() * places.len() as f32) as usize % places.len()];
             let mut block = PointBlock::default();
             for lane in 0..LANES {
-                let above = dice.between(0.0, 0.05);
-                block.set(lane, first + Vec3::new(0.03 * lane as f32, above, 0.0));
+                let at = first + Vec3::X * 0.03 * lane as f32;
+                let height = ground.and_then(|ground| ground.height_at(at.x, at.z));
+                let up = height.unwrap_or(at.y) + dice.between(0.0, 0.05);
+                block.set(lane, at.with_y(up));
             }
             block
         })

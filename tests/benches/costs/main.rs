@@ -68,7 +68,7 @@ enum Part {
     Wind,
     /// Max distance, backstop, drive, and where the skin is.
     Skin,
-    /// Impulses, swept contact, edges, soft pins.
+    /// Impulses, swept contact, edges, soft pins, a cloth on hills.
     Contact,
     /// Baked fields, and baking them.
     Fields,

@@ -100,7 +100,7 @@ impl Kernel for Meet<'_> {
 mod tests {
     use std::sync::Arc;
 
-    use bevy_math::Vec2;
+    use bevy_math::{Quat, Vec2};
 
     use super::*;
     use crate::solver::cloth_contact::balls::Balls;
@@ -109,6 +109,7 @@ mod tests {
     use crate::solver::cloth_contact::find::reach;
     use crate::solver::cloth_contact::kin::{AtRest, find_beside};
     use crate::solver::cloth_contact::mesh_patches::MeshPatches;
+    use crate::solver::cloth_contact::sheet_patches::SheetPatches;
     use crate::solver::settings::MassLumping;
     use crate::solver::topology::Topology;
     use crate::solver::topology::graph::Graph;
@@ -116,7 +117,7 @@ mod tests {
 
     const SIDE: usize = 24;
 
-    /// A mesh as its contact with itself has it.
+    /// A cloth as its contact with itself has it.
     struct Mesh {
         topology: Topology,
         rest: Soa,
@@ -127,7 +128,10 @@ mod tests {
     impl Mesh {
         fn new(rest: &[Vec3], triangles: &[[u32; 3]]) -> Self {
             let mesh = Graph::new(rest, triangles, MassLumping::Lumped).unwrap();
-            let topology = Topology::from(Arc::new(mesh));
+            Self::of(Arc::new(mesh).into())
+        }
+
+        fn of(topology: Topology) -> Self {
             let balls = Balls::automatic(&topology);
             let mut at = Soa::zeros(topology.layout().len());
             for (particle, &rest) in topology.rest_positions().iter().enumerate() {
@@ -144,9 +148,14 @@ mod tests {
             let at_rest =
                 AtRest { faces: &faces, at: &self.rest, radius: &self.balls.radius, widest };
             let rest = |slot: u32| self.rest.get(slot as usize);
-            let clusters = Clusters::new(&faces, slots(), rest, PARTICLES);
-            let beside = find_beside(isa, &at_rest, self.margin, slots());
-            let division = Division::Mesh(MeshPatches::new(&faces, &clusters, beside));
+            let division = match self.topology.as_lattice() {
+                Some(lattice) => Division::Sheet(SheetPatches::new(lattice.layout)),
+                None => {
+                    let clusters = Clusters::new(&faces, slots(), rest, PARTICLES);
+                    let beside = find_beside(isa, &at_rest, self.margin, slots());
+                    Division::Mesh(MeshPatches::new(&faces, &clusters, beside))
+                }
+            };
             let mut particles = InPatches::new(division, &self.rest, &self.balls.radius);
             let mut at = Soa::zeros(self.topology.layout().len());
             slots().for_each(|slot| at.set(slot, put(self.rest.get(slot))));
@@ -237,6 +246,28 @@ mod tests {
                 assert!(pairs.binary_search(pair).is_ok(), "{radius}: {pair:?}");
             }
             assert!(pairs.is_sorted_by(|a, b| a < b), "{radius}: one is there twice");
+        }
+    }
+
+    #[test]
+    fn all_pairs_of_a_folded_sheet_are_found_once() {
+        let (rows, columns) = (21, 37);
+        let size = Vec2::new(columns as f32 - 1.0, rows as f32 - 1.0) / SIDE as f32;
+        let sheet = Lattice::sheet(size, rows, columns, MassLumping::Lumped).unwrap();
+        let sheet = Mesh::of(Arc::new(sheet).into());
+        for angle in [0.0, 0.5, 1.1, 1.571] {
+            let turn = Quat::from_rotation_y(angle);
+            for radius in [0.012, 0.02, 0.03] {
+                let fold = |p: Vec3| folded(turn * p, radius);
+                let (pairs, needed) = (sheet.pairs(fold), sheet.needed(fold));
+                assert!(needed.len() > rows * columns / 4, "{angle}, {radius}: {}", needed.len());
+                for pair in &needed {
+                    assert!(pairs.binary_search(pair).is_ok(), "{angle}, {radius}: {pair:?}");
+                }
+                assert!(pairs.is_sorted_by(|a, b| a < b), "{angle}, {radius}: one is there twice");
+            }
+            // So gently that no patch can meet another.
+            assert!(sheet.pairs(|p| folded(turn * p, 0.5)).is_empty());
         }
     }
 

@@ -31,7 +31,8 @@ use crate::solver::topology::Topology;
 /// Pairs that there is room for from the start, for each particle.
 const ROOM: usize = 4;
 
-/// Pairs up to which each is looked at in every substep: less work than to measure how far particles go in a substep.
+/// Up to this many pairs, all batches are awake in every substep: to look at them is less work than to measure how far particles go in a
+/// substep.
 const FEW: usize = 1024;
 
 /// How a cloth collides with itself.
@@ -82,8 +83,10 @@ pub(in crate::solver) struct SelfContact {
     is_found: bool,
     /// Ticks since pairs touched, up to [`CALM`].
     since_touch: u32,
-    /// Positions in the last substep \[m\].
+    /// Positions in the last substep \[m\]; where pairs were found, as long as they are few.
     last: Soa,
+    /// [`FEW`].
+    few: usize,
     /// What touched in it.
     touched: Touched,
     pairs: Vec<Pair>,
@@ -141,6 +144,7 @@ impl SelfContact {
             is_found: false,
             since_touch: CALM,
             last: Soa::zeros(layout.len()),
+            few: FEW,
             touched: Touched::default(),
             pairs: Vec::with_capacity(ROOM * count),
             kin,
@@ -196,14 +200,14 @@ impl SelfContact {
         let Substep { isa, inverse_mass, x, d, lying, most_push } = on;
         let mut travelled = Travelled { is_too_far: !self.is_found, ..Travelled::NOTHING };
         if self.is_found {
-            let is_few = self.pairs.len() <= FEW;
+            let is_few = self.pairs.len() <= self.few;
             let last = if is_few { None } else { Some(&mut self.last) };
             let since = Since { from: &self.found_at, last, first: 0 };
             self.regions.measure(isa, (x, d, Vec3::ZERO), since);
             let Regions { extents: all, steps: step, .. } = &self.regions;
             travelled = self.allowance.measure([Moved { all, step }; 2]);
-            // So far that all wake.
-            travelled.step = if is_few { self.margin } else { travelled.step };
+            // All are within the margin of where pairs were found, so that no step and no gap is longer than two: all wake.
+            travelled.step = if is_few { 2.0 * self.margin } else { travelled.step };
         }
         if travelled.is_too_far {
             isa.run(AddUp { x, d, shift: Vec3::ZERO, to: &mut self.found_at, first: 0 });
@@ -304,5 +308,67 @@ impl SelfContact {
         pairs.iter().flat_map(|pair| pair.slots).for_each(|slot| beads.note(slot));
         batches.begin(pairs, *margin, [self.layout.len(), 0]);
         self.is_found = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_math::Vec2;
+
+    use super::*;
+    use crate::solver::settings::MassLumping;
+    use crate::solver::topology::lattice::Lattice;
+
+    /// A sheet that is rolled up around a line until its layers meet.
+    #[test]
+    fn batches_that_sleep_change_no_bit() {
+        const SIDE: usize = 20;
+        let sheet = Lattice::sheet(Vec2::ONE, SIDE, SIDE, MassLumping::Lumped).unwrap();
+        let topology = Topology::from(Arc::new(sheet));
+        let layout = topology.layout();
+        let mut inverse_mass = vec![0.0; layout.len()];
+        layout.slots().for_each(|slot| inverse_mass[slot] = 1000.0);
+        let run = |few: usize| {
+            let faces = Arc::new(FacesAt::new(&topology));
+            let mut contact = SelfContact::new(&topology, faces, SelfCollision::default());
+            contact.few = few;
+            let [mut x, mut d] = [(); 2].map(|()| Soa::zeros(layout.len()));
+            for (particle, &rest) in topology.rest_positions().iter().enumerate() {
+                x.set(topology.slot(particle), rest);
+            }
+            let (mut met, mut most) = (0, 0);
+            for step in 0..120 {
+                if step % 20 == 0 {
+                    contact.begin_tick();
+                }
+                let radius = 0.5 / (1.0 + step as f32 / 8.0);
+                for (particle, rest) in topology.rest_positions().iter().enumerate() {
+                    let slot = topology.slot(particle);
+                    let (sine, cosine) = (rest.x / radius).sin_cos();
+                    let goal = Vec3::new(radius * sine, radius * cosine, rest.z);
+                    d.set(slot, (goal - x.get(slot)).clamp_length_max(0.02));
+                }
+                let isa = Isa::detect();
+                let (inverse_mass, most_push) = (&*inverse_mass, 1e-3);
+                let (x_mut, d_mut) = (&mut x, &mut d);
+                met += contact.meet(Substep {
+                    isa,
+                    inverse_mass,
+                    x: x_mut,
+                    d: d_mut,
+                    lying: None,
+                    most_push,
+                });
+                most = most.max(contact.pairs.len());
+                for slot in layout.slots() {
+                    x.set(slot, x.get(slot) + d.get(slot));
+                }
+            }
+            let bits = |slot: usize| x.get(slot).to_array().map(f32::to_bits);
+            (met, most, layout.slots().map(bits).collect::<Vec<_>>())
+        };
+        let awake = run(usize::MAX);
+        assert!(awake.0 > 100 && awake.1 > 500, "{} met of {}", awake.0, awake.1);
+        assert_eq!(run(0), awake);
     }
 }

@@ -37,18 +37,20 @@ impl Patch {
     pub fn is_bent(&self) -> bool {
         self.least_cosine == f32::INFINITY
     }
+}
 
-    /// Whether its cone lies in a narrow one around a vector of this length.
-    fn is_along(&self, along: Vec3, length: f32) -> bool {
-        self.axis.dot(along) >= self.least_cosine * length
-    }
+/// Whether a cone of an axis and a least cosine lies in a narrow one around a vector of this length.
+#[inline(always)]
+fn is_along(axis: Vec3, least_cosine: f32, along: Vec3, length: f32) -> bool {
+    axis.dot(along) >= least_cosine * length
 }
 
 /// Whether patches all lie in one narrow cone.
 pub(super) fn are_flat(all: &[Patch], some: impl Iterator<Item = usize> + Clone) -> bool {
     let sum = some.clone().map(|patch| all[patch].axis).sum::<Vec3>();
     let length = sum.length();
-    length > 0.0 && some.into_iter().all(|patch| all[patch].is_along(sum, length))
+    let is_along = |patch: usize| is_along(all[patch].axis, all[patch].least_cosine, sum, length);
+    length > 0.0 && some.into_iter().all(is_along)
 }
 
 /// The cones of patches, side by side.
@@ -87,10 +89,10 @@ impl Cones {
             for (axis, _) in some {
                 sum += axis.at(i);
             }
-            let length = sum.length();
+            let length = sum.dot(sum).sqrt();
             let mut is_flat = length > 0.0;
             for (axis, least_cosine) in some {
-                is_flat &= axis.at(i).dot(sum) >= least_cosine.0[i] * length;
+                is_flat &= is_along(axis.at(i), least_cosine.0[i], sum, length);
             }
             flat.0[i] = if is_flat { 1.0 } else { 0.0 };
         }

@@ -65,7 +65,7 @@ pub(super) struct Regions {
     blocks: usize,
     /// Boxes of what was measured last, region by region.
     pub extents: Vec<Extent>,
-    /// Boxes of how far particles had moved then since they were measured before.
+    /// Boxes of how far particles had moved then since they were measured before; empty where that was not measured.
     pub steps: Vec<Extent>,
 }
 

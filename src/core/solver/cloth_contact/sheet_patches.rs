@@ -14,6 +14,10 @@ use crate::solver::simd::soa::Soa;
 const SIDE: usize = 4;
 /// Patches in a block.
 const IN_BLOCK: usize = LANES / SIDE;
+/// The bits of what a patch lies in a narrow cone with.
+const NEXT: u32 = 1;
+const BELOW: u32 = 2;
+const ACROSS: u32 = 4;
 
 /// The patches of a sheet.
 #[derive(Clone, Debug)]
@@ -25,11 +29,6 @@ pub(super) struct SheetPatches {
     /// each.
     flat: Vec<u32>,
 }
-
-/// The bits of what a patch lies in a narrow cone with.
-const NEXT: u32 = 1;
-const BELOW: u32 = 2;
-const ACROSS: u32 = 4;
 
 impl SheetPatches {
     pub fn new(layout: Layout) -> Self {
@@ -86,7 +85,8 @@ impl SheetPatches {
                 let places = to.as_chunks_mut::<SIDE>().0;
                 let places = &mut places[row / SIDE * across * SIDE + row % SIDE..];
                 let mut places = places.iter_mut().step_by(SIDE);
-                for (to, from) in places.by_ref().zip(whole) {
+                // What is whole comes first: the other way around, a place too many would be taken.
+                for (from, to) in whole.iter().zip(places.by_ref()) {
                     *to = *from;
                 }
                 if let Some(to) = places.next() {
@@ -173,18 +173,31 @@ impl Seen {
             let slot = layout.slot(row, column);
             let here = Block3::load(at, slot);
             seen.wide.take(&here, inside);
-            if row + 1 == layout.rows {
-                continue;
-            }
-            let (right, below) =
-                (Block3::load(at, slot + 1), Block3::load(at, slot + layout.stride));
+            // The last row has the cells above it, where it is alone in its patches: without any, nothing would tell a fold.
+            let slot = match (row + 1 == layout.rows, rows) {
+                (false, _) => slot,
+                (true, 1) => slot - layout.stride,
+                (true, _) => continue,
+            };
+            let (here, below) = (Block3::load(at, slot), Block3::load(at, slot + layout.stride));
+            let right = Block3::load(at, slot + 1);
             let across = Block3::load(at, slot + layout.stride + 1);
             for i in 0..LANES {
                 // Of a cell, by its diagonals.
                 let (a, b) = (across.at(i) - here.at(i), right.at(i) - below.at(i));
                 let normal = if i + 1 < inside { a.cross(b) } else { Vec3::ZERO };
                 normals.set(i, normal);
-                seen.sum.set(i, seen.sum.at(i) + normal);
+            }
+            // And so has the last column those before it.
+            if inside <= LANES && (inside - 1) % SIDE == 0 {
+                let last = slot + inside - 1;
+                let corner = |slot: usize| at.get(slot);
+                let a = corner(last + layout.stride) - corner(last - 1);
+                let b = corner(last) - corner(last + layout.stride - 1);
+                normals.set(inside - 1, a.cross(b));
+            }
+            for i in 0..LANES {
+                seen.sum.set(i, seen.sum.at(i) + normals.at(i));
             }
         }
         seen
@@ -223,7 +236,11 @@ impl Seen {
             let i = patch * SIDE;
             let corner = |along: &[Block; 3]| Vec3::from(along.map(|along| along.0[i]));
             let extent = Extent { low: corner(&low), high: corner(&high) };
-            Patch { extent, axis: axes.at(i), least_cosine: least.0[i] }
+            let axis = axes.at(i);
+            // The last row or column may be alone in a patch. Without a cell, nothing tells whether it is bent.
+            let is_line = axis == Vec3::ZERO && extent.low.x < f32::INFINITY;
+            let least_cosine = if is_line { f32::INFINITY } else { least.0[i] };
+            Patch { extent, axis, least_cosine }
         })
     }
 }

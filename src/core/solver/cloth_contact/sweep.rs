@@ -12,7 +12,7 @@ use crate::solver::simd::soa::Soa;
 /// Boxes in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
-    /// Their numbers, below where they begin.
+    /// Their keys.
     order: Vec<u64>,
     low: Soa,
     high: Soa,
@@ -40,7 +40,7 @@ impl Sweep {
         order.extend((0..count as u32).map(|number| key(extent(number).low.x, number)));
         order.sort_unstable();
         for (place, &key) in order.iter().enumerate() {
-            let Extent { low: begin, high: end } = extent(key as u32);
+            let Extent { low: begin, high: end } = extent(number(key));
             low.set(place, *begin);
             high.set(place, *end);
         }
@@ -54,12 +54,18 @@ impl Sweep {
     }
 }
 
-/// A number's place in the order of where boxes begin, and the number in its lower half.
+/// A number of which the upper half says where a box begins, in ascending order, and the lower one is the box's own number.
 fn key(begin: f32, number: u32) -> u64 {
     let bits = begin.to_bits();
     // As whole numbers, negative ones have the opposite order, and come after the others.
     let ascending = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
     u64::from(ascending) << 32 | u64::from(number)
+}
+
+/// The number of the box of a key.
+#[inline(always)]
+fn number(key: u64) -> u32 {
+    key as u32
 }
 
 struct FindNear<'a> {
@@ -76,7 +82,7 @@ impl Kernel for FindNear<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { order, low, high, reach, near } = self;
-        for (place, &number) in order.iter().enumerate() {
+        for (place, &key) in order.iter().enumerate() {
             let (a_low, a_high) = (low.get(place), high.get(place));
             let end = a_high.x + reach;
             let mut at = place + 1;
@@ -93,7 +99,7 @@ impl Kernel for FindNear<'_> {
                 let mut lanes = bits.into_iter().fold(0, |all, bit| all | bit);
                 while lanes != 0 {
                     let other = order[at + lanes.trailing_zeros() as usize];
-                    near.push([number as u32, other as u32]);
+                    near.push([number(key), number(other)]);
                     lanes &= lanes - 1;
                 }
                 at += LANES;

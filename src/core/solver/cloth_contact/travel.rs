@@ -5,7 +5,7 @@
 //! other by more than their boxes are wide together. Regions that were far from each other may move further than those that were
 //! near before one of their particles can touch.
 //!
-//! The same is measured from substep to substep. Summed up, it is the length of a path, by which pairs sleep that were not near
+//! Where there are many pairs, the same is measured from substep to substep. Summed up, it is the length of a path, by which pairs sleep that were not near
 //! enough when they were looked at last.
 
 use crate::solver::cloth_contact::regions::Extent;
@@ -30,7 +30,7 @@ impl Travelled {
 #[derive(Clone, Copy)]
 pub(super) struct Moved<'a> {
     pub all: &'a [Extent],
-    /// Empty where that is not measured.
+    /// Empty where the last step is not measured.
     pub step: &'a [Extent],
 }
 

@@ -3,6 +3,9 @@
 //! Each lane looks at the cell that its point is above or below, which shows how near the nearest place is, and then at the
 //! cells within that reach. The points of a block that are far from the ground, beside it or below its floor are left to the
 //! search of one point, and so are those of ground with holes.
+//!
+//! A lane has the bits of that search (`nearest`). Both look at all cells within one and the same reach, and of places that are as near
+//! as each other both take that of the cell of the least number.
 
 use super::HeightField;
 use super::nearest::finish;
@@ -11,7 +14,7 @@ use crate::sdf::shapes::{larger, smaller};
 use crate::sdf::{LANES, PointBlock, SampleBlock, SignedDistance};
 
 /// Cells beside the first one within a point's reach, along an axis, that are still looked at in lanes.
-const MOST: u32 = 3;
+const MOST_BESIDE: u32 = 3;
 
 /// Cells along x and z, a lane each.
 #[derive(Clone, Copy)]
@@ -33,7 +36,7 @@ struct Nearest<'a> {
     found: [u32; LANES],
     /// How far the points are above the ground.
     above: [f32; LANES],
-    /// One in lanes that are to be searched on their own, zero in others: numbers as wide as the others, as lanes are.
+    /// One in lanes that are to be searched on their own, zero in others. Numbers, so that lanes of all are as wide.
     alone: [u32; LANES],
 }
 
@@ -130,7 +133,7 @@ impl<'a> Nearest<'a> {
     }
 
     /// Takes the nearest places of cells, one a lane, where they are nearer than what is known, or as near and of a cell of a
-    /// lower number. Over their own cells, points are so far above the ground.
+    /// lower number. Where `is_own`, cells are those below or above the points, and tell how far these are above the ground.
     #[inline(always)]
     fn look_at(&mut self, cells: &Cells, is_own: bool) {
         let field = self.field;
@@ -192,55 +195,54 @@ impl<'a> Nearest<'a> {
         }
     }
 
-    /// Everything that may be nearer than what is known of the own cells.
+    /// The cells that hold what may be nearer than what is known: the first ones along x and z, and how many come after these. Lanes for
+    /// which that is not all, or which have too many, are to be searched alone, and have none.
     #[inline(always)]
-    fn look_around(&mut self, own: &Cells) {
-        let field = self.field;
-        let [mut low, mut high] = [*own; 2];
+    fn within_reach(&mut self) -> (Cells, Cells) {
+        let (field, points) = (self.field, self.points);
         let (squared, above, mut alone) = (self.squared, self.above, self.alone);
-        let [mut across, mut along] = [[0; LANES]; 2];
+        let [mut first, mut after] = [Cells { column: [0; LANES], row: [0; LANES] }; 2];
         for i in 0..LANES {
-            let (x, y, z) = (self.points.x[i], self.points.y[i], self.points.z[i]);
+            let (x, y, z) = (points.x[i], points.y[i], points.z[i]);
             let reach = field.reach(squared[i]);
-            let [first, last] = field.cells_within(0, x, reach);
-            (low.column[i], high.column[i]) = (first, last);
-            let [first, last] = field.cells_within(1, z, reach);
-            (low.row[i], high.row[i]) = (first, last);
-            across[i] = high.column[i] - low.column[i];
-            along[i] = high.row[i] - low.row[i];
+            let [low_x, high_x] = field.cells_within(0, x, reach);
+            let [low_z, high_z] = field.cells_within(1, z, reach);
+            let [across, along] = [high_x - low_x, high_z - low_z];
             // From inside, the border is a way out too.
             let beside = smaller(0.5 * field.size[0] - x.abs(), 0.5 * field.size[1] - z.abs());
             let to_border = smaller(beside, y - field.floor);
             let is_near_border = (above[i] < 0.0) & (to_border <= reach);
-            let is_many = (across[i] > MOST) | (along[i] > MOST);
+            let is_many = (across > MOST_BESIDE) | (along > MOST_BESIDE);
             let is_unknown = squared[i] == f32::INFINITY;
             alone[i] |= u32::from(is_near_border | is_many | is_unknown);
+            (first.column[i], first.row[i]) = (low_x, low_z);
+            (after.column[i], after.row[i]) = (across, along);
         }
-        let [mut wide, mut long] = [0; 2];
-        for i in 0..LANES {
-            let together = 1 - alone[i];
-            (across[i], along[i]) = (across[i] * together, along[i] * together);
-            (wide, long) = (wide.max(across[i]), long.max(along[i]));
+        for (i, alone) in alone.iter().enumerate() {
+            let together = 1 - alone;
+            after.column[i] *= together;
+            after.row[i] *= together;
         }
         self.alone = alone;
-        for down in 0..=long {
-            for right in 0..=wide {
+        (first, after)
+    }
+
+    /// Everything that may be nearer than what is known of the own cells.
+    #[inline(always)]
+    fn look_around(&mut self, own: &Cells) {
+        let field = self.field;
+        let (first, after) = self.within_reach();
+        let most = |counts: &[u32; LANES]| counts.iter().fold(0, |most, &count| most.max(count));
+        for down in 0..=most(&after.row) {
+            for right in 0..=most(&after.column) {
                 let mut cells = *own;
                 let mut any = [0; LANES];
                 let squared = self.squared;
                 for i in 0..LANES {
-                    // Turns about from the own cell, so that a neighbour on either side has one turn.
-                    let after = |own: u32, low: u32, high: u32, steps: u32| {
-                        let cell = own + steps;
-                        if cell > high { cell - (high - low + 1) } else { cell }
-                    };
-                    let [from, to] = [low.column[i], high.column[i]];
-                    let [above, below] = [low.row[i], high.row[i]];
-                    // Lanes that are alone have no cells but their own.
-                    let is_wanted = (right <= across[i]) & (down <= along[i]);
-                    let column = after(own.column[i], from, to, right);
-                    let row = after(own.row[i], above, below, down);
+                    let is_wanted = (right <= after.column[i]) & (down <= after.row[i]);
                     let (own_column, own_row) = (own.column[i], own.row[i]);
+                    let column = turn(own_column, first.column[i], after.column[i], right);
+                    let row = turn(own_row, first.row[i], after.row[i], down);
                     cells.column[i] = if is_wanted { column } else { own_column };
                     cells.row[i] = if is_wanted { row } else { own_row };
                     let gap_x = field.gap_along(0, column, self.points.x[i]);
@@ -256,6 +258,14 @@ impl<'a> Nearest<'a> {
             }
         }
     }
+}
+
+/// The cell that is some steps from the own one along an axis. After the last comes the first, so that a neighbour on either side is
+/// one step away.
+#[inline(always)]
+fn turn(own: u32, first: u32, after: u32, steps: u32) -> u32 {
+    let cell = own + steps;
+    if cell > first + after { cell.wrapping_sub(after + 1) } else { cell }
 }
 
 impl HeightField {

@@ -19,7 +19,7 @@ pub struct Column {
     pub above: f32,
 }
 
-/// A coordinate, or the one of the rectangle that is nearest to it; one of its own also for what is no number.
+/// A coordinate, or the one of the rectangle that is nearest to it. NaN becomes one of the rectangle too.
 #[inline(always)]
 fn held(at: f32, half: f32) -> f32 {
     smaller(half, larger(-half, at))

@@ -4,6 +4,8 @@
 //! Either is made of upright columns, over triangles or triangles taken away, and the nearest place of many
 //! columns is that of the nearest one. In ground without holes all that counts of a column is its triangle, and of
 //! the border the place that is nearest seen from above.
+//!
+//! What a block of points finds in lanes (`block`) has the same bits: it is chosen in the same way.
 
 use super::column::Column;
 use super::triangle::{Corner, Foot};
@@ -78,19 +80,19 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes a place of a wall or of the floor, before all cells.
-    fn take_way(&mut self, way: [f32; 3], upward: [f32; 3]) {
+    /// Takes a place of a wall or of the floor.
+    fn take_way(&mut self, way: [f32; 3], upward: [f32; 3], cell: usize) {
         let squared = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-        self.take(Foot { squared, way, is_face: false, upward }, 0);
+        self.take(Foot { squared, way, is_face: false, upward }, cell);
     }
 
     fn look_at_border_from_inside(&mut self) {
         let [x, y, z] = self.point;
         let [half_x, half_z] = self.field.size.map(|side| 0.5 * side);
         let (side_x, side_z) = (1_f32.copysign(x), 1_f32.copysign(z));
-        self.take_way([half_x.copysign(x) - x, 0.0, 0.0], [side_x, 0.0, 0.0]);
-        self.take_way([0.0, 0.0, half_z.copysign(z) - z], [0.0, 0.0, side_z]);
-        self.take_way([0.0, self.field.floor - y, 0.0], [0.0, -1.0, 0.0]);
+        self.take_way([half_x.copysign(x) - x, 0.0, 0.0], [side_x, 0.0, 0.0], 0);
+        self.take_way([0.0, 0.0, half_z.copysign(z) - z], [0.0, 0.0, side_z], 0);
+        self.take_way([0.0, self.field.floor - y, 0.0], [0.0, -1.0, 0.0], 0);
     }
 
     fn look_at_border_from_outside(&mut self, at: &Column) {
@@ -101,7 +103,7 @@ impl<'a> Search<'a> {
         let [x, y, z] = self.point;
         let (way_x, way_z) = (at.place[0] - x, at.place[1] - z);
         let outward = if at.is_within { [0.0, -1.0, 0.0] } else { [-way_x, 0.0, -way_z] };
-        self.take_way([way_x, larger(self.field.floor - y, 0.0), way_z], outward);
+        self.take_way([way_x, larger(self.field.floor - y, 0.0), way_z], outward, 0);
     }
 
     fn look_at_cell(&mut self, [column, row]: [usize; 2]) {
@@ -137,7 +139,7 @@ impl<'a> Search<'a> {
             }
         }
         if self.point[1] <= self.field.floor && triangle.is_over(0.0, 0.0) {
-            self.take_way([0.0, to_floor, 0.0], [0.0, -1.0, 0.0]);
+            self.take_way([0.0, to_floor, 0.0], [0.0, -1.0, 0.0], number);
         }
     }
 
@@ -208,8 +210,8 @@ impl<'a> Search<'a> {
 }
 
 impl HeightField {
-    /// How far something may be that is as near as the root of `squared`, with room for rounding: some of the distance, and some of
-    /// the places of corners.
+    /// Distance beyond which nothing is as near as the root of `squared`, with room for rounding: some of the distance, and some of the
+    /// places of corners.
     #[inline(always)]
     pub(super) fn reach(&self, squared: f32) -> f32 {
         1.000_001 * squared.sqrt() + self.room

@@ -139,17 +139,17 @@ fn nearest_on_faces(
     // How far from the first corner to the opposite side, and how far along that.
     let (mut out, mut beside) = (NearestBlock::default(), NearestBlock::default());
     beside.at = [0.5; LANES];
-    for is_line in [false, true, false] {
-        // At the corner itself there is nothing beside it.
-        let far = out.at.map(|out| larger(out, WITHIN));
-        let segments = if is_line {
+    for is_beside in [false, true, false] {
+        let segments = if is_beside {
+            // At the corner itself there is nothing beside it.
+            let far = out.at.map(|out| larger(out, WITHIN));
             SegmentBlock::between(&to_b.at(&far), &to_c.at(&far))
         } else {
             SegmentBlock::between(&a, &across.at(&beside.at))
         };
         let mut found = NearestBlock::default();
         nearest_on_segments(motion, &segments, &mut found);
-        *(if is_line { &mut beside } else { &mut out }) = found;
+        *(if is_beside { &mut beside } else { &mut out }) = found;
     }
     let mut parts = [[0.0; 3]; LANES];
     for (parts, (out, beside)) in parts.iter_mut().zip(out.at.iter().zip(beside.at)) {
