@@ -189,7 +189,7 @@ impl Seen {
                 normals.set(i, normal);
             }
             // And so has the last column those before it.
-            if inside <= LANES && (inside - 1) % SIDE == 0 {
+            if inside <= LANES && (inside - 1).is_multiple_of(SIDE) {
                 let last = slot + inside - 1;
                 let corner = |slot: usize| at.get(slot);
                 let a = corner(last + layout.stride) - corner(last - 1);
