@@ -118,14 +118,14 @@ mod tests {
     const SIDE: usize = 24;
 
     /// A cloth as its contact with itself has it.
-    struct Mesh {
+    struct Cloth {
         topology: Topology,
         rest: Soa,
         balls: Balls,
         margin: f32,
     }
 
-    impl Mesh {
+    impl Cloth {
         fn new(rest: &[Vec3], triangles: &[[u32; 3]]) -> Self {
             let mesh = Graph::new(rest, triangles, MassLumping::Lumped).unwrap();
             Self::of(Arc::new(mesh).into())
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn a_flat_mesh_has_pairs_only_where_triangles_are_small() {
         let (rest, triangles) = uneven();
-        let mesh = Mesh::new(&rest, &triangles);
+        let mesh = Cloth::new(&rest, &triangles);
         let bowed = |p: Vec3| folded(p, 0.5);
         for pair in mesh.pairs(bowed) {
             let [p, q] = pair.map(|slot| mesh.rest.get(slot as usize));
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn all_pairs_of_a_folded_mesh_are_found_once() {
         let (rest, triangles) = uneven();
-        let mesh = Mesh::new(&rest, &triangles);
+        let mesh = Cloth::new(&rest, &triangles);
         for radius in [0.015, 0.02, 0.03] {
             let fold = |p: Vec3| folded(p, radius);
             let (pairs, needed) = (mesh.pairs(fold), mesh.needed(fold));
@@ -254,7 +254,7 @@ mod tests {
         let (rows, columns) = (21, 37);
         let size = Vec2::new(columns as f32 - 1.0, rows as f32 - 1.0) / SIDE as f32;
         let sheet = Lattice::sheet(size, rows, columns, MassLumping::Lumped).unwrap();
-        let sheet = Mesh::of(Arc::new(sheet).into());
+        let sheet = Cloth::of(Arc::new(sheet).into());
         for angle in [0.0, 0.5, 1.1, 1.571] {
             let turn = Quat::from_rotation_y(angle);
             for radius in [0.012, 0.02, 0.03] {
@@ -287,7 +287,7 @@ mod tests {
         let right = |corners: &[u32; 3]| corners.iter().all(|&it| it as usize % SIDE >= middle);
         let sewn: Vec<_> = triangles.iter().filter(|corners| right(corners)).copied().collect();
         triangles.extend(sewn.iter().map(|corners| corners.map(|corner| own[corner as usize])));
-        let mesh = Mesh::new(&rest, &triangles);
+        let mesh = Cloth::new(&rest, &triangles);
         let laid = |p: Vec3| if p.y > 0.1 { p.with_y(0.02) } else { p };
         let pairs = mesh.pairs(laid);
         let needed = mesh.needed(laid);
@@ -306,7 +306,7 @@ mod tests {
                 corners.swap(1, 2);
             }
         }
-        let mesh = Mesh::new(&rest, &triangles);
+        let mesh = Cloth::new(&rest, &triangles);
         let fold = |p: Vec3| folded(p - Vec3::X * 0.5 / SIDE as f32, 0.012);
         let (pairs, needed) = (mesh.pairs(fold), mesh.needed(fold));
         assert!(needed.len() > SIDE * SIDE / 2);
@@ -336,7 +336,7 @@ mod tests {
                 }
             }
             triangles.extend(sewn.iter().map(|corners| corners.map(|it| own[it as usize])));
-            let mesh = Mesh::new(&rest, &triangles);
+            let mesh = Cloth::new(&rest, &triangles);
             let laid = |p: Vec3| if p.y > 0.1 { p.with_y(0.02) } else { p };
             let (pairs, needed) = (mesh.pairs(laid), mesh.needed(laid));
             assert!(needed.len() > 36, "{}", needed.len());

@@ -350,15 +350,8 @@ mod tests {
                 }
                 let isa = Isa::detect();
                 let (inverse_mass, most_push) = (&*inverse_mass, 1e-3);
-                let (x_mut, d_mut) = (&mut x, &mut d);
-                met += contact.meet(Substep {
-                    isa,
-                    inverse_mass,
-                    x: x_mut,
-                    d: d_mut,
-                    lying: None,
-                    most_push,
-                });
+                let (x, d) = (&mut x, &mut d);
+                met += contact.meet(Substep { isa, inverse_mass, x, d, lying: None, most_push });
                 most = most.max(contact.pairs.len());
                 for slot in layout.slots() {
                     x.set(slot, x.get(slot) + d.get(slot));

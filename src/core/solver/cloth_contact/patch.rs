@@ -62,12 +62,12 @@ pub(super) struct Cones {
 }
 
 impl Cones {
-    /// Of so many patches that hold nothing.
+    /// Cones of so many patches that hold nothing.
     pub fn zeros(count: usize) -> Self {
         Self { axis: Soa::zeros(count), least_cosine: Array::zeros(count) }
     }
 
-    /// That of a patch.
+    /// Sets that of a patch.
     #[inline(always)]
     pub fn set(&mut self, number: usize, patch: &Patch) {
         self.axis.set(number, patch.axis);
@@ -80,7 +80,7 @@ impl Cones {
         (Block3::load(&self.axis, first), Block::load(&self.least_cosine, first))
     }
 
-    /// One in each lane where patches all lie in one narrow cone, and zero elsewhere.
+    /// Tells lane by lane whether patches all lie in one narrow cone: one where they do, zero elsewhere.
     #[inline(always)]
     pub fn are_flat<const N: usize>(some: [&(Block3, Block); N]) -> Block {
         let mut flat = Block::ZERO;

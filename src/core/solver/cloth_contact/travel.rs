@@ -5,8 +5,8 @@
 //! other by more than their boxes are wide together. Regions that were far from each other may move further than those that were
 //! near before one of their particles can touch.
 //!
-//! Where there are many pairs, the same is measured from substep to substep. Summed up, it is the length of a path, by which pairs sleep that were not near
-//! enough when they were looked at last.
+//! Where there are many pairs, the same is measured from substep to substep. Summed up, it is the length of a path, by which pairs
+//! sleep that were not near enough when they were looked at last.
 
 use crate::solver::cloth_contact::regions::Extent;
 use crate::solver::simd::block::{larger, smaller};

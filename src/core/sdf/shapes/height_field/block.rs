@@ -36,7 +36,7 @@ struct Nearest<'a> {
     found: [u32; LANES],
     /// How far the points are above the ground.
     above: [f32; LANES],
-    /// One in lanes that are to be searched on their own, zero in others. Numbers, so that lanes of all are as wide.
+    /// Lanes that are to be searched on their own have a one, others a zero. They are numbers, so that lanes of all are as wide.
     alone: [u32; LANES],
 }
 
@@ -160,13 +160,9 @@ impl<'a> Nearest<'a> {
             let (column, row) = (cells.column[i] as i32, cells.row[i] as i32);
             let x = [field.place_of(0, column as f32), field.place_of(0, (column + 1) as f32)];
             let z = [field.place_of(1, row as f32), field.place_of(1, (row + 1) as f32)];
-            let [a, b, c, d] = [heights[0][i], heights[1][i], heights[2][i], heights[3][i]];
-            let turns = zigzag[i];
-            let pick = |a: f32, b: f32| if turns { a } else { b };
-            let z = [pick(z[1], z[0]), pick(z[0], z[1])];
-            let heights = [pick(c, a), pick(d, b), pick(a, c), pick(b, d)];
+            let heights = [heights[0][i], heights[1][i], heights[2][i], heights[3][i]];
             let point = [self.points.x[i], self.points.y[i], self.points.z[i]];
-            let cell = Cell::new(x, z, heights, point);
+            let cell = Cell::new(x, z, heights, zigzag[i], point);
             let foot = cell.nearest();
             above[i] = cell.above();
             squared[i] = foot.squared;

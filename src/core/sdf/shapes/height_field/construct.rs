@@ -9,8 +9,8 @@ const MOST: usize = 65_537;
 /// Smallest and largest side of the rectangle \[m\], and largest height: squares of all are well within `f32`.
 const SIDES: core::ops::RangeInclusive<f32> = 1e-6..=1e7;
 
-/// A few roundings.
-const ROUNDING: f32 = 4e-7;
+/// A few roundings of a number, in parts of it.
+pub(super) const ROUNDING: f32 = 4e-7;
 
 /// Why heights make no [`HeightField`].
 #[derive(thiserror::Error, Clone, Copy, Debug, PartialEq)]

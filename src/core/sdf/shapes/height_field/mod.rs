@@ -38,7 +38,7 @@ pub struct HeightField {
     columns: usize,
     rows: usize,
     size: [f32; 2],
-    /// Number of cells along x and z, and a cell's part of the size.
+    /// Number of cells along x and z, not as whole numbers, which lanes would convert; and a cell's part of the size.
     count: [f32; 2],
     step: [f32; 2],
     /// Row by row.
@@ -50,7 +50,7 @@ pub struct HeightField {
     pyramid: Pyramid,
     floor: f32,
     core_depth: f32,
-    /// What places near the ground may be off by, as seen from a point near it \[m\].
+    /// Rounding of places near the ground, as seen from a point near it \[m\].
     room: f32,
 }
 
@@ -166,20 +166,9 @@ impl HeightField {
     #[inline(always)]
     fn seen(&self, column: usize, row: usize, point: [f32; 3]) -> Cell {
         let x = [self.place(0, column), self.place(0, column + 1)];
-        let (z, heights) = self.turned(column, row);
-        Cell::new(x, z, heights, point)
-    }
-
-    /// A cell's places in z and its heights as [`Cell::new`] takes them.
-    #[inline(always)]
-    fn turned(&self, column: usize, row: usize) -> ([f32; 2], [f32; 4]) {
-        let [z0, z1] = [self.place(1, row), self.place(1, row + 1)];
-        let [y00, y10, y01, y11] = self.corner_heights(column, row);
-        if self.cell_at(column, row).zigzag {
-            ([z1, z0], [y01, y11, y00, y10])
-        } else {
-            ([z0, z1], [y00, y10, y01, y11])
-        }
+        let z = [self.place(1, row), self.place(1, row + 1)];
+        let zigzag = self.cell_at(column, row).zigzag;
+        Cell::new(x, z, self.corner_heights(column, row), zigzag, point)
     }
 
     /// A cell's heights: two of least z, then two of most z, those of least x first.

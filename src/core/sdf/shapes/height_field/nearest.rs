@@ -8,6 +8,7 @@
 //! What a block of points finds in lanes (`block`) has the same bits: it is chosen in the same way.
 
 use super::column::Column;
+use super::construct::ROUNDING;
 use super::triangle::{Corner, Foot};
 use super::{HeightField, larger};
 use crate::sdf::SdfSample;
@@ -22,7 +23,7 @@ pub struct Search<'a> {
     /// Number of the cell where that is. Of places as near as each other it is that of the cell of the least number, so that the order in
     /// which they are looked at does not matter.
     found: usize,
-    /// What is further than this cannot be nearer, with room for rounding; and the square of it.
+    /// Distance beyond which nothing is nearer, with room for rounding; and the square of it.
     reach: f32,
     reach_squared: f32,
 }
@@ -221,7 +222,7 @@ impl HeightField {
     #[inline(always)]
     pub(super) fn cells_within(&self, axis: usize, at: f32, reach: f32) -> [u32; 2] {
         // A few roundings of the cell's number.
-        let room = 4e-7 * self.count[axis];
+        let room = ROUNDING * self.count[axis];
         let low = self.cell_number(axis, at - reach, -room);
         let high = self.cell_number(axis, at + reach, room);
         [low, if high > low { high } else { low }]

@@ -7,15 +7,18 @@ use crate::sdf::shapes::{larger, smaller};
 pub struct Cell(pub [Corner; 2]);
 
 impl Cell {
-    /// A cell from one place to another along x and along z, with the heights at the corners: two at the first
-    /// place in z, then two at the second, those of least x first. The diagonal joins the second and the third, so that a cell
-    /// divided the other way is given with its places in z the other way around.
+    /// A cell from one place to another along x and along z, with the heights at the corners: two of least z, then two of most z,
+    /// those of least x first. See [`HeightFieldCell`](super::HeightFieldCell) for how it is divided.
     #[inline(always)]
-    pub fn new(x: [f32; 2], z: [f32; 2], heights: [f32; 4], point: [f32; 3]) -> Self {
+    pub fn new(x: [f32; 2], z: [f32; 2], heights: [f32; 4], zigzag: bool, point: [f32; 3]) -> Self {
+        // Divided the other way, it is a cell of which z goes backwards.
+        let pick = |a: f32, b: f32| if zigzag { a } else { b };
+        let [a, b, c, d] = heights;
+        let z = [pick(z[1], z[0]), pick(z[0], z[1])];
+        let [a, b, c, d] = [pick(c, a), pick(d, b), pick(a, c), pick(b, d)];
         // The sides are taken before the point: from far away, their ends are the same.
         let along = [x[1] - x[0], z[1] - z[0]];
         let inverse = [1.0 / along[0], 1.0 / along[1]];
-        let [a, b, c, d] = heights;
         let corner = [x[0] - point[0], a - point[1], z[0] - point[2]];
         let opposite = [x[1] - point[0], d - point[1], z[1] - point[2]];
         let (back, inverse_back) = ([-along[0], -along[1]], [-inverse[0], -inverse[1]]);
@@ -60,7 +63,7 @@ pub struct Corner {
     along_x: [f32; 2],
     /// Along z, and up, to the neighbour in z.
     along_z: [f32; 2],
-    /// One over how far the neighbours are along x and along z.
+    /// Reciprocals of how far the neighbours are along x and along z.
     inverse: [f32; 2],
     /// How much it rises along x and along z.
     rise: [f32; 2],
@@ -106,7 +109,8 @@ impl Wall {
 }
 
 impl Corner {
-    /// Of the corner, of how far it is from there along x and along z, how far up, and of one over how far along.
+    /// The triangle between a corner and its neighbours, which are so far along x and along z, and so far up; with one over how far
+    /// along.
     #[inline(always)]
     fn new(corner: [f32; 3], along: [f32; 2], up: [f32; 2], inverse: [f32; 2]) -> Self {
         let (along_x, along_z) = ([along[0], up[0]], [along[1], up[1]]);

@@ -114,6 +114,7 @@ fn corner<const N: usize>(
     points
 }
 
+/// The places of segments that are nearest to a collider, in its frame; in the instructions around it where the solid is known.
 #[inline(always)]
 fn nearest_on_segments(motion: &Motion<'_>, segments: &SegmentBlock, out: &mut NearestBlock) {
     match motion.known {
