@@ -4,12 +4,15 @@
 //!
 //! Threads are Houbolt's method (1950): `2 x3 - 5 x2 + 4 x1 - x0 = -(omega h)^2 x3` from substep to substep.
 //! For small omega h a substep damps an oscillation by `(omega h)^4 / 2`, and turns it by
-//! `omega h (1 - 11 / 24 (omega h)^2)`.
+//! `omega h (1 - 11 / 24 (omega h)^2)`. Chains of a mesh are of the same family (`k = 0.6` in
+//! `x3 - (2 + k) x2 + (1 + 2 k) x1 - k x0 = -(omega h)^2 (k x3 + (1 - 2 k) x2)`; Houbolt's is 0.5).
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 use bevy::math::{DVec3, Vec3};
-use bevy_drape::solver::{ClothSolver, StepInput, StretchMethod, Topology};
+use bevy_drape::solver::{
+    ClothSolver, Graph, MassLumping, Material, StepInput, StretchMethod, Topology,
+};
 
 use super::reference::{Fabric, Method, Motion};
 use super::scenes::*;
@@ -207,4 +210,42 @@ fn threads_damp_by_the_fourth_power_of_the_substep() {
         check(&format!("omega h {q}: decay of a substep"), -factor.ln(), decay, 0.03 * decay);
         check(&format!("omega h {q}: angle of a substep"), angle, turned, 2e-3 * turned);
     }
+}
+
+/// A vertex between four that are held, which swings along one of the two chains that meet in it.
+#[test]
+fn chains_follow_a_recurrence_of_second_order() {
+    const KEPT: f64 = 0.6;
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z];
+    let fan = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
+    let graph = Arc::new(Graph::new(&corners, &fan, MassLumping::Lumped).unwrap());
+    let mut start = corners;
+    start[0] += Vec3::X * AMPLITUDE as f32;
+    let swing = |h: f32| {
+        let material = Material { thread_stiffness: 1.0, ..plain() };
+        let settings = settings(StretchMethod::ImplicitThreads, 1);
+        let mut solver = ClothSolver::new(graph.clone(), &start, material, settings).unwrap();
+        solver.set_pins(&[1, 2, 3, 4]).unwrap();
+        let pins = still(&solver);
+        let input = StepInput { dt: h, pins: &pins, gravity: Vec3::ZERO, ..StepInput::default() };
+        let x: Vec<_> = (0..40)
+            .map(|_| {
+                solver.tick(&input).unwrap();
+                f64::from(solver.position(0).x) / AMPLITUDE
+            })
+            .collect();
+        // The first substep has nothing to carry on. Of the others: what is the square of omega h times a force, and the force.
+        let sides = x[1..].windows(4).map(|x| {
+            let motion = x[3] - (2.0 + KEPT) * x[2] + (1.0 + 2.0 * KEPT) * x[1] - KEPT * x[0];
+            [-motion, KEPT * x[3] + (1.0 - 2.0 * KEPT) * x[2]]
+        });
+        let sums = sides.clone().fold([0.0; 2], |[a, b], [m, f]| [a + m * f, b + f * f]);
+        let square = sums[0] / sums[1];
+        let worst = sides.map(|[m, f]| (m - square * f).abs()).fold(0.0, f64::max);
+        check_at_most(&format!("substep {h}: off the recurrence"), worst, 2e-4);
+        square
+    };
+    let (square, of_twice) = (swing(0.1), swing(0.2));
+    assert!(square > 0.05, "{square}");
+    check("square of twice the substep", of_twice / square, 4.0, 0.01);
 }

@@ -192,7 +192,7 @@ fn few_slivers_of_an_irregular_mesh_pierce() {
         f64::from(scene.solver.crossings())
     };
     let crossings = [3, 4, 5].map(at_end);
-    check_at_most("crossings of three heaps", crossings.iter().sum(), 8.0);
+    check_at_most("crossings of three heaps", crossings.iter().sum(), 12.0);
 }
 
 #[test]

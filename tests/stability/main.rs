@@ -37,6 +37,7 @@
 
 mod app;
 mod extremes;
+mod falling;
 mod far;
 mod fast_colliders;
 mod frames;

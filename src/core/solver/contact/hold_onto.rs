@@ -16,9 +16,9 @@ pub(crate) struct HoldOnto<'a> {
     /// Length of the substep \[s\].
     pub step: f32,
     pub d: &'a mut Soa,
-    /// Part of the last substep's pulls that is carried on (`integrate::houbolt`), less the displacements; `None` where
-    /// nothing is carried on.
-    pub carried: Option<&'a Soa>,
+    /// What is kept of the last substeps' pulls, less the displacements, and the part of it that moves the particles
+    /// (`integrate::houbolt`); `None` where nothing is carried on.
+    pub carried: Option<(&'a Soa, f32)>,
 }
 
 impl Kernel for HoldOnto<'_> {
@@ -45,7 +45,7 @@ impl Kernel for HoldOnto<'_> {
             reason = "a closure that is not inlined keeps the baseline's instructions"
         )]
         let carried = match carried {
-            Some(carried) => Some(Blocks3::new(carried, 0, count)),
+            Some((kept, moves)) => Some((Blocks3::new(kept, 0, count), moves)),
             None => None,
         };
         for (block, &touches) in now.blocks.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Kernel for HoldOnto<'_> {
             let (slip, slip_before) = (slips.at(block), slips_before.at(block));
             let mut moved = ds.at(block);
             let carried = match &carried {
-                Some(carried) => carried.at(block).plus(&moved),
+                Some((kept, moves)) => kept.at(block).plus(&moved).times(*moves),
                 None => Block3::ZERO,
             };
             let (mut lost, mut load) = (Block::ZERO, Block::ZERO);

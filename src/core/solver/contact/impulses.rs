@@ -156,12 +156,12 @@ impl Impulses {
         !self.colliders.is_empty()
     }
 
-    /// Begins a substep that carries on a part of the pulls, or none.
-    pub fn carry_on(&mut self, part: Option<f32>) {
+    /// Begins a substep that keeps a part of the pulls, of which a part moves the particles.
+    pub fn carry_on(&mut self, keeps: f32, moves: f32) {
         for &place in &self.live {
             let Some(account) = &mut self.colliders[place] else { continue };
-            account.owed = account.owed * part.unwrap_or(0.0);
-            account.given += account.owed;
+            account.owed = account.owed * keeps;
+            account.given += account.owed * moves;
         }
     }
 

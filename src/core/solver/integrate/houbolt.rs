@@ -1,5 +1,5 @@
-//! Corrections carried on: what threads, shear and tethers did in the last substep is expected again, by
-//! half, and the corrections do what is lacking.
+//! Corrections carried on: what threads, shear and tethers did in the last substeps is expected again, in
+//! part, and the corrections do what is lacking.
 //!
 //! A correction stands for the force at the substep's end, and where that alone moves the cloth, what swings
 //! is damped at the rate `omega^2 h / 2`: the method is Euler's implicit one, of first order. With the
@@ -7,6 +7,14 @@
 //! generalized-alpha method whose highest frequencies die in a substep (Chung and Hulbert 1993, for a
 //! spectral radius of zero): `2 x3 - 5 x2 + 4 x1 - x0 = h^2 f3`, of second order, stable for every step, and
 //! what swings is damped at `omega^4 h^3 / 2`.
+//!
+//! That holds where corrections are solved whole. The chains of a mesh are solved one after the other, and what a pass leaves of a
+//! stretch is the part `l` of it, in each of the ways that the mesh stretches. Then `f3` stands for `(1 - l) / l` times what is left,
+//! and `l` need not be real, as later chains undo what earlier ones did. Houbolt's method bears only those next to the real axis: some
+//! meshes shook themselves, at 3 % more in a substep. Of all filters of second order whose memory fades at one rate,
+//! `x3 - (2 + k) x2 + (1 + 2 k) x1 - k x0 = h^2 (k f3 + (1 - 2 k) f2)`, it is the one of `k = 1/2`. The more is kept, the more of such
+//! parts are borne, and the more corrections have to do: they stand for `k f3`. A mesh keeps 0.6, and what swings is damped at
+//! `9/8 omega^4 h^3`.
 //!
 //! The filter holds the pulls of a particle's springs, not its velocity: gravity, air, bending and contact
 //! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
@@ -17,17 +25,42 @@
 //! anything where the cloth is far out of shape or struck: there it mends, and is no force that lasts. Threads are of
 //! first order there, and so is a mesh that is so stiff that one pass over its chains of edges leaves too much to do.
 //!
-//! A mesh that lies on colliders carries on a third: its chains leave more to do than threads, and contact follows with a delay.
+//! A mesh that lies on colliders carries on a third, and is of first order: its chains leave more to do than threads, and contact
+//! follows with a delay.
 
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};
 
-/// Part of the pulls that goes on. A half makes the method one of second order, and is the most that is
-/// stable.
-pub(crate) const CARRIED: f32 = 0.5;
-/// Part of the pulls that a mesh on a collider carries on. At rest it stretches the less, the more is carried on; at 0.4 some meshes
-/// tremble, at this none of those that were measured.
-pub(crate) const CARRIED_BY_CHAINS_ON_COLLIDERS: f32 = 1.0 / 3.0;
+/// How forces are filtered: `q' = keeps q + c`, of which `keeps moves q` moves the particles ahead of the corrections `c`, and these
+/// stand for the part `now` of the forces at the substep's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Filter {
+    /// Part of what has been pulled that is kept.
+    pub keeps: f32,
+    /// Part of what is kept that moves the particles.
+    pub moves: f32,
+    /// Part of a substep's force that its corrections stand for.
+    pub now: f32,
+}
+
+impl Filter {
+    /// Houbolt's: of those of second order the one that leaves corrections the least to do, where they are solved whole.
+    pub const HOUBOLT: Self = Self::of_second_order(0.5);
+    /// That of a mesh, whose chains leave much to the next substep. With 0.5 some of 48 x 48 vertices shake themselves, with 0.55 none
+    /// did of those that were measured.
+    pub const OF_CHAINS: Self = Self::of_second_order(0.6);
+    /// That of a mesh on colliders, of first order. At rest it stretches the less, the more it keeps, and the more of them tremble.
+    pub const OF_CHAINS_ON_COLLIDERS: Self =
+        Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
+
+    /// The filter of second order that keeps a part: the forces that it sums up are a substep old in the mean, as the acceleration is
+    /// that it stands for.
+    const fn of_second_order(keeps: f32) -> Self {
+        let lost = (1.0 - keeps) / keeps;
+        Self { keeps, moves: lost * lost, now: keeps }
+    }
+}
+
 /// Strain beyond which nothing is carried: what is so far out of shape is to be mended, and a correction
 /// that mends is no force that lasts.
 pub(crate) const MOST_STRAIN: f32 = 0.5;
@@ -38,16 +71,16 @@ pub(crate) enum PullFilter<'a> {
     No,
     /// From where the particles are to be before them \[m\].
     Begin(PartMut<'a>),
-    /// The same, with a part of the last substep's.
-    GoOn(PartMut<'a>, f32),
+    /// The same, with parts of the last substep's: what is kept, and how much of that moves.
+    GoOn(PartMut<'a>, [f32; 2]),
 }
 
 impl<'a> PullFilter<'a> {
-    /// Notes pulls where any are noted in this tick, and carries on this part of the last ones.
-    pub fn new(notes: bool, part: Option<f32>, pull: &'a mut Soa) -> Self {
-        match part {
+    /// Notes pulls where any are noted in this tick, and carries on those of the last substep.
+    pub fn new(notes: bool, carried: Option<Filter>, pull: &'a mut Soa) -> Self {
+        match carried {
             _ if !notes => Self::No,
-            Some(part) => Self::GoOn(pull.part_mut(), part),
+            Some(Filter { keeps, moves, .. }) => Self::GoOn(pull.part_mut(), [keeps, moves]),
             None => Self::Begin(pull.part_mut()),
         }
     }
@@ -61,9 +94,9 @@ impl CutAt for PullFilter<'_> {
                 let (above, below) = pull.cut(slot);
                 (Self::Begin(above), Self::Begin(below))
             }
-            Self::GoOn(pull, part) => {
+            Self::GoOn(pull, parts) => {
                 let (above, below) = pull.cut(slot);
-                (Self::GoOn(above, part), Self::GoOn(below, part))
+                (Self::GoOn(above, parts), Self::GoOn(below, parts))
             }
         }
     }

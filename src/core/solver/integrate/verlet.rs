@@ -81,11 +81,11 @@ impl Kernel for Integrate<'_> {
             let slot = layout.slot(row, 0);
             let w = Blocks::new(self.inverse_mass, slot, blocks);
             let mut d = Blocks3Mut::new(&mut self.d, slot, blocks);
-            let (mut pull, part) = match &mut self.carry {
+            let (mut pull, parts) = match &mut self.carry {
                 PullFilter::No => (None, None),
                 PullFilter::Begin(pull) => (Some(Blocks3Mut::new(pull, slot, blocks)), None),
-                PullFilter::GoOn(pull, part) => {
-                    (Some(Blocks3Mut::new(pull, slot, blocks)), Some(*part))
+                PullFilter::GoOn(pull, parts) => {
+                    (Some(Blocks3Mut::new(pull, slot, blocks)), Some(*parts))
                 }
             };
             let own = match self.acceleration {
@@ -94,11 +94,11 @@ impl Kernel for Integrate<'_> {
             };
             for block in 0..blocks {
                 let a = own.as_ref().map_or(shared, |own| own.at(block));
-                let carried = carried(pull.as_ref().zip(part), block);
+                let [kept, carried] = carried(pull.as_ref().zip(parts), block);
                 let new = self.advance.of(&d.at(block), &a, &carried, &w.at(block));
                 d.set(block, new);
                 if let Some(pull) = &mut pull {
-                    let mut before = carried;
+                    let mut before = kept;
                     for i in 0..LANES {
                         before.set(i, before.at(i) - new.at(i));
                     }
@@ -111,17 +111,18 @@ impl Kernel for Integrate<'_> {
 
 cut_between_rows!(Integrate, d, carry);
 
-/// The part of the last substep's pulls that is carried on.
+/// What is kept of the pulls, and what moves the particles.
 #[inline(always)]
-fn carried(pull: Option<(&Blocks3Mut<'_>, f32)>, block: usize) -> Block3 {
-    let mut carried = Block3::ZERO;
-    if let Some((pull, part)) = pull {
+fn carried(pull: Option<(&Blocks3Mut<'_>, [f32; 2])>, block: usize) -> [Block3; 2] {
+    let (mut kept, mut carried) = (Block3::ZERO, Block3::ZERO);
+    if let Some((pull, [keeps, moves])) = pull {
         let pull = pull.at(block);
         for i in 0..LANES {
-            carried.set(i, pull.at(i) * part);
+            kept.set(i, pull.at(i) * keeps);
+            carried.set(i, kept.at(i) * moves);
         }
     }
-    carried
+    [kept, carried]
 }
 
 impl Advance {

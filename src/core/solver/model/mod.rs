@@ -16,6 +16,7 @@ use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::external::Pushes;
+use crate::solver::integrate::houbolt::Filter;
 use crate::solver::integrate::verlet::Kick;
 use crate::solver::model::mesh::Mesh;
 use crate::solver::model::sheet::Sheet;
@@ -90,9 +91,9 @@ pub(crate) trait Stages {
     fn bend(&mut self, bending: Bending, rubs: bool);
     /// Takes over the constants that a plan chose.
     fn follow(&mut self, plan: &Plan, bound: &Bound);
-    /// Part of a substep's corrections that is expected again in the next (`integrate::houbolt`), of a cloth that touches
-    /// colliders or does not; `None` where none is.
-    fn carried(&self, touches: bool) -> Option<f32>;
+    /// How a substep's corrections are carried on to the next ones (`integrate::houbolt`), of a cloth that touches colliders or does
+    /// not; `None` where they are not.
+    fn filter(&self, touches: bool) -> Option<Filter>;
 
     /// First stage: slows what bends by friction. Takes no more than `part` of a motion, nor more than `most`
     /// of displacement of a mass of one \[kg m\].

@@ -151,6 +151,15 @@ impl Block3 {
         self
     }
 
+    /// Each lane's vector, multiplied.
+    #[inline(always)]
+    pub fn times(mut self, factor: f32) -> Self {
+        for i in 0..LANES {
+            self.set(i, self.at(i) * factor);
+        }
+        self
+    }
+
     /// The cross products with another.
     #[inline(always)]
     pub fn cross(&self, other: &Self) -> Self {

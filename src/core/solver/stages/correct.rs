@@ -72,11 +72,11 @@ impl ClothSolver {
 
     /// Lets what lay on a collider go only where it can.
     fn hold_onto_colliders(&mut self) {
-        let part = self.carried();
-        self.state.contacts.impulses.carry_on(part);
+        let (keeps, moves) = self.carried().map_or((0.0, 0.0), |part| (part.keeps, part.moves));
+        self.state.contacts.impulses.carry_on(keeps, moves);
         let State { x, d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
-            let carried = self.workspace.carried.is_some().then_some(&*pull);
+            let carried = self.workspace.filter.map(|filter| (&*pull, filter.moves));
             let (inverse_mass, step) = (&self.pins.inverse_mass, self.plan.step);
             self.isa.run(HoldOnto { set: contacts, inverse_mass, step, d, carried });
             contacts.give_left_out(self.isa, inverse_mass, x, step);

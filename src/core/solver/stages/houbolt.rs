@@ -2,43 +2,42 @@
 
 use crate::solver::ClothSolver;
 use crate::solver::contact::NoteUnfollowed;
-use crate::solver::integrate::houbolt::MOST_STRAIN;
+use crate::solver::integrate::houbolt::{Filter, MOST_STRAIN};
 use crate::solver::integrate::verlet::Add;
 use crate::solver::settings::{Integrator, Stretching};
 use crate::solver::state::State;
 
 impl ClothSolver {
-    /// Decides for a tick which part of the corrections is carried on in it.
+    /// Decides for a tick how its corrections are carried on.
     pub(crate) fn begin_filtering(&mut self) {
         let carries = self.plan.stretching == Stretching::ImplicitThreads
             && self.plan.thread_stiffness > 0.0
             && self.settings.integrator == Integrator::Verlet
             && self.survey.max_strain <= MOST_STRAIN;
         let touches = self.state.contacts.now.any;
-        self.workspace.carried = if carries { self.model.stages().carried(touches) } else { None };
-        self.state.carries &= self.workspace.carried.is_some();
+        self.workspace.filter = if carries { self.model.stages().filter(touches) } else { None };
+        self.state.carries &= self.workspace.filter.is_some();
     }
 
-    /// Part of the last substep's pulls that goes on in this one, if any does. It is forces that last, and
-    /// they move by the square of the step.
-    pub(crate) fn carried(&self) -> Option<f32> {
+    /// How the last substep's pulls go on in this one, if they do. It is forces that last, and they move by the square of the step.
+    pub(crate) fn carried(&self) -> Option<Filter> {
         let ratio = self.plan.step / self.state.last_step;
-        self.part_carried().map(|part| part * ratio * ratio)
+        self.going_on().map(|filter| Filter { keeps: filter.keeps * ratio * ratio, ..filter })
     }
 
     /// Displacement in the substep that a correction makes for an acceleration of one \[s2\].
     pub(crate) fn correction_response(&self) -> f32 {
-        self.state.response * (1.0 - self.part_carried().unwrap_or(0.0))
+        self.state.response * self.going_on().map_or(1.0, |filter| filter.now)
     }
 
-    /// Part of the last substep's forces that stays in this one's, if any does.
-    fn part_carried(&self) -> Option<f32> {
-        if self.state.carries { self.workspace.carried } else { None }
+    /// The filter, where the last substep's forces stay in this one's.
+    fn going_on(&self) -> Option<Filter> {
+        if self.state.carries { self.workspace.filter } else { None }
     }
 
     /// Says whether this substep's pulls are to be carried on.
     pub(crate) fn end_filtering(&mut self) {
-        self.state.carries = self.workspace.carried.is_some() && !self.workspace.broad_phase.struck;
+        self.state.carries = self.workspace.filter.is_some() && !self.workspace.broad_phase.struck;
     }
 
     /// Leaves out what corrects between this and [`Self::go_on_pulling`].
@@ -57,14 +56,14 @@ impl ClothSolver {
 
     /// Particles that corrections see with another mass are pulled by more than they follow: all of it lasts.
     pub(crate) fn note_unfollowed(&mut self, adds: bool) {
-        if self.workspace.carried.is_some() {
+        if self.workspace.filter.is_some() {
             self.note_soft_pins(adds);
         }
     }
 
     /// Adds what colliders bear to the pulls, or takes it away.
     pub(crate) fn note_borne(&mut self, part: f32) {
-        if self.workspace.carried.is_some() && self.state.contacts.now.any {
+        if self.workspace.filter.is_some() && self.state.contacts.now.any {
             let inverse_mass = &self.pins.inverse_mass;
             let State { d, pull, contacts: set, .. } = &mut self.state;
             self.isa.run(NoteUnfollowed { set, inverse_mass, d, part, pull });
@@ -73,7 +72,7 @@ impl ClothSolver {
 
     /// Adds displacements to the pulls, or takes them away.
     pub(crate) fn note_pulls(&mut self, part: f32) {
-        if self.workspace.carried.is_some() {
+        if self.workspace.filter.is_some() {
             let layout = self.topology.layout();
             let inverse_mass = &self.pins.inverse_mass;
             let State { d, pull, .. } = &mut self.state;
@@ -83,7 +82,7 @@ impl ClothSolver {
 
     /// Corrections of this tick are not to be carried on any further: something else moves particles as well.
     pub(crate) fn stop_filtering(&mut self) {
-        self.workspace.carried = None;
+        self.workspace.filter = None;
         self.state.carries = false;
     }
 }

@@ -34,7 +34,7 @@ impl ClothSolver {
         // From the middle of the last substep to the middle of this one.
         let kick = Kick::new(self.drag(), 0.5 * (self.state.last_step + plan.step));
         self.state.response = kick.gain * plan.step;
-        let part = self.carried();
+        let carried = self.carried();
         let State { d, pull, unit, response, .. } = &mut self.state;
         let integrate = Integrate {
             band: self.bands.rows.clone(),
@@ -46,13 +46,13 @@ impl ClothSolver {
             },
             inverse_mass: &self.pins.inverse_mass,
             d: d.part_mut(),
-            carry: PullFilter::new(self.workspace.carried.is_some(), part, pull),
+            carry: PullFilter::new(self.workspace.filter.is_some(), carried, pull),
         };
         parallel::run(self.isa, integrate);
         let ratio = plan.step / self.state.last_step;
         let State { x, d, pull, contacts, .. } = &mut self.state;
         let ActiveSet { edges, impulses, .. } = contacts;
-        let pull = self.workspace.carried.is_some().then_some(pull);
+        let pull = self.workspace.filter.is_some().then_some(pull);
         let inverse_mass = &self.pins.inverse_mass;
         edges.start_warm(ratio * ratio, plan.step, inverse_mass, x, d, pull, impulses);
         self.state.last_step = plan.step;

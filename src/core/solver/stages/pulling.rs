@@ -112,7 +112,7 @@ impl ClothSolver {
         if self.pulling.is_empty() {
             return;
         }
-        let (step, notes) = (self.plan.step, self.workspace.carried.is_some());
+        let (step, notes) = (self.plan.step, self.workspace.filter.is_some());
         let State { x, d, contacts, .. } = &mut self.state;
         for &Pulling { slot, collider, inverse_mass, before, threads, .. } in &self.pulling {
             let mass = 1.0 / inverse_mass;

@@ -42,7 +42,7 @@ impl ClothSolver {
             inverse_mass: &pins.inverse_mass,
             x,
             d: d.part_mut(),
-            pull: workspace.carried.is_some().then(|| pull.part_mut()),
+            pull: workspace.filter.is_some().then(|| pull.part_mut()),
         };
         parallel::run(*isa, hold);
     }

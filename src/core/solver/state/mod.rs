@@ -6,6 +6,7 @@ use bevy_math::Vec3;
 
 use crate::solver::contact::{ActiveSet, BroadPhase};
 use crate::solver::integrate::explicit::ExplicitWorkspace;
+use crate::solver::integrate::houbolt::Filter;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::Band;
 use crate::solver::simd::soa::Soa;
@@ -96,8 +97,8 @@ pub(crate) struct Workspace {
     pub a: Soa,
     /// Memory of the integrators for study, where one is chosen.
     pub study: Option<ExplicitWorkspace>,
-    /// Part of the corrections that is carried on in this tick, if any is.
-    pub carried: Option<f32>,
+    /// How corrections are carried on in this tick, if they are.
+    pub filter: Option<Filter>,
     /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
     pub looked: Option<u32>,
     /// The memory of contact within a tick.
@@ -110,7 +111,7 @@ impl Workspace {
         Self {
             a: Soa::zeros(layout.len()),
             study: None,
-            carried: None,
+            filter: None,
             looked: None,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }

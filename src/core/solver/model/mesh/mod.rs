@@ -12,7 +12,7 @@ use crate::solver::constraints::threads::chains::SolveChains;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
-use crate::solver::integrate::houbolt::{CARRIED, CARRIED_BY_CHAINS_ON_COLLIDERS};
+use crate::solver::integrate::houbolt::Filter;
 use crate::solver::model::mesh::workspace::MeshWorkspace;
 use crate::solver::model::{Acting, Particles, Stages};
 use crate::solver::plan::Plan;
@@ -159,9 +159,9 @@ impl Stages for Mesh {
         self.is_solved_enough = ratio <= STIFFEST_CARRIED;
     }
 
-    fn carried(&self, touches: bool) -> Option<f32> {
-        let part = if touches { CARRIED_BY_CHAINS_ON_COLLIDERS } else { CARRIED };
-        self.is_solved_enough.then_some(part)
+    fn filter(&self, touches: bool) -> Option<Filter> {
+        let filter = if touches { Filter::OF_CHAINS_ON_COLLIDERS } else { Filter::OF_CHAINS };
+        self.is_solved_enough.then_some(filter)
     }
 
     fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {

@@ -15,7 +15,7 @@ use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::families::Constants;
 use crate::solver::forces::spring_rows::SpringRows;
-use crate::solver::integrate::houbolt::CARRIED;
+use crate::solver::integrate::houbolt::Filter;
 use crate::solver::model::{Acting, Particles, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::plan::stability::Bound;
@@ -117,8 +117,8 @@ impl Stages for Sheet {
         self.is_on_bias = !bears(bound.rate(&shear), plan.step, self.lattice.crowd);
     }
 
-    fn carried(&self, _: bool) -> Option<f32> {
-        Some(CARRIED)
+    fn filter(&self, _: bool) -> Option<Filter> {
+        Some(Filter::HOUBOLT)
     }
 
     fn brake_bending(&mut self, on: Particles<'_>, part: f32, most: f32) {
