@@ -234,7 +234,7 @@ fn chains_follow_a_recurrence_of_second_order() {
                 f64::from(solver.position(0).x) / AMPLITUDE
             })
             .collect();
-        // The first substep has nothing to carry on. Of the others: what is the square of omega h times a force, and the force.
+        // The two sides of the recurrence, whose ratio is the square of omega h. The first substep has nothing to carry on.
         let sides = x[1..].windows(4).map(|x| {
             let motion = x[3] - (2.0 + KEPT) * x[2] + (1.0 + 2.0 * KEPT) * x[1] - KEPT * x[0];
             [-motion, KEPT * x[3] + (1.0 - 2.0 * KEPT) * x[2]]

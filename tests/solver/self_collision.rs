@@ -179,7 +179,7 @@ fn layers_that_are_pressed_are_kept_apart() {
 }
 
 /// Of a mesh with slivers, whose vertices lie almost on edges that they are no part of, some pierce where they are folded. They are few,
-/// and no layer is through another. Three heaps, as it is left to chance how a mesh folds.
+/// and no layer is through another. Three heaps, as it is left to chance how a mesh folds: of fifteen, about half had none, and one had nine.
 #[test]
 fn few_slivers_of_an_irregular_mesh_pierce() {
     let (positions, triangles) = jittered(32, 32, 1.0 / 31.0, 0.3, 7);

@@ -67,7 +67,7 @@ const PRESSED: f32 = 0.25;
 /// is a displacement without velocity, as at colliders: moving out of each other gives no speed.
 ///
 /// Its change of the displacements is a correction like those of the threads: a particle that lies on a collider follows it along the
-/// surface and no further, and half of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
+/// surface and no further, and a part of it is expected again in the next substep (`integrate::houbolt`). The threads then find layers
 /// apart that they press together, and do not stretch for it.
 pub(super) struct Respond<'a, 'b> {
     pub batches: &'a mut Batches,

@@ -1,8 +1,8 @@
 //! Momentum that the cloth gives to the colliders that are measured, and where it has moved those of them that are bodies.
 //!
 //! The pulls of a cloth sum up to none, and so does what is carried on of them (`integrate::houbolt`). Where a collider bears
-//! a pull that is not noted, what is carried on of the opposite pulls has no counterpart: half of it moves the cloth in the
-//! next substep, a quarter in the one after. The collider gives that momentum, or takes it, for as long as pulls are
+//! a pull that is not noted, what is carried on of the opposite pulls has no counterpart: a part of it moves the cloth in the
+//! next substep, less in the one after. The collider gives that momentum, or takes it, for as long as pulls are
 //! carried on.
 
 use bevy_math::{Mat3, Vec3};

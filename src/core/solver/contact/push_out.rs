@@ -287,7 +287,7 @@ impl Near {
         kept
     }
 
-    /// Tallies what is not: it would have moved the particles by as much again, and their neighbours it does.
+    /// Tallies what is not: it would have gone on to move the particles, and their neighbours it does.
     #[inline(always)]
     pub fn forget(
         &self,

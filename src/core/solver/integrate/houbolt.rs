@@ -8,13 +8,13 @@
 //! spectral radius of zero): `2 x3 - 5 x2 + 4 x1 - x0 = h^2 f3`, of second order, stable for every step, and
 //! what swings is damped at `omega^4 h^3 / 2`.
 //!
-//! That holds where corrections are solved whole. The chains of a mesh are solved one after the other, and what a pass leaves of a
-//! stretch is the part `l` of it, in each of the ways that the mesh stretches. Then `f3` stands for `(1 - l) / l` times what is left,
-//! and `l` need not be real, as later chains undo what earlier ones did. Houbolt's method bears only those next to the real axis: some
-//! meshes shook themselves, at 3 % more in a substep. Of all filters of second order whose memory fades at one rate,
-//! `x3 - (2 + k) x2 + (1 + 2 k) x1 - k x0 = h^2 (k f3 + (1 - 2 k) f2)`, it is the one of `k = 1/2`. The more is kept, the more of such
-//! parts are borne, and the more corrections have to do: they stand for `k f3`. A mesh keeps 0.6, and what swings is damped at
-//! `9/8 omega^4 h^3`.
+//! That holds where corrections are solved whole. The chains of a mesh are solved one after the other, and a pass leaves a part `l` of
+//! each way in which the mesh stretches: the correction is `-(1 - l) / l` times what is left. `l` need not be real, as later chains undo
+//! what earlier ones did. Houbolt's method is stable for real parts, and near one for hardly any others: some meshes shook themselves, by
+//! 3 % more in each substep. It is one of the filters of second order whose memory fades at a rate `k`,
+//! `x3 - (2 + k) x2 + (1 + 2 k) x1 - k x0 = h^2 (k f3 + (1 - 2 k) f2)`: that of `k = 1/2`, with which what is infinitely stiff is at rest
+//! after a substep. With a larger `k` more of such parts are stable, and corrections have more to do: they stand for `k f3`. A mesh has
+//! `k = 0.6`, and what swings is damped at `9/8 omega^4 h^3`.
 //!
 //! The filter holds the pulls of a particle's springs, not its velocity: gravity, air, bending and contact
 //! are no part of it, and an impulse of a collider is neither repeated nor foreseen. The pulls of a cloth
@@ -31,8 +31,8 @@
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};
 
-/// How forces are filtered: `q' = keeps q + c`, of which `keeps moves q` moves the particles ahead of the corrections `c`, and these
-/// stand for the part `now` of the forces at the substep's end.
+/// How forces are filtered: `q' = keeps q + c`, where `c` are a substep's corrections, which stand for the part `now` of the forces at
+/// its end. Ahead of them particles move by `keeps moves q`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Filter {
     /// Part of what has been pulled that is kept.
@@ -44,12 +44,13 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// Houbolt's: of those of second order the one that leaves corrections the least to do, where they are solved whole.
+    /// Houbolt's: of those of second order the one with which what is infinitely stiff is at rest after a substep.
     pub const HOUBOLT: Self = Self::of_second_order(0.5);
     /// That of a mesh, whose chains leave much to the next substep. With 0.5 some of 48 x 48 vertices shake themselves, with 0.55 none
     /// did of those that were measured.
     pub const OF_CHAINS: Self = Self::of_second_order(0.6);
-    /// That of a mesh on colliders, of first order. At rest it stretches the less, the more it keeps, and the more of them tremble.
+    /// That of a mesh on colliders, of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
+    /// stretches at rest; of those that kept 0.4 more trembled.
     pub const OF_CHAINS_ON_COLLIDERS: Self =
         Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
 

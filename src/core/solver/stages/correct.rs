@@ -72,7 +72,8 @@ impl ClothSolver {
 
     /// Lets what lay on a collider go only where it can.
     fn hold_onto_colliders(&mut self) {
-        let (keeps, moves) = self.carried().map_or((0.0, 0.0), |part| (part.keeps, part.moves));
+        let (keeps, moves) =
+            self.carried().map_or((0.0, 0.0), |filter| (filter.keeps, filter.moves));
         self.state.contacts.impulses.carry_on(keeps, moves);
         let State { x, d, pull, contacts, .. } = &mut self.state;
         if contacts.now.any {
