@@ -10,7 +10,7 @@ const N: usize = 64;
 /// 0.2 s.
 const TICKS: usize = 13;
 
-/// Of three meshes one or two shook themselves where Houbolt's filter was theirs: to 19 m/s and 10 %.
+/// Houbolt's filter lets mesh 8 shake itself: with 40 substeps it comes to 5.5 m/s.
 #[test]
 fn a_mesh_that_hangs_by_two_corners_does_not_shake_itself() {
     for seed in [7, 8, 9] {

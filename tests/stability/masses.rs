@@ -171,6 +171,7 @@ fn h13_a_hundred_by_a_hundred_with_121_loads() {
         let (name, settings) = ("121 loads", variant.settings());
         let mut trial = Trial::with(name, variant, sheet, material, settings, &four(N), |_, p| p);
         trial.run_on();
+        // A mesh takes 409 frames.
         trial.recovers_within([450, 0, 0]);
         trials.push(trial);
     }

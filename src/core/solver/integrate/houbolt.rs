@@ -72,7 +72,7 @@ pub(crate) enum PullFilter<'a> {
     No,
     /// From where the particles are to be before them \[m\].
     Begin(PartMut<'a>),
-    /// The same, with parts of the last substep's: what is kept, and how much of that moves.
+    /// All of them, with what is kept of the last substep's, and the part of it that moves: the two parts of the filter.
     GoOn(PartMut<'a>, [f32; 2]),
 }
 

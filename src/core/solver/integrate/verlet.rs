@@ -114,15 +114,9 @@ cut_between_rows!(Integrate, d, carry);
 /// What is kept of the pulls, and what moves the particles.
 #[inline(always)]
 fn carried(pull: Option<(&Blocks3Mut<'_>, [f32; 2])>, block: usize) -> [Block3; 2] {
-    let (mut kept, mut carried) = (Block3::ZERO, Block3::ZERO);
-    if let Some((pull, [keeps, moves])) = pull {
-        let pull = pull.at(block);
-        for i in 0..LANES {
-            kept.set(i, pull.at(i) * keeps);
-            carried.set(i, kept.at(i) * moves);
-        }
-    }
-    [kept, carried]
+    let Some((pull, [keeps, moves])) = pull else { return [Block3::ZERO; 2] };
+    let kept = pull.at(block).times(keeps);
+    [kept, kept.times(moves)]
 }
 
 impl Advance {
