@@ -10,7 +10,7 @@ use crate::solver::simd::gather::PlacesMut;
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::Workspaces;
-use crate::solver::simd::soa::Array;
+use crate::solver::simd::soa::{Array, Soa};
 use crate::solver::simd::transpose::Transpose;
 use crate::solver::topology::graph::chains::{Bundle, Chains};
 use crate::solver::topology::graph::domains::{Domain, DomainBand, Rounds, cut_between_domains};
@@ -22,13 +22,16 @@ pub(crate) struct ChainWorkspace {
     line: Line,
     /// Inverse masses along the chains of a bundle.
     inverse_mass: Array,
+    /// Normals of what their particles lie on, where any do.
+    normals: Soa,
 }
 
 impl ChainWorkspace {
     /// Room for any bundle of some chains.
     pub fn new(chains: &Rounds<Chains>) -> Self {
         let longest = chains.iter().map(|domain| domain.work.longest()).max().unwrap_or(0) * LANES;
-        Self { line: Line::new(longest), inverse_mass: Array::zeros(longest) }
+        let (inverse_mass, normals) = (Array::zeros(longest), Soa::zeros(longest));
+        Self { line: Line::new(longest), inverse_mass, normals }
     }
 }
 
@@ -51,16 +54,18 @@ impl TransposingKernel for SolveChains<'_> {
     #[inline(always)]
     fn run(self, t: impl Transpose) -> bool {
         let Self { domains, reach, touches, mut places, workspaces, .. } = self;
-        let ChainWorkspace { line, inverse_mass } = &mut *workspaces.take();
+        let ChainWorkspace { line, inverse_mass, normals } = &mut *workspaces.take();
         let mut exceeds = false;
         for Domain { slots, work: chains } in domains {
             for bundle in &chains.bundles {
                 let places = places.within(slots);
                 exceeds |= if touches {
-                    let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, places };
+                    let laid =
+                        Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places };
                     solve(&reach, laid, line)
                 } else {
-                    let laid = Laid::<_, false> { t, chains, bundle, inverse_mass, places };
+                    let laid =
+                        Laid::<_, false> { t, chains, bundle, inverse_mass, normals, places };
                     solve(&reach, laid, line)
                 };
             }
@@ -91,6 +96,7 @@ struct Laid<'a, T, const TOUCH: bool> {
     chains: &'a Chains,
     bundle: &'a Bundle,
     inverse_mass: &'a mut Array,
+    normals: &'a mut Soa,
     places: PlacesMut<'a>,
 }
 
@@ -101,18 +107,30 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
         self.bundle.first + place * LANES
     }
 
+    /// Gathers the normals at a place, and keeps them: neighbours in memory are sooner read again.
+    #[inline(always)]
+    fn gather_normals(&mut self, place: usize) -> Block3 {
+        if !TOUCH {
+            return Block3::ZERO;
+        }
+        let entry = self.entry(place);
+        let normals = self.places.gather_normals(self.t, &self.chains.slots, entry);
+        normals.store(self.normals, place * LANES);
+        normals
+    }
+
     #[inline(always)]
     fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>) -> bool {
         let mut excess = Block::ZERO;
         let slots = &self.chains.slots;
         let (mut x0, mut w0) = self.places.gather_moved(self.t, slots, self.entry(0));
-        let mut n0 = Ends::normals(self, 0);
+        let mut n0 = self.gather_normals(0);
         w0.store(self.inverse_mass, 0);
         let mut last = Pivot::default();
         for place in 1..self.bundle.rows {
             let at = self.entry(place);
             let (x1, mut w1) = self.places.gather_moved(self.t, slots, at);
-            let n1 = Ends::normals(self, place);
+            let n1 = self.gather_normals(place);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
             for i in 0..LANES {
@@ -157,7 +175,7 @@ impl<T: Transpose, const TOUCH: bool> Ends for Laid<'_, T, TOUCH> {
         if !TOUCH {
             return Block3::ZERO;
         }
-        self.places.gather_normals(self.t, &self.chains.slots, self.entry(place))
+        Block3::load(self.normals, place * LANES)
     }
 
     #[inline(always)]

@@ -5,10 +5,12 @@ use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs, rests_of_fans};
 use crate::solver::contact::edges::solve::System;
 use crate::solver::simd::block::{Block, Block3, larger};
-use crate::solver::simd::isa::Kernel;
+use crate::solver::simd::gather::store;
+use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
+use crate::solver::simd::transpose::{Four, Transpose};
 use crate::solver::topology::lattice::Lattice;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
@@ -17,6 +19,8 @@ const FEW_CLOSE: usize = 4096;
 const FEW_PRESSED: usize = 512;
 /// Faces that are looked at closely.
 const FEW_FACES: usize = 64;
+/// A particle of which nothing is known: it is far away.
+const UNKNOWN: Four = Four([0.0, 0.0, 0.0, f32::INFINITY]);
 
 /// How particles lie to a collider: what is known of those that are near to it.
 #[derive(Clone, Debug)]
@@ -27,6 +31,8 @@ pub(crate) struct Nearby {
     pub(super) gap: Array,
     /// Outward normals by slot.
     pub(super) normal: Soa,
+    /// Normals and gaps, one after the other, where they are gathered by index.
+    around: Vec<Four>,
     /// Edges that are looked at closely, by their places in the list.
     pub(super) close: Vec<u32>,
     /// Slots of the corners of faces that are looked at closely.
@@ -46,6 +52,7 @@ impl Nearby {
             blocks: vec![false; slots / LANES],
             gap,
             normal: Soa::zeros(slots),
+            around: Vec::new(),
             close: Vec::with_capacity(FEW_CLOSE),
             faces: Vec::with_capacity(FEW_FACES),
             places: Vec::with_capacity(FEW_PRESSED),
@@ -62,11 +69,26 @@ impl Nearby {
         }
     }
 
+    /// Puts what is known one after the other, to be gathered by index.
+    #[inline(always)]
+    fn line_up(&mut self, t: impl Transpose) {
+        self.around.resize(self.gap.len(), UNKNOWN);
+        for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
+            let at = block * LANES;
+            let (normal, gap) = (Block3::load(&self.normal, at), Block::load(&self.gap, at));
+            store(t, &mut self.around, at, normal, gap);
+        }
+    }
+
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         for (block, known) in self.blocks.iter_mut().enumerate() {
             if core::mem::take(known) {
-                Block::splat(f32::INFINITY).store(&mut self.gap, block * LANES);
+                let at = block * LANES;
+                Block::splat(f32::INFINITY).store(&mut self.gap, at);
+                if let Some(around) = self.around.get_mut(at..at + LANES) {
+                    around.fill(UNKNOWN);
+                }
             }
         }
     }
@@ -108,13 +130,16 @@ pub(super) struct FindClose<'a> {
     pub gone: f32,
 }
 
-impl Kernel for FindClose<'_> {
+impl TransposingKernel for FindClose<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(mut self) {
+    fn run(mut self, t: impl Transpose) {
         self.nearby.close.clear();
         self.nearby.faces.clear();
+        if let Joined::Pairs(_) = &self.edges.joined {
+            self.nearby.line_up(t);
+        }
         for block in 0..self.nearby.blocks.len() {
             if !self.nearby.blocks[block] {
                 continue;
@@ -124,22 +149,9 @@ impl Kernel for FindClose<'_> {
                     self.look_at_fans(lattice, block, *hops);
                 }
                 Joined::Pairs(pairs) => {
-                    let Pairs { ends, first, .. } = pairs;
-                    for edge in first[block]..first[block + 1] {
-                        let [a, b] = ends[edge as usize].map(|slot| slot as usize);
-                        if self.is_close(a, b) {
-                            self.take(edge);
-                        }
-                    }
-                    let Pairs { faces, first_face, .. } = pairs;
-                    if !self.rule.has_faces {
-                        continue;
-                    }
-                    for face in &faces[first_face[block] as usize..first_face[block + 1] as usize] {
-                        let [a, b, c] = face.map(|slot| slot as usize);
-                        if self.is_close(a, b) && self.is_close(b, c) && self.is_close(a, c) {
-                            self.nearby.faces.push(*face);
-                        }
+                    let [from, to] = [0, 1].map(|next| pairs.first[block + next] as usize);
+                    for at in (from..to).step_by(LANES) {
+                        self.look_at_pairs(t, pairs, at, to);
                     }
                 }
             }
@@ -156,6 +168,41 @@ impl FindClose<'_> {
         let cosine = normal.get(a).dot(normal.get(b));
         let is_out = gap[a] > rule.inside && gap[b] > rule.inside;
         is_out && gap[a] + gap[b] < rule.reach && cosine < rule.alike
+    }
+
+    /// Looks at [`LANES`] edges of a mesh from one on, of those before `to`.
+    #[inline(always)]
+    fn look_at_pairs(&mut self, t: impl Transpose, pairs: &Pairs, at: usize, to: usize) {
+        let Self { nearby, rule, .. } = self;
+        let (around, mut ends) = (&*nearby.around, [[0; LANES]; 2]);
+        for (lane, pair) in pairs.ends[at..at + LANES].iter().enumerate() {
+            (ends[0][lane], ends[1][lane]) = (pair[0] as usize, pair[1] as usize);
+        }
+        let [x0, y0, z0, gap0] = t.apart(|i| around[ends[0][i]]);
+        let [x1, y1, z1, gap1] = t.apart(|i| around[ends[1][i]]);
+        let mut found = Block::ZERO;
+        for i in 0..LANES {
+            let cosine = x0.0[i] * x1.0[i] + y0.0[i] * y1.0[i] + z0.0[i] * z1.0[i];
+            let least = if gap0.0[i] < gap1.0[i] { gap0.0[i] } else { gap1.0[i] };
+            let reaches = gap0.0[i] + gap1.0[i] < rule.reach && least > rule.inside;
+            let differs = if cosine < rule.alike { 1.0 } else { 0.0 };
+            found.0[i] = if reaches { differs } else { 0.0 };
+        }
+        if !found.is_any() {
+            return;
+        }
+        for edge in (at..to).take(LANES).filter(|edge| found.0[edge - at] > 0.0) {
+            self.take(edge as u32);
+            if !self.rule.has_faces {
+                continue;
+            }
+            for face in pairs.faces_of(edge as u32) {
+                let [a, b, c] = face.map(|slot| slot as usize);
+                if self.is_close(b, c) && self.is_close(a, c) {
+                    self.nearby.faces.push(*face);
+                }
+            }
+        }
     }
 
     #[inline(always)]

@@ -34,16 +34,16 @@ pub(super) enum Joined {
 /// Edges of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Pairs {
-    /// Slots of the ends, ascending.
+    /// Slots of the ends, ascending; behind the last, [`LANES`] of no edges, so that as many can be read from each one on.
     pub ends: Vec<[u32; 2]>,
     /// Lengths at rest \[m\].
     rest: Vec<f32>,
     /// Edges from block i are from `first[i]` to `first[i + 1]`.
     pub first: Vec<u32>,
     /// Slots of the corners of faces, each ascending, in the order of the first.
-    pub faces: Vec<[u32; 3]>,
-    /// Faces whose first corner is in block i are from `first_face[i]` to `first_face[i + 1]`.
-    pub first_face: Vec<u32>,
+    faces: Vec<[u32; 3]>,
+    /// Faces whose first two corners are the ends of edge i are from `first_face[i]` to `first_face[i + 1]`.
+    first_face: Vec<u32>,
     /// The edges that meet at each slot.
     at: Buckets<u32>,
 }
@@ -94,7 +94,7 @@ impl Edges {
     pub fn count(&self) -> usize {
         match &self.joined {
             Joined::Neighbours { lattice, .. } => FAN * lattice.layout.len(),
-            Joined::Pairs(pairs) => pairs.ends.len(),
+            Joined::Pairs(pairs) => pairs.rest.len(),
         }
     }
 
@@ -154,6 +154,13 @@ impl Edges {
 }
 
 impl Pairs {
+    /// The faces whose first two corners an edge joins.
+    #[inline(always)]
+    pub fn faces_of(&self, edge: u32) -> &[[u32; 3]] {
+        let [from, to] = [0, 1].map(|next| self.first_face[edge as usize + next] as usize);
+        &self.faces[from..to]
+    }
+
     fn new(topology: &Topology, triangles: &[[u32; 3]]) -> Self {
         let slots = topology.layout().len();
         let slot = |particle| topology.slot(particle) as u32;
@@ -163,7 +170,7 @@ impl Pairs {
         };
         let mut springs: Vec<_> = topology.structural_springs().map(ascending).collect();
         springs.sort_unstable_by_key(|&(ends, _)| ends);
-        let (ends, rest): (Vec<_>, Vec<_>) = springs.into_iter().unzip();
+        let (mut ends, rest): (Vec<_>, Vec<_>) = springs.into_iter().unzip();
         let before = |block| ends.partition_point(|&[a, _]| (a as usize) < block * LANES) as u32;
         let first = (0..=slots / LANES).map(before).collect();
         let both = |(edge, ends): (u32, &[u32; 2])| ends.map(|slot| (slot, edge));
@@ -175,8 +182,9 @@ impl Pairs {
             corners.sort_unstable();
         }
         faces.sort_unstable();
-        let before = |block| faces.partition_point(|&[a, ..]| (a as usize) < block * LANES) as u32;
-        let first_face = (0..=slots / LANES).map(before).collect();
+        let before = |ends| faces.partition_point(|&[a, b, _]| [a, b] < ends) as u32;
+        let first_face = ends.iter().copied().chain([[u32::MAX; 2]]).map(before).collect();
+        ends.resize(ends.len() + LANES, [0; 2]);
         Self { ends, rest, first, faces, first_face, at }
     }
 }

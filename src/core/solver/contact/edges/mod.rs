@@ -147,7 +147,7 @@ pub(super) struct EdgesHeld {
 impl HoldEdges<'_> {
     pub fn run(mut self, isa: Isa) -> EdgesHeld {
         let slowed = self.keep_passing();
-        isa.run(FindClose {
+        isa.run_transposing(FindClose {
             edges: self.edges,
             nearby: self.nearby,
             rule: self.rule,
