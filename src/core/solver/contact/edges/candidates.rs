@@ -4,7 +4,7 @@ use crate::solver::contact::edges::Rule;
 use crate::solver::contact::edges::contact_point::Place;
 use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs, rests_of_fans};
 use crate::solver::contact::edges::solve::System;
-use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::store;
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
@@ -188,7 +188,7 @@ impl FindClose<'_> {
             let differs = if cosine < rule.alike { 1.0 } else { 0.0 };
             found.0[i] = if reaches { differs } else { 0.0 };
         }
-        if !found.is_any() {
+        if !found.is_any_above(0.0) {
             return;
         }
         for edge in (at..to).take(LANES).filter(|edge| found.0[edge - at] > 0.0) {
@@ -212,7 +212,6 @@ impl FindClose<'_> {
         let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
         let rests = rests_of_fans(lattice, slot);
         let mut found = [Block::ZERO; FAN];
-        let mut any = Block::ZERO;
         for ((found, hop), rest) in found.iter_mut().zip(hops).zip(&rests) {
             let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
             for i in 0..LANES {
@@ -222,10 +221,13 @@ impl FindClose<'_> {
                 let reaches = reaches && least > self.rule.inside && rest.0[i] > 0.0;
                 let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
                 found.0[i] = if reaches { differs } else { 0.0 };
-                any.0[i] = larger(found.0[i], any.0[i]);
             }
         }
-        if any.largest() == 0.0 {
+        let mut any = Block::ZERO;
+        for i in 0..LANES {
+            any.0[i] = found[0].0[i] + found[1].0[i] + found[2].0[i] + found[3].0[i];
+        }
+        if !any.is_any_above(0.0) {
             return;
         }
         for lane in (0..LANES).filter(|&lane| any.0[lane] > 0.0) {
