@@ -61,7 +61,7 @@ impl ClothSolver {
                 let cloth = PlannedCloth { hung: pins.hung, layers: 0, at_least: 0 };
                 Plan::new(&bound, &material, &settings, cloth, USUAL_TICK)
             },
-            workspace: Workspace::new(topology.layout(), settings.edges.then_some(edges.count())),
+            workspace: Workspace::new(topology.layout(), settings.edges.then_some(&edges)),
             isa: Isa::detect(),
             bands: Bands::new(topology.layout(), false),
             shares: true,

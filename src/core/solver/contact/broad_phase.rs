@@ -9,7 +9,7 @@ use bevy_math::Vec3;
 use bevy_math::bounding::Aabb3d;
 
 use crate::solver::contact::Collider;
-use crate::solver::contact::edges::candidates::Nearby;
+use crate::solver::contact::edges::{Edges, Nearby};
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
@@ -65,16 +65,16 @@ pub(crate) struct Awake {
 }
 
 impl BroadPhase {
-    /// For a cloth of so many edges, where these are held.
-    pub fn new(band: &Band, edges: Option<usize>) -> Self {
+    /// For a cloth of these edges, where they are held.
+    pub fn new(band: &Band, edges: Option<&Edges>) -> Self {
         let layout = band.layout;
         let blocks = layout.len() / LANES;
         Self {
             blocks,
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
-            edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges.unwrap_or(0)),
-            nearby: edges.map(|_| Nearby::new(layout.len())),
+            edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges.map_or(0, Edges::count)),
+            nearby: edges.map(|edges| Nearby::new(layout.len(), edges)),
             gone: 0.0,
             pushed: 0.0,
             struck: false,

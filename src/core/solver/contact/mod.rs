@@ -227,8 +227,9 @@ impl<'c> ResolveContacts<'c> {
         let stretch = 1.0 + larger(self.max_strain, self.strain);
         let rule = |edges| Some((edges, Rule::new(edges, &motion, settings, stretch)?));
         let rule = self.edges.and_then(rule);
-        if rule.is_some() {
-            broad_phase.nearby.get_or_insert_with(|| Nearby::new(self.bands.rows.layout.len()));
+        if let Some((edges, _)) = rule {
+            let slots = self.bands.rows.layout.len();
+            broad_phase.nearby.get_or_insert_with(|| Nearby::new(slots, edges));
         }
         // What passes through the collider is not met: it is shown as what nothing moves.
         let freed = set.edges.freed.iter().filter(|freed| freed.collider as usize == collider);

@@ -4,7 +4,7 @@ pub(crate) mod measure;
 
 use bevy_math::Vec3;
 
-use crate::solver::contact::{ActiveSet, BroadPhase};
+use crate::solver::contact::{ActiveSet, BroadPhase, Edges};
 use crate::solver::integrate::explicit::ExplicitWorkspace;
 use crate::solver::integrate::houbolt::Filter;
 use crate::solver::simd::layout::Layout;
@@ -106,8 +106,8 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    /// For a cloth of so many edges, where these are held.
-    pub fn new(layout: Layout, edges: Option<usize>) -> Self {
+    /// For a cloth of these edges, where they are held.
+    pub fn new(layout: Layout, edges: Option<&Edges>) -> Self {
         Self {
             a: Soa::zeros(layout.len()),
             study: None,

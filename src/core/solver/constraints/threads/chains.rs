@@ -60,8 +60,7 @@ impl TransposingKernel for SolveChains<'_> {
             for bundle in &chains.bundles {
                 let places = places.within(slots);
                 exceeds |= if touches {
-                    let laid =
-                        Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places };
+                    let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places };
                     solve(&reach, laid, line)
                 } else {
                     let laid =

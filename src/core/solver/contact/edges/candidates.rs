@@ -31,7 +31,7 @@ pub(crate) struct Nearby {
     pub(super) gap: Array,
     /// Outward normals by slot.
     pub(super) normal: Soa,
-    /// Normals and gaps, one after the other, where they are gathered by index.
+    /// The same of a mesh's particles one after the other, to be gathered by index: normals, and gaps. Empty of a lattice's.
     around: Vec<Four>,
     /// Edges that are looked at closely, by their places in the list.
     pub(super) close: Vec<u32>,
@@ -44,15 +44,19 @@ pub(crate) struct Nearby {
 }
 
 impl Nearby {
-    /// Nothing known yet, of so many slots.
-    pub fn new(slots: usize) -> Self {
+    /// Nothing known yet, of so many slots that these edges join.
+    pub fn new(slots: usize, edges: &Edges) -> Self {
         let mut gap = Array::zeros(slots);
         gap.fill(f32::INFINITY);
+        let gathered = match edges.joined {
+            Joined::Neighbours { .. } => 0,
+            Joined::Pairs(_) => slots,
+        };
         Self {
             blocks: vec![false; slots / LANES],
             gap,
             normal: Soa::zeros(slots),
-            around: Vec::new(),
+            around: vec![UNKNOWN; gathered],
             close: Vec::with_capacity(FEW_CLOSE),
             faces: Vec::with_capacity(FEW_FACES),
             places: Vec::with_capacity(FEW_PRESSED),
@@ -72,7 +76,6 @@ impl Nearby {
     /// Puts what is known one after the other, to be gathered by index.
     #[inline(always)]
     fn line_up(&mut self, t: impl Transpose) {
-        self.around.resize(self.gap.len(), UNKNOWN);
         for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
             let at = block * LANES;
             let (normal, gap) = (Block3::load(&self.normal, at), Block::load(&self.gap, at));

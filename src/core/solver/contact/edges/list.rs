@@ -188,3 +188,43 @@ impl Pairs {
         Self { ends, rest, first, faces, first_face, at }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::settings::MassLumping;
+    use crate::solver::topology::graph::Graph;
+    use bevy_math::Vec3;
+
+    /// Triangles around a corner, and one that lies beside them: three of them share an edge, and their corners are in any order.
+    const TRIANGLES: [[u32; 3]; 5] = [[0, 1, 2], [2, 3, 0], [2, 0, 4], [4, 3, 0], [7, 5, 6]];
+
+    #[test]
+    fn each_face_of_a_mesh_is_of_the_edge_between_its_first_two_corners() {
+        let turned =
+            |i: usize| Vec3::new(i as f32, (i * i) as f32, (i % 3) as f32 + 0.1 * i as f32);
+        let positions: Vec<_> = (0..8).map(turned).collect();
+        let graph = Graph::new(&positions, &TRIANGLES, MassLumping::Lumped).unwrap();
+        let topology = Topology::from(Arc::new(graph));
+        let edges = Edges::new(&topology);
+        let Joined::Pairs(pairs) = &edges.joined else { panic!("a mesh's edges are pairs") };
+        let mut found = Vec::new();
+        for edge in 0..edges.count() as u32 {
+            for face in pairs.faces_of(edge) {
+                assert_eq!([face[0], face[1]], pairs.ends[edge as usize]);
+                found.push(*face);
+            }
+        }
+        assert_eq!(found.len(), TRIANGLES.len());
+        assert!(found.is_sorted(), "as edges are: {found:?}");
+        assert!(found.iter().all(|face| face.is_sorted()));
+        let slots = |corners: [u32; 3]| {
+            let mut slots = corners.map(|corner| topology.slot(corner as usize) as u32);
+            slots.sort_unstable();
+            slots
+        };
+        for corners in TRIANGLES {
+            assert!(found.contains(&slots(corners)), "{corners:?}");
+        }
+    }
+}
