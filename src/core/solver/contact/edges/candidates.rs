@@ -31,7 +31,7 @@ pub(crate) struct Nearby {
     pub(super) gap: Array,
     /// Outward normals by slot.
     pub(super) normal: Soa,
-    /// The same of a mesh's particles one after the other, to be gathered by index: normals, and gaps. Empty of a lattice's.
+    /// Normals and gaps of a mesh's particles, one after the other, to be gathered by index; empty for a lattice.
     around: Vec<Four>,
     /// Edges that are looked at closely, by their places in the list.
     pub(super) close: Vec<u32>,
@@ -173,16 +173,13 @@ impl FindClose<'_> {
         is_out && gap[a] + gap[b] < rule.reach && cosine < rule.alike
     }
 
-    /// Looks at [`LANES`] edges of a mesh from one on, of those before `to`.
+    /// Looks at [`LANES`] edges of a mesh from one on, of those before `to`, and at the faces of those that are found.
     #[inline(always)]
     fn look_at_pairs(&mut self, t: impl Transpose, pairs: &Pairs, at: usize, to: usize) {
         let Self { nearby, rule, .. } = self;
-        let (around, mut ends) = (&*nearby.around, [[0; LANES]; 2]);
-        for (lane, pair) in pairs.ends[at..at + LANES].iter().enumerate() {
-            (ends[0][lane], ends[1][lane]) = (pair[0] as usize, pair[1] as usize);
-        }
-        let [x0, y0, z0, gap0] = t.apart(|i| around[ends[0][i]]);
-        let [x1, y1, z1, gap1] = t.apart(|i| around[ends[1][i]]);
+        let (around, ends) = (&*nearby.around, &pairs.ends[at..at + LANES]);
+        let [x0, y0, z0, gap0] = t.apart(|i| around[ends[i][0] as usize]);
+        let [x1, y1, z1, gap1] = t.apart(|i| around[ends[i][1] as usize]);
         let mut found = Block::ZERO;
         for i in 0..LANES {
             let cosine = x0.0[i] * x1.0[i] + y0.0[i] * y1.0[i] + z0.0[i] * z1.0[i];
@@ -226,6 +223,7 @@ impl FindClose<'_> {
                 found.0[i] = if reaches { differs } else { 0.0 };
             }
         }
+        // Not on the way, where it would be stored and loaded again by each hop.
         let mut any = Block::ZERO;
         for i in 0..LANES {
             any.0[i] = found[0].0[i] + found[1].0[i] + found[2].0[i] + found[3].0[i];
