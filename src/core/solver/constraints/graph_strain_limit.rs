@@ -80,14 +80,13 @@ fn correct(
         let (first, second) = (&pairs.first, &pairs.second);
         let rest = Block::load(&pairs.rest, at);
         let factor = Block::load(&pairs.compliance, at);
-        let (xp, wp) = places.gather_moved(t, first, at);
-        let (xq, wq) = places.gather_moved(t, second, at);
         // Not by closures, which would be calls.
-        let normals = if touches {
-            let np = places.gather_normals(t, first, at);
-            Some([np, places.gather_normals(t, second, at)])
+        let ((xp, wp), (xq, wq), normals) = if touches {
+            let (xp, wp, np) = places.gather_lying(t, first, at);
+            let (xq, wq, nq) = places.gather_lying(t, second, at);
+            ((xp, wp), (xq, wq), Some([np, nq]))
         } else {
-            None
+            (places.gather_moved(t, first, at), places.gather_moved(t, second, at), None)
         };
         let (mut pulls, mut lengths) = (Block3::ZERO, Block::ZERO);
         let mut strongest = Block::ZERO;
@@ -118,20 +117,23 @@ fn correct(
         if strongest.largest() == 0.0 {
             continue;
         }
-        let (mut pull_p, mut pull_q) = (pulls, pulls);
+        let (mut pull_p, mut pull_q, mut loads) = (pulls, pulls, None);
         if let Some([np, nq]) = &normals {
             let ((along_p, load_p), (along_q, load_q)) = (divide(&pulls, np), divide(&pulls, nq));
-            places.load(t, first, at, &load_p);
-            places.load(t, second, at, &load_q.negated());
-            (pull_p, pull_q) = (along_p, along_q);
+            (pull_p, pull_q, loads) = (along_p, along_q, Some([load_p, load_q.negated()]));
         }
         let (mut dp, mut dq) = (Block3::ZERO, Block3::ZERO);
         for i in 0..LANES {
             dp.set(i, pull_p.at(i) * wp.0[i]);
             dq.set(i, pull_q.at(i) * -wq.0[i]);
         }
-        places.scatter(t, first, at, dp);
-        places.scatter(t, second, at, dq);
+        if let Some([load_p, load_q]) = &loads {
+            places.scatter_lying(t, first, at, dp, load_p);
+            places.scatter_lying(t, second, at, dq, load_q);
+        } else {
+            places.scatter(t, first, at, dp);
+            places.scatter(t, second, at, dq);
+        }
     }
     farthest.largest() > 0.0
 }

@@ -71,19 +71,43 @@ impl PlacesMut<'_> {
         (Block3 { x, y, z }, w)
     }
 
-    /// Normals of what particles lie on.
+    /// The same, and normals of what they lie on.
     #[inline(always)]
-    pub fn gather_normals(&self, t: impl Transpose, slots: &[u32], at: usize) -> Block3 {
-        gather(t, self.normals.values, slots, at)
+    pub fn gather_lying(
+        &self,
+        t: impl Transpose,
+        slots: &[u32],
+        at: usize,
+    ) -> (Block3, Block, Block3) {
+        let slots = row(slots, at);
+        let all_x = &*self.x.values;
+        let (all_d, all_n) = (&self.d.values[..all_x.len()], &self.normals.values[..all_x.len()]);
+        let [x, y, z, w] = t.apart(|i| {
+            let slot = slots[i] as usize;
+            sum(all_x[slot], all_d[slot])
+        });
+        let [nx, ny, nz, _] = t.apart(|i| all_n[slots[i] as usize]);
+        (Block3 { x, y, z }, w, Block3 { x: nx, y: ny, z: nz })
     }
 
-    /// Adds what the particles lie on bears.
+    /// [`scatter`](Self::scatter), and adds what the particles lie on bears.
     #[inline(always)]
-    pub fn load(&mut self, t: impl Transpose, slots: &[u32], at: usize, load: &Block) {
-        let fours = t.together(&[Block::ZERO, Block::ZERO, Block::ZERO, *load]);
-        for (load, slot) in fours.into_iter().zip(row(slots, at)) {
-            let to = &mut self.normals.values[slot as usize];
-            *to = sum(*to, load);
+    pub fn scatter_lying(
+        &mut self,
+        t: impl Transpose,
+        slots: &[u32],
+        at: usize,
+        by: Block3,
+        load: &Block,
+    ) {
+        let fours = t.together(&[by.x, by.y, by.z, Block::ZERO]);
+        let loads = t.together(&[Block::ZERO, Block::ZERO, Block::ZERO, *load]);
+        let all_d = &mut *self.d.values;
+        let all_n = &mut self.normals.values[..all_d.len()];
+        for (i, slot) in row(slots, at).into_iter().enumerate() {
+            let slot = slot as usize;
+            all_d[slot] = sum(all_d[slot], fours[i]);
+            all_n[slot] = sum(all_n[slot], loads[i]);
         }
     }
 

@@ -58,13 +58,21 @@ impl TransposingKernel for SolveChains<'_> {
         let mut exceeds = false;
         for Domain { slots, work: chains } in domains {
             for bundle in &chains.bundles {
-                let places = places.within(slots);
+                let (places, borne) = (places.within(slots), Block::ZERO);
                 exceeds |= if touches {
-                    let laid = Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places };
+                    let laid =
+                        Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places, borne };
                     solve(&reach, laid, line)
                 } else {
-                    let laid =
-                        Laid::<_, false> { t, chains, bundle, inverse_mass, normals, places };
+                    let laid = Laid::<_, false> {
+                        t,
+                        chains,
+                        bundle,
+                        inverse_mass,
+                        normals,
+                        places,
+                        borne,
+                    };
                     solve(&reach, laid, line)
                 };
             }
@@ -97,6 +105,8 @@ struct Laid<'a, T, const TOUCH: bool> {
     inverse_mass: &'a mut Array,
     normals: &'a mut Soa,
     places: PlacesMut<'a>,
+    /// What the particles that are corrected next do not follow, as what they lie on bears it.
+    borne: Block,
 }
 
 impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
@@ -106,30 +116,29 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
         self.bundle.first + place * LANES
     }
 
-    /// Gathers the normals at a place, and keeps them: neighbours in memory are sooner read again.
+    /// Gathers where the particles at a place are, their inverse masses and normals. These are kept: neighbours in memory are sooner
+    /// read again.
     #[inline(always)]
-    fn gather_normals(&mut self, place: usize) -> Block3 {
+    fn gather(&mut self, place: usize) -> (Block3, Block, Block3) {
+        let (slots, entry) = (&self.chains.slots, self.entry(place));
         if !TOUCH {
-            return Block3::ZERO;
+            let (x, w) = self.places.gather_moved(self.t, slots, entry);
+            return (x, w, Block3::ZERO);
         }
-        let entry = self.entry(place);
-        let normals = self.places.gather_normals(self.t, &self.chains.slots, entry);
+        let (x, w, normals) = self.places.gather_lying(self.t, slots, entry);
         normals.store(self.normals, place * LANES);
-        normals
+        (x, w, normals)
     }
 
     #[inline(always)]
     fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>) -> bool {
         let mut excess = Block::ZERO;
-        let slots = &self.chains.slots;
-        let (mut x0, mut w0) = self.places.gather_moved(self.t, slots, self.entry(0));
-        let mut n0 = self.gather_normals(0);
+        let (mut x0, mut w0, mut n0) = self.gather(0);
         w0.store(self.inverse_mass, 0);
         let mut last = Pivot::default();
         for place in 1..self.bundle.rows {
             let at = self.entry(place);
-            let (x1, mut w1) = self.places.gather_moved(self.t, slots, at);
-            let n1 = self.gather_normals(place);
+            let (x1, mut w1, n1) = self.gather(place);
             let rest = Block::load(&self.chains.rest, at);
             let factor = Block::load(&self.chains.compliance, at);
             for i in 0..LANES {
@@ -184,13 +193,18 @@ impl<T: Transpose, const TOUCH: bool> Ends for Laid<'_, T, TOUCH> {
     }
 
     #[inline(always)]
-    fn load(&mut self, place: usize, load: &Block) {
-        self.places.load(self.t, &self.chains.slots, self.entry(place), load);
+    fn load(&mut self, _: usize, load: &Block) {
+        self.borne = *load;
     }
 
     #[inline(always)]
     fn correct(&mut self, place: usize, correction: Block3) {
-        self.places.scatter(self.t, &self.chains.slots, self.entry(place), correction);
+        let (slots, entry) = (&self.chains.slots, self.entry(place));
+        if TOUCH {
+            self.places.scatter_lying(self.t, slots, entry, correction, &self.borne);
+        } else {
+            self.places.scatter(self.t, slots, entry, correction);
+        }
     }
 
     #[inline(always)]
