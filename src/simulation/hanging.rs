@@ -15,7 +15,10 @@ use crate::hang::{HangingPoint, RelaxReport, Relaxation, hang, relax};
 use crate::pose::{to_local, to_world};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attached};
-use crate::solver::{PinMotion, Pose, SolverError, StepInput};
+use crate::solver::{ClothSolver, PinMotion, Pose, SolverError, StepInput};
+
+/// A cloth at rest, and how it came there.
+type Relaxed = Result<(Box<ClothSolver>, RelaxReport), SolverError>;
 
 /// A cloth that is to be hung, or has been.
 pub(crate) struct Hanging {
@@ -25,7 +28,7 @@ pub(crate) struct Hanging {
     /// Where it was when the relaxation started.
     from: Option<Pose>,
     /// The relaxation under way.
-    task: Option<Task<Result<(Vec<Vec3>, RelaxReport), SolverError>>>,
+    task: Option<Task<Relaxed>>,
     /// The cloth's first tick has come, and waits for the result.
     begun: bool,
     report: Option<RelaxReport>,
@@ -89,7 +92,7 @@ pub(crate) fn hang_cloths(
             tell(entity, outcome, cloth, &mut failures);
         }
         if let Some(result) = finished(cloth) {
-            let outcome = result.and_then(|(positions, report)| settle(cloth, &positions, report));
+            let outcome = result.and_then(|(solver, report)| settle(cloth, &solver, report));
             tell(entity, outcome.map_err(hang_error), cloth, &mut failures);
         }
     }
@@ -192,8 +195,7 @@ fn lay(cloth: &mut ClothSimulation, entity: Entity, asked: Asked) -> Result<(), 
         let limits = Relaxation { speed: hung.speed, longest: hung.longest };
         let input = StepInput { dt, gravity, pins: &motions, ..default() };
         let report = relax(&mut solver, &input, limits)?;
-        let count = solver.topology().particle_count();
-        Ok(((0..count).map(|i| solver.position(i)).collect(), report))
+        Ok((Box::new(solver), report))
     });
     if let Some(hanging) = &mut cloth.start.hanging {
         hanging.task = Some(task);
@@ -222,7 +224,7 @@ fn put(cloth: &mut ClothSimulation, entity: Entity, positions: &[Vec3]) {
 }
 
 /// The result of the relaxation, once it is there.
-fn finished(cloth: &mut ClothSimulation) -> Option<Result<(Vec<Vec3>, RelaxReport), SolverError>> {
+fn finished(cloth: &mut ClothSimulation) -> Option<Relaxed> {
     let hanging = cloth.start.hanging.as_mut()?;
     let result = block_on(poll_once(hanging.task.as_mut()?))?;
     hanging.task = None;
@@ -232,11 +234,11 @@ fn finished(cloth: &mut ClothSimulation) -> Option<Result<(Vec<Vec3>, RelaxRepor
 /// Puts the cloth into its shape at rest, where its anchors have led it meanwhile.
 fn settle(
     cloth: &mut ClothSimulation,
-    positions: &[Vec3],
+    relaxed: &ClothSolver,
     report: RelaxReport,
 ) -> Result<(), SolverError> {
     let now = reference_pose(cloth);
-    cloth.solver.place(positions)?;
+    cloth.solver.place_as(relaxed)?;
     cloth.shape_version += 1;
     let Some(hanging) = &mut cloth.start.hanging else { return Ok(()) };
     hanging.report = Some(report);

@@ -56,9 +56,8 @@ pub fn relax(
     let outcome = brake(solver, input, limits);
     solver.set_material(material)?;
     solver.set_air(air)?;
-    let positions: Vec<Vec3> =
-        (0..solver.topology().particle_count()).map(|i| solver.position(i)).collect();
-    solver.place(&positions)?;
+    let at_rest = solver.clone();
+    solver.place_as(&at_rest)?;
     outcome
 }
 

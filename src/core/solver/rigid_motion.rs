@@ -131,6 +131,7 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), near);
         }
         self.come_to_rest();
+        self.model.stages_mut().set_shifts(&[]);
         self.stand_still();
         Ok(())
     }
@@ -145,7 +146,20 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), p - self.state.origin);
         }
         self.come_to_rest();
+        self.model.stages_mut().set_shifts(&[]);
         self.stand_still();
+        Ok(())
+    }
+
+    /// Puts all particles where those of another cloth of the same rest shape are, at rest, and bears what that one bore.
+    ///
+    /// # Errors
+    /// As [`ClothSolver::place`].
+    pub fn place_as(&mut self, other: &Self) -> Result<(), SolverError> {
+        let count = other.topology.particle_count();
+        let positions: Vec<_> = (0..count).map(|particle| other.position(particle)).collect();
+        self.place(&positions)?;
+        self.model.stages_mut().set_shifts(&other.model.stages().shifts());
         Ok(())
     }
 

@@ -119,6 +119,7 @@ impl ClothSolver {
         // the world would be rounded.
         solver.state = self.state.clone();
         solver.mark = self.mark.clone();
+        solver.model.stages_mut().set_shifts(&self.model.stages().shifts());
         solver.set_pins(self.pins())?;
         let soft: Vec<_> = self.soft_pins().copied().collect();
         solver.set_soft_pins(&soft)?;

@@ -14,6 +14,7 @@ use bevy_math::Vec3;
 use crate::solver::constraints::pins::Pins;
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
+use crate::solver::constraints::threads::shifts::Shifting;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::external::Pushes;
 use crate::solver::integrate::houbolt::Filter;
@@ -110,6 +111,12 @@ pub(crate) trait Stages {
     fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
     /// Whether threads leave so much to do that springs may be beyond their limit where none came to them so.
     fn leaves_much(&self) -> bool;
+    /// Ends a tick: shifts springs that threads leave too long (`constraints::threads::shifts`).
+    fn shift_springs(&mut self, on: Particles<'_>, shifting: Shifting);
+    /// Shifts \[m\]; none where no spring is shifted.
+    fn shifts(&self) -> Vec<f32>;
+    /// Puts shifts back, or takes all away where there are none.
+    fn set_shifts(&mut self, by: &[f32]);
     /// Whether any spring may be beyond the limit. `since` says what has moved particles since the last look, which found some.
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool;
     /// Third stage: one pass over the springs. Tells whether any may have come beyond its limit.

@@ -39,6 +39,8 @@ pub struct SolverState {
     response: f32,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
+    /// What springs of chains are shifted by \[m\], where any are.
+    shifts: Vec<f32>,
     /// The active set of contact, where any particle lay on a collider.
     contacts: Option<SavedContacts>,
     /// The tick that was planned for \[s\].
@@ -110,6 +112,14 @@ impl SolverState {
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
+        let entries = topology
+            .as_graph()
+            .map_or(0, |graph| graph.chains.iter().map(|domain| domain.work.slots.len()).sum());
+        let shifts = &self.shifts;
+        good(
+            shifts.is_empty() || shifts.len() == entries && shifts.iter().all(|by| by.is_finite()),
+            "shifts",
+        )?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
         let layers = [&self.layers, &self.others].into_iter().flatten();
@@ -151,7 +161,7 @@ impl ClothSolver {
             // These follow from what is kept of them.
             pins: held,
             soft,
-            model: _,
+            model,
             bound: _,
             steady: _,
             skin: _,
@@ -188,6 +198,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             pull: carries.then(|| by_particle(pull)),
+            shifts: model.stages().shifts(),
             contacts: SavedContacts::of(topology, contacts),
             tick: plan.tick,
             pins: held.particles.clone(),
@@ -230,6 +241,7 @@ impl ClothSolver {
             last_step,
             response,
             pull,
+            shifts,
             contacts,
             tick,
             pins,
@@ -256,6 +268,7 @@ impl ClothSolver {
         if let (Some(own), Some(others)) = (&mut self.others_contact, others) {
             own.remember(&others.memory(&self.topology));
         }
+        self.model.stages_mut().set_shifts(shifts);
         self.plan_ticks(*tick);
         // After all that makes the tethers forget it.
         self.tether_under(*tethered_under);

@@ -4,6 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
+use crate::solver::constraints::threads::shifts::Shifting;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
@@ -104,6 +105,16 @@ impl ClothSolver {
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
         let (model, on) = self.model_and_particles();
         model.solve_threads(on, reach)
+    }
+
+    /// Ends a tick: shifts springs by what threads leave them too long (`constraints::threads::shifts`). None grows where threads do not
+    /// come near enough to their solution to be carried on.
+    pub(crate) fn shift_springs(&mut self) {
+        let drag = if self.workspace.filter.is_some() { self.material.drag } else { 0.0 };
+        let touches = self.state.contacts.now.any;
+        let shifting = Shifting::new(self.plan.tick, self.plan.step, drag, touches);
+        let (model, on) = self.model_and_particles();
+        model.shift_springs(on, shifting);
     }
 
     fn limit_strain(&mut self) {

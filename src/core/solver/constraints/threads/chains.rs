@@ -2,6 +2,7 @@
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
+use crate::solver::constraints::threads::shifts::Shifts;
 use crate::solver::constraints::threads::tridiagonal::{
     Between, Ends, Pivot, Pivots, Reach, Tension,
 };
@@ -44,35 +45,35 @@ pub(crate) struct SolveChains<'a> {
     pub touches: bool,
     pub places: PlacesMut<'a>,
     pub workspaces: &'a Workspaces<ChainWorkspace>,
+    pub shifts: &'a mut [Shifts],
 }
 
-cut_between_domains!(SolveChains: TransposingKernel, run_transposing; domains; places);
+cut_between_domains!(SolveChains: TransposingKernel, run_transposing; domains; by slot places; by domain shifts);
 
 impl TransposingKernel for SolveChains<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn run(self, t: impl Transpose) -> bool {
-        let Self { domains, reach, touches, mut places, workspaces, .. } = self;
+        let Self { domains, reach, touches, mut places, workspaces, shifts, .. } = self;
         let ChainWorkspace { line, inverse_mass, normals } = &mut *workspaces.take();
         let mut exceeds = false;
-        for Domain { slots, work: chains } in domains {
+        for (Domain { slots, work: chains }, shifts) in domains.iter().zip(shifts) {
             for bundle in &chains.bundles {
                 let (places, borne) = (places.within(slots), Block::ZERO);
+                let laid = Laid::<_, false> {
+                    t,
+                    chains,
+                    bundle,
+                    inverse_mass,
+                    normals,
+                    shifts,
+                    places,
+                    borne,
+                };
                 exceeds |= if touches {
-                    let laid =
-                        Laid::<_, true> { t, chains, bundle, inverse_mass, normals, places, borne };
-                    solve(&reach, laid, line)
+                    solve(&reach, laid.on_colliders(), line)
                 } else {
-                    let laid = Laid::<_, false> {
-                        t,
-                        chains,
-                        bundle,
-                        inverse_mass,
-                        normals,
-                        places,
-                        borne,
-                    };
                     solve(&reach, laid, line)
                 };
             }
@@ -104,9 +105,19 @@ struct Laid<'a, T, const TOUCH: bool> {
     bundle: &'a Bundle,
     inverse_mass: &'a mut Array,
     normals: &'a mut Soa,
+    shifts: &'a mut Shifts,
     places: PlacesMut<'a>,
     /// What the particles that are corrected next do not follow, as what they lie on bears it.
     borne: Block,
+}
+
+impl<'a, T: Transpose> Laid<'a, T, false> {
+    /// The same, where any of their particles lies on a collider.
+    #[inline(always)]
+    fn on_colliders(self) -> Laid<'a, T, true> {
+        let Self { t, chains, bundle, inverse_mass, normals, shifts, places, borne } = self;
+        Laid { t, chains, bundle, inverse_mass, normals, shifts, places, borne }
+    }
 }
 
 impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
@@ -145,7 +156,8 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
                 // Where there is no spring, nothing is to move.
                 w1.0[i] = if rest.0[i] > 0.0 { w1.0[i] } else { 0.0 };
             }
-            let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
+            let shift = Some(&Block::load(&self.shifts.by, at));
+            let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift };
             let next = last.next::<Self>(reach, &between, &rest, &factor, &mut excess);
             pivots.set::<Self>(place - 1, &next);
             w1.store(self.inverse_mass, place * LANES);
@@ -161,6 +173,8 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
         for place in (1..self.bundle.rows).rev() {
             let w = Block::load(self.inverse_mass, place * LANES);
             let correction = tension.next(&pivots.at::<Self>(place - 1), &w, self, place);
+            let at = self.entry(place);
+            tension.multipliers.store(&mut self.shifts.multipliers, at);
             self.correct(place, correction);
         }
         let w = Block::load(self.inverse_mass, 0);

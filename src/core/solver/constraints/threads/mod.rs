@@ -17,6 +17,7 @@ pub(crate) mod bias;
 pub(crate) mod chains;
 pub(crate) mod geometric_stiffness;
 pub(crate) mod line;
+pub(crate) mod shifts;
 pub(crate) mod tridiagonal;
 pub(crate) mod warp;
 pub(crate) mod weft;
@@ -235,7 +236,8 @@ trait Springs {
             let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass(place), ends, place));
             let n1 = ends.normals(place);
             let (rest, factor) = (self.rest(place - 1), self.compliance(place - 1));
-            let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1] };
+            let between =
+                Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift: None };
             let next = last.next::<E>(law, &between, &rest, &factor, excess);
             pivots.set::<E>(place - 1, &next);
             (x0, w0, n0, last) = (x1, w1, n1, next);

@@ -68,11 +68,13 @@ impl Law for Reach {
     }
 }
 
-/// The ends of springs: positions, inverse masses, and normals of the surfaces that they lie on.
+/// The ends of springs: positions, inverse masses, and normals of the surfaces that they lie on; and how much shorter than they are to be
+/// the springs are asked to be \[m\].
 pub(crate) struct Between<'a> {
     pub x: [&'a Block3; 2],
     pub w: [&'a Block; 2],
     pub normals: [&'a Block3; 2],
+    pub shift: Option<&'a Block>,
 }
 
 /// One step of the elimination.
@@ -108,7 +110,7 @@ impl Pivot {
         factor: &Block,
         excess: &mut Block,
     ) -> Self {
-        let Between { x, w, normals } = between;
+        let Between { x, w, normals, shift } = between;
         let mut next = Self::default();
         for i in 0..LANES {
             let is_there = !E::HAS_GAPS || rest.0[i] > 0.0;
@@ -123,6 +125,7 @@ impl Pivot {
             let diagonal = w[0].0[i] + w[1].0[i];
             let factor = if is_there { factor.0[i] } else { 0.0 };
             let (soft, over) = law.hold(length, rest.0[i], factor, diagonal);
+            let over = if let Some(shift) = shift { over + shift.0[i] } else { over };
             let mut whole = square * (diagonal + soft);
             let mut along = span.dot(self.span.at(i));
             if E::TOUCH {
@@ -195,13 +198,15 @@ impl<'a> Pivots<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Tension {
     pull: Block3,
+    /// Multipliers of the springs before the last place \[kg m\].
+    pub multipliers: Block,
     /// Largest correction by one spring so far \[m\].
     pub most: Block,
 }
 
 impl Default for Tension {
     fn default() -> Self {
-        Self { pull: Block3::ZERO, most: Block::ZERO }
+        Self { pull: Block3::ZERO, multipliers: Block::ZERO, most: Block::ZERO }
     }
 }
 
@@ -227,7 +232,9 @@ impl Tension {
                 along -= across * load.0[i];
             }
             let tension = (pivot.residual.0[i] + w.0[i] * along) * pivot.inverse.0[i];
-            self.most.0[i] = larger(tension * pivot.length.0[i] * w.0[i], self.most.0[i]);
+            let multiplier = tension * pivot.length.0[i];
+            self.multipliers.0[i] = multiplier;
+            self.most.0[i] = larger(multiplier * w.0[i], self.most.0[i]);
             pull.set(i, span * tension);
             let mut moves = after - pull.at(i);
             if E::TOUCH {

@@ -9,6 +9,7 @@ use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
+use crate::solver::constraints::threads::shifts::{ShiftSprings, Shifting, Shifts};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
@@ -35,6 +36,12 @@ pub(crate) struct Mesh {
     graph: Arc<Graph>,
     stiffness: GraphStiffness,
     workspace: MeshWorkspace,
+    /// Shifts of the springs of chains, round by round and domain by domain.
+    shifts: Vec<Vec<Shifts>>,
+    /// Whether any is other than zero.
+    is_shifted: bool,
+    /// Compliance at which threads were last solved, of a spring of shape factor one \[1/kg\].
+    compliance: f32,
     /// Whether one pass over the chains comes near enough to their solution that its pulls are forces, not noise.
     is_solved_enough: bool,
 }
@@ -48,7 +55,16 @@ impl Mesh {
     pub fn new(graph: Arc<Graph>) -> Self {
         let stiffness = GraphStiffness::new(&graph, &vec![false; graph.layout.len()]);
         let workspace = MeshWorkspace::new(&graph);
-        Self { graph, stiffness, workspace, is_solved_enough: false }
+        let shifts = Shifts::none(&graph.chains);
+        Self {
+            graph,
+            stiffness,
+            workspace,
+            shifts,
+            is_shifted: false,
+            compliance: 0.0,
+            is_solved_enough: false,
+        }
     }
 
     /// Springs, hinges and gravity, from places as they are.
@@ -193,10 +209,11 @@ impl Stages for Mesh {
         let MeshWorkspace { places, chains: workspaces, .. } = &mut self.workspace;
         let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
         let mut exceeds = false;
-        for domains in &self.graph.chains.0 {
+        self.compliance = reach.compliance;
+        for (domains, shifts) in self.graph.chains.0.iter().zip(&mut self.shifts) {
             let band = DomainBand::all(domains, shared);
             let places = places.part_mut();
-            let solve = SolveChains { band, domains, reach, touches, places, workspaces };
+            let solve = SolveChains { band, domains, reach, touches, places, workspaces, shifts };
             exceeds |= parallel::run(on.isa, solve);
         }
         exceeds
@@ -204,6 +221,32 @@ impl Stages for Mesh {
 
     fn leaves_much(&self) -> bool {
         true
+    }
+
+    fn shift_springs(&mut self, on: Particles<'_>, shifting: Shifting) {
+        if !(self.is_shifted || shifting.grows()) {
+            return;
+        }
+        let (compliance, x) = (self.compliance, &on.state.x);
+        for (domains, shifts) in self.graph.chains.0.iter().zip(&mut self.shifts) {
+            let band = DomainBand::all(domains, on.bands.are_shared());
+            let shift = ShiftSprings { band, domains, shifting, compliance, x, shifts };
+            parallel::run(on.isa, shift);
+        }
+        self.is_shifted = true;
+    }
+
+    fn shifts(&self) -> Vec<f32> {
+        let all = self.shifts.iter().flatten().filter(|_| self.is_shifted);
+        all.flat_map(|shifts| shifts.by.iter().copied()).collect()
+    }
+
+    fn set_shifts(&mut self, by: &[f32]) {
+        self.is_shifted = !by.is_empty();
+        let mut rest = by.iter();
+        for shift in self.shifts.iter_mut().flatten().flat_map(|shifts| shifts.by.iter_mut()) {
+            *shift = rest.next().copied().unwrap_or_default();
+        }
     }
 
     /// The pass looks for itself, as it goes.

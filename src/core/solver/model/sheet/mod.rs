@@ -10,6 +10,7 @@ use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit, Sinc
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
 use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
+use crate::solver::constraints::threads::shifts::Shifting;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
@@ -157,6 +158,15 @@ impl Stages for Sheet {
     fn leaves_much(&self) -> bool {
         false
     }
+
+    /// Threads leave little.
+    fn shift_springs(&mut self, _: Particles<'_>, _: Shifting) {}
+
+    fn shifts(&self) -> Vec<f32> {
+        Vec::new()
+    }
+
+    fn set_shifts(&mut self, _: &[f32]) {}
 
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool {
         let State { x, d, .. } = on.state;

@@ -112,10 +112,31 @@ impl DomainBand {
     }
 }
 
-/// Makes a kernel with `domains` one that can be cut between them, with the field that is by slot, and the one that may be there by
-/// domain. What else it has, both halves share.
+/// Data by domain of a round that a kernel writes, and that can be cut in two.
+pub(crate) trait CutByDomain: Sized {
+    /// The data before a domain, and the rest.
+    fn cut_by_domain(self, domain: usize) -> (Self, Self);
+}
+
+impl<T> CutByDomain for &mut [T] {
+    fn cut_by_domain(self, domain: usize) -> (Self, Self) {
+        self.split_at_mut(domain)
+    }
+}
+
+impl<T: CutByDomain> CutByDomain for Option<T> {
+    fn cut_by_domain(self, domain: usize) -> (Self, Self) {
+        self.map(|part| part.cut_by_domain(domain)).unzip()
+    }
+}
+
+/// Makes a kernel with `domains` one that can be cut between them, with the fields that are by slot or by domain. What else it has, both
+/// halves share.
 macro_rules! cut_between_domains {
-    ($kernel:ident: $trait:ident, $run:ident; domains $(; $by_slot:ident $(; $by_domain:ident)?)?) => {
+    (
+        $kernel:ident: $trait:ident, $run:ident; domains
+        $(; by slot $by_slot:ident)? $(; by domain $by_domain:ident)?
+    ) => {
         impl $crate::solver::simd::parallel::Cut for $kernel<'_> {
             type Output = <Self as $crate::solver::simd::isa::$trait>::Output;
 
@@ -131,10 +152,13 @@ macro_rules! cut_between_domains {
                 $(
                     let slot = self.domains[middle].slots.start;
                     let $by_slot = $crate::solver::simd::slots::CutAt::cut(self.$by_slot, slot);
-                    $(
-                        let $by_domain = self.$by_domain.map(|all| all.split_at_mut(middle));
-                        let $by_domain = $by_domain.unzip();
-                    )?
+                )?
+                $(
+                    let $by_domain =
+                        $crate::solver::topology::graph::domains::CutByDomain::cut_by_domain(
+                            self.$by_domain,
+                            middle,
+                        );
                 )?
                 let domains = self.domains.split_at(middle);
                 let (before, after) = self.band.cut(middle);
@@ -142,13 +166,15 @@ macro_rules! cut_between_domains {
                     Self {
                         band: before,
                         domains: domains.0,
-                        $($by_slot: $by_slot.0, $($by_domain: $by_domain.0,)?)?
+                        $($by_slot: $by_slot.0,)?
+                        $($by_domain: $by_domain.0,)?
                         ..self
                     },
                     Self {
                         band: after,
                         domains: domains.1,
-                        $($by_slot: $by_slot.1, $($by_domain: $by_domain.1,)?)?
+                        $($by_slot: $by_slot.1,)?
+                        $($by_domain: $by_domain.1,)?
                         ..self
                     },
                 )
