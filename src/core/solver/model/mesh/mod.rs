@@ -254,15 +254,9 @@ impl Stages for Mesh {
         true
     }
 
-    /// One batch of springs after the other. Where those that were near their limit are not beyond it, others are, perhaps.
+    /// One batch of springs after the other.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool {
-        let is_beyond = self.pass_over_springs(&on, rule);
-        match rule {
-            Rule::Limit(limit) if !(is_beyond || limit.all) => {
-                self.pass_over_springs(&on, Rule::Limit(Limit { all: true, ..limit }))
-            }
-            _ => is_beyond,
-        }
+        self.pass_over_springs(&on, rule)
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {
