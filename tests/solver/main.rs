@@ -31,6 +31,7 @@ mod refusals;
 mod seams;
 mod self_collision;
 mod shared;
+mod shifts;
 mod skin;
 mod soft;
 mod spring;

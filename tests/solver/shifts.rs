@@ -1,0 +1,117 @@
+//! What a pass over the chains of a mesh leaves too long is made up for over time: irregular meshes at rest are as long with few substeps
+//! as with many, and do not contract when they are let go.
+
+use bevy::math::{Vec3, primitives::Sphere};
+use bevy_drape::solver::{
+    ClothSolver, Collider, Material, Pose, SolverState, StretchMethod, Topology,
+};
+
+use crate::support::{runs::still, solver::*};
+
+const N: usize = 32;
+
+/// An irregular square metre of the usual cloth by two corners, let go flat.
+fn by_two_corners(n: usize, substeps: u32, material: Material) -> ClothSolver {
+    let topology = Topology::from(mesh(n, n, 1.0 / (n - 1) as f32, 0.3));
+    let settings = settings(StretchMethod::ImplicitThreads, substeps);
+    let mut solver = at_rest(&topology, Vec3::ZERO, material, settings);
+    solver.set_pins(&[0, n as u32 - 1]).unwrap();
+    solver
+}
+
+/// Strain of which one spring in a hundred has more, or where `least`, less.
+fn percentile(solver: &ClothSolver, least: bool) -> f64 {
+    let mut strains = thread_strains(solver);
+    strains.sort_by(f64::total_cmp);
+    let hundredth = strains.len() / 100;
+    if least { strains[hundredth] } else { strains[strains.len() - 1 - hundredth] }
+}
+
+#[test]
+fn few_substeps_hang_as_many_do() {
+    let hung = |substeps| {
+        let mut solver = by_two_corners(N, substeps, usual());
+        run(&mut solver, 12 * 64, GRAVITY, &[]);
+        // Folds differ, how low the cloth hangs does not.
+        let row = &positions(&solver)[N * (N - 1)..];
+        let height = row.iter().map(|p| f64::from(p.y)).sum::<f64>() / N as f64;
+        (height, percentile(&solver, false))
+    };
+    let (truth, _) = hung(100);
+    // Without shifts 20 are 2 mm lower.
+    for (substeps, off, strain) in [(20, 6e-4, 0.006), (8, 1.5e-3, 0.012)] {
+        let (height, p99) = hung(substeps);
+        check(&format!("height of the hem, {substeps} substeps [m]"), height, truth, off);
+        check_at_most(&format!("p99 strain, {substeps} substeps"), p99, strain);
+    }
+}
+
+#[test]
+fn a_mesh_that_is_let_go_does_not_contract() {
+    let mut solver = by_two_corners(N, 8, usual());
+    run(&mut solver, 8 * 64, GRAVITY, &[]);
+    solver.set_pins(&[]).unwrap();
+    run(&mut solver, 24, GRAVITY, &[]);
+    // Shifts that went as slowly as they came would leave 2.8 % here.
+    check_at_most("shortest percent, 0.4 s later", -percentile(&solver, true), 0.012);
+}
+
+/// Where nothing is braked nothing is shifted, and no energy comes of it.
+#[test]
+fn a_mesh_without_drag_gains_no_energy() {
+    for substeps in [8, 20] {
+        let material = Material { drag: 0.0, bending_friction: 0.0, ..usual() };
+        let mut solver = by_two_corners(24, substeps, material);
+        let energy = |solver: &ClothSolver| {
+            let of = |particle: usize| {
+                let (v, height) = (solver.velocity(particle), solver.position(particle).y);
+                f64::from(solver.mass(particle) * (0.5 * v.length_squared() + 9.81 * height))
+            };
+            (0..24 * 24).map(of).sum::<f64>()
+        };
+        let mut before = energy(&solver);
+        for second in 0..20 {
+            run(&mut solver, 64, GRAVITY, &[]);
+            let now = energy(&solver);
+            check_at_most(&format!("gain in second {second} [J]"), now - before, 2e-3);
+            before = now;
+        }
+    }
+}
+
+#[test]
+fn a_mesh_at_rest_on_a_ball_is_as_long_as_its_tensions_say() {
+    let topology = Topology::from(mesh(48, 48, 1.6 / 47.0, 0.3));
+    let lying = |substeps| {
+        let settings = settings(StretchMethod::ImplicitThreads, substeps);
+        let mut solver = at_rest(&topology, Vec3::new(-0.8, 0.56, -0.8), usual(), settings);
+        let ball = Sphere::new(0.5);
+        run(&mut solver, 12 * 64, GRAVITY, &[Collider::new(&ball, Pose::IDENTITY)]);
+        percentile(&solver, false)
+    };
+    check_at_most("p99 strain, 8 substeps", lying(8), 0.012);
+    check_at_most("p99 strain, 20 substeps", lying(20), 0.009);
+}
+
+/// Nor does what is saved in mid-motion lose them.
+#[test]
+fn shifts_are_saved() {
+    let mut solver = by_two_corners(N, 8, usual());
+    run(&mut solver, 200, GRAVITY, &[]);
+    let saved: SolverState = solver.save();
+    let mut other = by_two_corners(N, 8, usual());
+    other.restore(&saved).unwrap();
+    for solver in [&mut solver, &mut other] {
+        run(solver, 100, GRAVITY, &[]);
+    }
+    assert_eq!(bits(&solver), bits(&other));
+    // Placed anew it is as one that is new.
+    let rest: Vec<_> = solver.topology().rest_positions().to_vec();
+    let mut new = by_two_corners(N, 8, usual());
+    for solver in [&mut solver, &mut new] {
+        solver.place(&rest).unwrap();
+        assert_eq!(still(solver).len(), 2);
+        run(solver, 100, GRAVITY, &[]);
+    }
+    assert_eq!(farthest(&positions(&solver), &positions(&new)), 0.0);
+}
