@@ -177,13 +177,13 @@ fn the_two_corner_curtain_hardly_moves_when_it_is_let_go() {
     assert!(moved > 0.5);
 }
 
-/// What its springs are shifted by goes with its shape: a mesh of few substeps does not sag when it is released.
+/// What its springs are shifted by, and what they pulled, goes with its shape: without, the mesh looks for another rest, 0.1 m away.
 #[test]
 fn a_mesh_that_was_hung_stays_as_long_as_it_is() {
     let topology = Topology::from(mesh(32, 32, 1.0 / 31.0, 0.3));
     let material = Material::from(ClothMaterial::default());
     let corners = [(0, Vec3::ZERO), (31, Vec3::X * 0.95)];
-    let settings = settings(StretchMethod::ImplicitThreads, 8);
+    let settings = settings(StretchMethod::ImplicitThreads, 20);
     let (mut solver, _) = start(&topology, &corners, material, settings, Relaxation::default());
-    check_at_most("moves in two seconds [m]", moves(&mut solver, 128), 4e-3);
+    check_at_most("moves in two seconds [m]", moves(&mut solver, 128), 2e-3);
 }

@@ -12,6 +12,7 @@ use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
+use crate::solver::state::State;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,6 +161,11 @@ impl ClothSolver {
         let positions: Vec<_> = (0..count).map(|particle| other.position(particle)).collect();
         self.place(&positions)?;
         self.model.stages_mut().set_shifts(&other.model.stages().shifts());
+        // What springs pulled they go on to pull.
+        let State { pull, carries, last_step, response, .. } = &other.state;
+        self.state.pull.copy_from(pull);
+        self.state.carries = *carries;
+        (self.state.last_step, self.state.response) = (*last_step, *response);
         Ok(())
     }
 
