@@ -94,7 +94,7 @@ fn variants() -> [Variant; 6] {
         Variant {
             what: "mesh, threads",
             settings: threads,
-            material: axial,
+            material: Material { drag: 1.0, ..axial },
             shape: mesh,
             points: true,
         },

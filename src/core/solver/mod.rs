@@ -352,7 +352,6 @@ impl ClothSolver {
         if !survey.finite || !is_near(origin + survey.max) || !is_near(origin + survey.min) {
             self.state.x.copy_from(&self.state.start);
             self.come_to_rest();
-            self.model.stages_mut().set_shifts(&[]);
             self.state.contacts.impulses.clear();
             self.survey_anew();
             return Err(SolverError::Diverged);

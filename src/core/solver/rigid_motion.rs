@@ -12,7 +12,6 @@ use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
-use crate::solver::state::State;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,7 +131,6 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), near);
         }
         self.come_to_rest();
-        self.model.stages_mut().set_shifts(&[]);
         self.stand_still();
         Ok(())
     }
@@ -147,25 +145,29 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), p - self.state.origin);
         }
         self.come_to_rest();
-        self.model.stages_mut().set_shifts(&[]);
         self.stand_still();
         Ok(())
     }
 
-    /// Puts all particles where those of another cloth of the same rest shape are, at rest, and bears what that one bore.
+    /// Puts all particles where those of another solver of the same cloth are, at rest. Springs that bore a load there go on to bear it.
     ///
     /// # Errors
-    /// As [`ClothSolver::place`].
+    /// [`SolverError::OtherParticles`] for a solver of other particles, and as [`ClothSolver::place`]; nothing is moved then.
     pub fn place_as(&mut self, other: &Self) -> Result<(), SolverError> {
         let count = other.topology.particle_count();
+        if count != self.topology.particle_count()
+            || other.topology.layout() != self.topology.layout()
+        {
+            return Err(SolverError::OtherParticles);
+        }
         let positions: Vec<_> = (0..count).map(|particle| other.position(particle)).collect();
         self.place(&positions)?;
         self.model.stages_mut().set_shifts(&other.model.stages().shifts());
-        // What springs pulled they go on to pull.
-        let State { pull, carries, last_step, response, .. } = &other.state;
-        self.state.pull.copy_from(pull);
-        self.state.carries = *carries;
-        (self.state.last_step, self.state.response) = (*last_step, *response);
+        if other.state.carries {
+            self.state.pull.copy_from(&other.state.pull);
+            self.state.last_step = other.state.last_step;
+            self.state.carries = true;
+        }
         Ok(())
     }
 
@@ -199,6 +201,7 @@ impl ClothSolver {
         self.state.d.clear();
         self.state.last_step = 0.0;
         self.stop_filtering();
+        self.model.stages_mut().set_shifts(&[]);
         self.state.contacts.clear();
     }
 

@@ -119,7 +119,11 @@ impl ClothSolver {
         // the world would be rounded.
         solver.state = self.state.clone();
         solver.mark = self.mark.clone();
-        solver.model.stages_mut().set_shifts(&self.model.stages().shifts());
+        if let (Some(graph), Some(other)) = (solver.topology.as_graph(), self.topology.as_graph())
+            && graph.chain_slots() == other.chain_slots()
+        {
+            solver.model.stages_mut().set_shifts(&self.model.stages().shifts());
+        }
         solver.set_pins(self.pins())?;
         let soft: Vec<_> = self.soft_pins().copied().collect();
         solver.set_soft_pins(&soft)?;

@@ -6,7 +6,7 @@ use crate::solver::constraints::strain_limit::{
 };
 use crate::solver::contact::divide;
 use crate::solver::simd::block::{Block, Block3, larger};
-use crate::solver::simd::gather::PlacesMut;
+use crate::solver::simd::gather::{PlacesMut, gather_from};
 use crate::solver::simd::isa::{Kernel, TransposingKernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::parallel::Largest;
@@ -167,8 +167,8 @@ impl Kernel for LargestStrain<'_> {
         for Domain { slots, work: pairs } in self.domains {
             for at in (0..pairs.first.len()).step_by(LANES) {
                 let rest = Block::load(&pairs.rest, at);
-                let p = gather(self.x, slots.start, &pairs.first, at);
-                let q = gather(self.x, slots.start, &pairs.second, at);
+                let p = gather_from(self.x, slots.start, &pairs.first, at);
+                let q = gather_from(self.x, slots.start, &pairs.second, at);
                 for i in 0..LANES {
                     let way = q.at(i) - p.at(i);
                     let strain = way.dot(way).sqrt() / larger(rest.0[i], f32::MIN_POSITIVE) - 1.0;
@@ -179,13 +179,4 @@ impl Kernel for LargestStrain<'_> {
         }
         Largest(largest.largest())
     }
-}
-
-#[inline(always)]
-fn gather(vectors: &Soa, from: usize, slots: &[u32], at: usize) -> Block3 {
-    let mut out = Block3::ZERO;
-    for (i, &slot) in slots[at..at + LANES].iter().enumerate() {
-        out.set(i, vectors.get(from + slot as usize));
-    }
-    out
 }

@@ -50,7 +50,7 @@ impl Filter {
     /// did of those that were measured.
     pub const OF_CHAINS: Self = Self::of_second_order(0.6);
     /// That of a mesh on colliders, of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
-    /// stretches at rest; of those that kept 0.4 more trembled.
+    /// stretches while it moves; of those that kept 0.4 more trembled.
     pub const OF_CHAINS_ON_COLLIDERS: Self =
         Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
 

@@ -115,7 +115,7 @@ pub(crate) trait Stages {
     fn shift_springs(&mut self, on: Particles<'_>, shifting: Shifting);
     /// Shifts \[m\]; none where no spring is shifted.
     fn shifts(&self) -> Vec<f32>;
-    /// Puts shifts back, or takes all away where there are none.
+    /// Puts shifts back, or takes all away where there are none, or those of other springs.
     fn set_shifts(&mut self, by: &[f32]);
     /// Whether any spring may be beyond the limit. `since` says what has moved particles since the last look, which found some.
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool;

@@ -6,6 +6,7 @@ use core::ops::Range;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{CutAt, SlotsOf};
+use crate::solver::simd::soa::Soa;
 use crate::solver::simd::transpose::{Four, Transpose};
 
 /// Particles one after the other, to be gathered by index.
@@ -144,6 +145,16 @@ pub(crate) fn gather(t: impl Transpose, vectors: &[Four], indices: &[u32], at: u
     let indices = row(indices, at);
     let [x, y, z, _] = t.apart(|i| vectors[indices[i] as usize]);
     Block3 { x, y, z }
+}
+
+/// Vectors of slots that are counted from one of them.
+#[inline(always)]
+pub(crate) fn gather_from(vectors: &Soa, first: usize, slots: &[u32], at: usize) -> Block3 {
+    let mut out = Block3::ZERO;
+    for (i, slot) in row(slots, at).into_iter().enumerate() {
+        out.set(i, vectors.get(first + slot as usize));
+    }
+    out
 }
 
 /// Neighbouring vectors and what is with them.

@@ -6,10 +6,13 @@
 mod contacts;
 mod layers;
 
+use std::sync::Arc;
+
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::SoftPin;
+use crate::solver::constraints::threads::shifts::Shifts;
 use crate::solver::contact::ActiveSet;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
@@ -21,6 +24,7 @@ use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::snapshot::layers::SavedLayers;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
+use crate::solver::topology::graph::Graph;
 
 /// The state of a solver between two ticks: places, velocities, pins, and whatever else its later bits depend
 /// on. See [`ClothSolver::save`].
@@ -112,14 +116,9 @@ impl SolverState {
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
-        let entries = topology
-            .as_graph()
-            .map_or(0, |graph| graph.chains.iter().map(|domain| domain.work.slots.len()).sum());
-        let shifts = &self.shifts;
-        good(
-            shifts.is_empty() || shifts.len() == entries && shifts.iter().all(|by| by.is_finite()),
-            "shifts",
-        )?;
+        let is_shifts = |graph: &Arc<Graph>| Shifts::are_good(&self.shifts, &graph.chains);
+        let shifts = self.shifts.is_empty() || topology.as_graph().is_some_and(is_shifts);
+        good(shifts, "shifts")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;
         let layers = [&self.layers, &self.others].into_iter().flatten();

@@ -8,6 +8,7 @@ use crate::solver::constraints::threads::shifts::Shifting;
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
+use crate::solver::plan::Plan;
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
 use crate::solver::state::State;
@@ -110,9 +111,16 @@ impl ClothSolver {
     /// Ends a tick: shifts springs by what threads leave them too long (`constraints::threads::shifts`). None grows where threads do not
     /// come near enough to their solution to be carried on.
     pub(crate) fn shift_springs(&mut self) {
-        let drag = if self.workspace.filter.is_some() { self.material.drag } else { 0.0 };
+        if self.plan.stretching != Stretching::ImplicitThreads || self.plan.thread_stiffness <= 0.0
+        {
+            self.model.stages_mut().set_shifts(&[]);
+            return;
+        }
+        let (is_solved, in_air) = (self.workspace.filter.is_some(), self.air.is_some());
+        let drag = if is_solved { self.material.drag } else { 0.0 };
         let touches = self.state.contacts.now.any;
-        let shifting = Shifting::new(self.plan.tick, self.plan.step, drag, touches);
+        let Plan { tick, step, .. } = self.plan;
+        let shifting = Shifting::new(tick, step, drag, is_solved && in_air, touches);
         let (model, on) = self.model_and_particles();
         model.shift_springs(on, shifting);
     }

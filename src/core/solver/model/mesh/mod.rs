@@ -38,7 +38,7 @@ pub(crate) struct Mesh {
     workspace: MeshWorkspace,
     /// Shifts of the springs of chains, round by round and domain by domain.
     shifts: Vec<Vec<Shifts>>,
-    /// Whether any is other than zero.
+    /// Whether any may be other than zero.
     is_shifted: bool,
     /// Compliance at which threads were last solved, of a spring of shape factor one \[1/kg\].
     compliance: f32,
@@ -242,10 +242,14 @@ impl Stages for Mesh {
     }
 
     fn set_shifts(&mut self, by: &[f32]) {
-        self.is_shifted = !by.is_empty();
-        let mut rest = by.iter();
+        let were_shifted = self.is_shifted;
+        self.is_shifted = Shifts::are_good(by, &self.graph.chains);
+        if !(self.is_shifted || were_shifted) {
+            return;
+        }
+        let mut by = by.iter().copied().filter(|_| self.is_shifted);
         for shift in self.shifts.iter_mut().flatten().flat_map(|shifts| shifts.by.iter_mut()) {
-            *shift = rest.next().copied().unwrap_or_default();
+            *shift = by.next().unwrap_or(0.0);
         }
     }
 

@@ -223,6 +223,11 @@ impl Graph {
         self.structural.len() + self.shear.len()
     }
 
+    /// Slots of the particles along the chains, domain after domain: what two graphs have alike whose chains are of the same springs.
+    pub(crate) fn chain_slots(&self) -> Vec<&[u32]> {
+        self.chains.iter().map(|domain| &*domain.work.slots).collect()
+    }
+
     /// The structural springs: both particles and the rest length \[m\].
     pub fn structural_springs(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
         self.structural.iter().map(|link| {
