@@ -37,12 +37,13 @@ impl Scene<'_> {
         solver
     }
 
-    /// Drops an irregular mesh, and checks that it has come to rest; it stretches by 6 in 100 at most.
+    /// Drops an irregular mesh, and checks that it has come to rest; it stretches by 1.5 in 100 at most, where 5 in 100 were
+    /// left before what chains leave was made up for.
     fn mesh(self) -> (ClothSolver, f64) {
         let mesh = mesh(N, N, self.side / (N - 1) as f32, 0.3);
         let to_middle = Vec3::new(-0.5, 0.0, -0.5) * self.side;
         let (solver, speed) = self.of(mesh.into(), to_middle);
-        check_at_most("strain of 99 in 100", strains(&solver)[0], 0.06);
+        check_at_most("strain of 99 in 100", strains(&solver)[0], 0.015);
         (solver, speed)
     }
 
@@ -120,7 +121,8 @@ fn a_mesh_on_a_cube() {
     .mesh();
 }
 
-/// Whether a hem trembles depends on how it happens to lie: most do not.
+/// Whether a hem trembles depends on how it happens to lie: most hardly do. Of so little drag, what makes up for the last of their strains
+/// moves them by some 0.3 mm/s.
 #[test]
 fn a_mesh_on_a_cone() {
     let heights = [1.28, 1.29, 1.3, 1.31, 1.32];
@@ -137,7 +139,7 @@ fn a_mesh_on_a_cone() {
         assert!(solver.bounds().1.y > 0.75, "it slid off: {}", solver.bounds().1);
         speed
     });
-    let still = speeds.iter().filter(|&&speed| speed < 1e-4).count();
+    let still = speeds.iter().filter(|&&speed| speed < 4e-4).count();
     println!("{still} of 5 are still: {speeds:?} m/s");
     assert!(still >= 3, "{speeds:?} m/s");
 }

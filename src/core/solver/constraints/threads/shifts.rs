@@ -21,8 +21,10 @@ use crate::solver::topology::graph::domains::{Domain, DomainBand, Rounds, cut_be
 
 /// Rate at which shifts grow, for a rate of drag of one.
 const GROWTH: f32 = 1.0;
-/// The same where the cloth touches colliders: its corrections are of first order there, which damps what they stretch.
-const GROWTH_ON_COLLIDERS: f32 = 4.0;
+/// The same where the cloth touches colliders, and the rate at most \[1/s\]: its corrections are of first order there, which damps what
+/// they stretch, and friction stops the rest.
+const GROWTH_ON_COLLIDERS: f32 = 20.0;
+const MOST_ON_COLLIDERS: f32 = 4.0;
 /// Rate of drag that air stands for \[1/s\]: that of light cotton at a quarter of a metre a second.
 const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
@@ -80,9 +82,13 @@ impl Shifting {
     /// go, and none grow.
     pub fn new(tick: f32, substep: f32, drag: f32, in_air: bool, touches: bool) -> Self {
         let drag = if in_air { DRAG_OF_AIR } else { drag };
-        let growth = if touches { GROWTH_ON_COLLIDERS } else { GROWTH };
+        let growth = if touches {
+            smaller(GROWTH_ON_COLLIDERS * drag, MOST_ON_COLLIDERS)
+        } else {
+            GROWTH * drag
+        };
         let part = |rate: f32| smaller(rate * tick, MOST_OF_ERROR);
-        Self { grows: part(growth * drag), goes: part(RELEASE), left: LEFT * substep }
+        Self { grows: part(growth), goes: part(RELEASE), left: LEFT * substep }
     }
 
     /// Whether shifts may come to be where there were none.
