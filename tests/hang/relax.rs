@@ -177,7 +177,7 @@ fn the_two_corner_curtain_hardly_moves_when_it_is_let_go() {
     assert!(moved > 0.5);
 }
 
-/// What its springs are shifted by, and what they pulled, goes with its shape: without, the mesh looks for another rest, 0.1 m away.
+/// The shifts and pulls of its springs go with its shape: without them the mesh looks for another rest, 0.1 m away.
 #[test]
 fn a_mesh_that_was_hung_stays_as_long_as_it_is() {
     let topology = Topology::from(mesh(32, 32, 1.0 / 31.0, 0.3));

@@ -121,8 +121,8 @@ fn a_mesh_on_a_cube() {
     .mesh();
 }
 
-/// Whether a hem trembles depends on how it happens to lie: most hardly do. Of so little drag, what makes up for the last of their strains
-/// moves them by some 0.3 mm/s.
+/// Whether a hem trembles depends on how it happens to lie: most hardly do. Shifts move the cloth by some 0.3 mm/s where there is
+/// so little drag.
 #[test]
 fn a_mesh_on_a_cone() {
     let heights = [1.28, 1.29, 1.3, 1.31, 1.32];

@@ -40,7 +40,7 @@ pub struct RelaxReport {
 /// that do not move, gravity, and whatever else is there.
 ///
 /// The cloth is braked meanwhile, by drag in place of its own and of its air's, at the rate at which a
-/// pendulum as long as the cloth swings no more. Afterwards both are what they were, and nothing moves; springs bear what they bore.
+/// pendulum as long as the cloth swings no more. Afterwards both are what they were, and nothing moves. Springs go on to bear what they bore.
 /// The same cloth and input give the same bits.
 ///
 /// # Errors
@@ -56,8 +56,7 @@ pub fn relax(
     let outcome = brake(solver, input, limits);
     solver.set_material(material)?;
     solver.set_air(air)?;
-    let at_rest = solver.clone();
-    solver.place_as(&at_rest)?;
+    solver.stop();
     outcome
 }
 

@@ -353,7 +353,6 @@ impl ClothSolver {
             self.state.x.copy_from(&self.state.start);
             self.come_to_rest();
             self.state.contacts.impulses.clear();
-            self.survey_anew();
             return Err(SolverError::Diverged);
         }
         self.survey = survey;

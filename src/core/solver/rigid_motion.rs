@@ -131,7 +131,6 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), near);
         }
         self.come_to_rest();
-        self.stand_still();
         Ok(())
     }
 
@@ -145,7 +144,6 @@ impl ClothSolver {
             self.state.x.set(self.topology.slot(particle), p - self.state.origin);
         }
         self.come_to_rest();
-        self.stand_still();
         Ok(())
     }
 
@@ -195,14 +193,22 @@ impl ClothSolver {
         }
     }
 
-    /// Forgets all velocities, and what led to them.
-    pub(crate) fn come_to_rest(&mut self) {
+    /// Stops all particles where they are. Springs that bear a load there go on to bear it.
+    pub(crate) fn stop(&mut self) {
         self.forget_pairs();
         self.state.d.clear();
-        self.state.last_step = 0.0;
+        self.state.contacts.clear();
+        if !self.state.carries {
+            self.state.last_step = 0.0;
+        }
+        self.stand_still();
+    }
+
+    /// Forgets all velocities, and what led to them.
+    pub(crate) fn come_to_rest(&mut self) {
         self.stop_filtering();
         self.model.stages_mut().set_shifts(&[]);
-        self.state.contacts.clear();
+        self.stop();
     }
 
     /// Says that the cloth does not move at present, as no tick is taken: what is drawn between two

@@ -30,7 +30,10 @@ pub(crate) struct CorrectPairs<'a> {
 /// Whether any spring of a row was near its limit when it was last looked at, by rows.
 pub(crate) type NearLimit = Box<[bool]>;
 
-cut_between_domains!(CorrectPairs: TransposingKernel, run_transposing; domains; by slot places; by domain near);
+cut_between_domains!(
+    CorrectPairs: TransposingKernel, run_transposing;
+    domains; by slot places; by domain near
+);
 
 impl TransposingKernel for CorrectPairs<'_> {
     type Output = bool;

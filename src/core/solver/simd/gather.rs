@@ -72,7 +72,7 @@ impl PlacesMut<'_> {
         (Block3 { x, y, z }, w)
     }
 
-    /// The same, and normals of what they lie on.
+    /// Where particles are, their inverse masses, and normals of what they lie on.
     #[inline(always)]
     pub fn gather_lying(
         &self,

@@ -43,7 +43,7 @@ pub struct SolverState {
     response: f32,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
-    /// What springs of chains are shifted by \[m\], where any are.
+    /// Shifts of the springs of a mesh \[m\], where any are shifted.
     shifts: Vec<f32>,
     /// The active set of contact, where any particle lay on a collider.
     contacts: Option<SavedContacts>,

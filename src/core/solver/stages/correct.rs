@@ -4,7 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
-use crate::solver::constraints::threads::shifts::Shifting;
+use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
@@ -116,11 +116,13 @@ impl ClothSolver {
             self.model.stages_mut().set_shifts(&[]);
             return;
         }
-        let (is_solved, in_air) = (self.workspace.filter.is_some(), self.air.is_some());
-        let drag = if is_solved { self.material.drag } else { 0.0 };
-        let touches = self.state.contacts.now.any;
+        let drag = match &self.air {
+            _ if self.workspace.filter.is_none() => 0.0,
+            Some(_) => DRAG_OF_AIR,
+            None => self.material.drag,
+        };
         let Plan { tick, step, .. } = self.plan;
-        let shifting = Shifting::new(tick, step, drag, is_solved && in_air, touches);
+        let shifting = Shifting::new(tick, step, drag, self.state.contacts.now.any);
         let (model, on) = self.model_and_particles();
         model.shift_springs(on, shifting);
     }

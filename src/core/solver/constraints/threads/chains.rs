@@ -48,7 +48,10 @@ pub(crate) struct SolveChains<'a> {
     pub shifts: &'a mut [Shifts],
 }
 
-cut_between_domains!(SolveChains: TransposingKernel, run_transposing; domains; by slot places; by domain shifts);
+cut_between_domains!(
+    SolveChains: TransposingKernel, run_transposing;
+    domains; by slot places; by domain shifts
+);
 
 impl TransposingKernel for SolveChains<'_> {
     type Output = bool;
@@ -107,12 +110,12 @@ struct Laid<'a, T, const TOUCH: bool> {
     normals: &'a mut Soa,
     shifts: &'a mut Shifts,
     places: PlacesMut<'a>,
-    /// What the particles that are corrected next do not follow, as what they lie on bears it.
+    /// Load on the normals of the particles that are corrected next: what they lie on bears it, and they do not follow.
     borne: Block,
 }
 
 impl<'a, T: Transpose> Laid<'a, T, false> {
-    /// The same, where any of their particles lies on a collider.
+    /// Chains of which any particle lies on a collider.
     #[inline(always)]
     fn on_colliders(self) -> Laid<'a, T, true> {
         let Self { t, chains, bundle, inverse_mass, normals, shifts, places, borne } = self;

@@ -21,12 +21,13 @@ use crate::solver::topology::graph::domains::{Domain, DomainBand, Rounds, cut_be
 
 /// Rate at which shifts grow, for a rate of drag of one.
 const GROWTH: f32 = 1.0;
-/// The same where the cloth touches colliders, and the rate at most \[1/s\]: its corrections are of first order there, which damps what
-/// they stretch, and friction stops the rest.
+/// Rate at which shifts grow where the cloth touches colliders, for a rate of drag of one: its corrections are of first order there,
+/// which damps what they stretch, and friction stops the rest.
 const GROWTH_ON_COLLIDERS: f32 = 20.0;
+/// Rate at which shifts grow there at most \[1/s\]. With twice as much a mesh of few substeps trembles on a cone.
 const MOST_ON_COLLIDERS: f32 = 4.0;
-/// Rate of drag that air stands for \[1/s\]: that of light cotton at a quarter of a metre a second.
-const DRAG_OF_AIR: f32 = Material::USUAL.drag;
+/// Rate of drag that air stands for \[1/s\]: the drag of light cotton at a quarter of a metre a second.
+pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
 const RELEASE: f32 = 20.0;
 /// Part of an error that a tick makes up for at most.
@@ -34,8 +35,9 @@ const MOST_OF_ERROR: f32 = 1.0 / 3.0;
 /// Strain for a substep of one second that is left as it is \[1/s\]. What lies on a collider would slide on for ever to make up for the last
 /// of it.
 const LEFT: f32 = 2.4;
-/// Shifts at least and at most, in rest lengths. Near a corner that bears the whole cloth, few substeps leave a quarter.
+/// Least shift, in rest lengths. Springs that are pushed together are few, and little.
 const LEAST: f32 = -0.1;
+/// Largest shift, in rest lengths. Near a corner that bears the whole cloth, few substeps leave a quarter.
 const MOST: f32 = 0.3;
 
 /// The shifts of the springs of a domain's chains, by the entries of the chains.
@@ -69,19 +71,18 @@ impl Shifts {
 /// How shifts change in a tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shifting {
-    /// Part of an error by which a shift grows.
+    /// Part of an error by which a shift grows that is too small.
     grows: f32,
-    /// The same where it is too large.
+    /// Part of an error by which a shift shrinks that is too large.
     goes: f32,
     /// Strain that is left as it is.
     left: f32,
 }
 
 impl Shifting {
-    /// For a tick and its substeps \[s\], and the rate of drag \[1/s\], in air that of air. Where that is zero, shifts that are too large
-    /// go, and none grow.
-    pub fn new(tick: f32, substep: f32, drag: f32, in_air: bool, touches: bool) -> Self {
-        let drag = if in_air { DRAG_OF_AIR } else { drag };
+    /// Shifts change so in a tick of such substeps \[s\], under a rate of drag \[1/s\]. Where that is zero, shifts that are too large go,
+    /// and none grow.
+    pub fn new(tick: f32, substep: f32, drag: f32, touches: bool) -> Self {
         let growth = if touches {
             smaller(GROWTH_ON_COLLIDERS * drag, MOST_ON_COLLIDERS)
         } else {

@@ -104,29 +104,6 @@ impl Mesh {
         parallel::run(on.isa, forces);
     }
 
-    /// Corrects springs once. Tells whether any was beyond its limit.
-    fn pass_over_springs(&mut self, on: &Particles<'_>, rule: Rule) -> bool {
-        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
-        let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
-        let MeshWorkspace { places, near_limit, .. } = &mut self.workspace;
-        let mut correct = |domains, near| {
-            let (band, places) = (DomainBand::all(domains, shared), places.part_mut());
-            parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places, near })
-        };
-        let mut is_beyond = false;
-        if let Rule::Limit(_) = rule {
-            for (domains, near) in structural_pairs.0.iter().zip(near_limit) {
-                is_beyond |= correct(domains, Some(near));
-            }
-        }
-        if let Rule::Shear { .. } | Rule::Limit(Limit { shear: true, .. }) = rule {
-            for domains in &shear_pairs.0 {
-                is_beyond |= correct(domains, None);
-            }
-        }
-        is_beyond
-    }
-
     /// Damping, in the two steps that it takes on a sheet.
     fn add_damping(&mut self, on: &Particles<'_>, acting: &Acting<'_>, a: &mut Soa) {
         let (half, unit) = (acting.half_kick, on.state.unit);
@@ -260,7 +237,25 @@ impl Stages for Mesh {
 
     /// One batch of springs after the other.
     fn correct_springs(&mut self, on: Particles<'_>, rule: Rule) -> bool {
-        self.pass_over_springs(&on, rule)
+        let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
+        let Graph { structural_pairs, shear_pairs, .. } = &*self.graph;
+        let MeshWorkspace { places, near_limit, .. } = &mut self.workspace;
+        let mut correct = |domains, near| {
+            let (band, places) = (DomainBand::all(domains, shared), places.part_mut());
+            parallel::run(on.isa, CorrectPairs { band, domains, rule, touches, places, near })
+        };
+        let mut is_beyond = false;
+        if let Rule::Limit(_) = rule {
+            for (domains, near) in structural_pairs.0.iter().zip(near_limit) {
+                is_beyond |= correct(domains, Some(near));
+            }
+        }
+        if let Rule::Shear { .. } | Rule::Limit(Limit { shear: true, .. }) = rule {
+            for domains in &shear_pairs.0 {
+                is_beyond |= correct(domains, None);
+            }
+        }
+        is_beyond
     }
 
     fn end_corrections(&mut self, on: Particles<'_>) {
