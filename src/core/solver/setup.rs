@@ -119,9 +119,9 @@ impl ClothSolver {
         // the world would be rounded.
         solver.state = self.state.clone();
         solver.mark = self.mark.clone();
-        if let (Some(graph), Some(other)) = (solver.topology.as_graph(), self.topology.as_graph())
-            && graph.chain_slots() == other.chain_slots()
-        {
+        let graphs = [&solver.topology, &self.topology].map(Topology::as_graph);
+        let [own, others] = graphs.map(|graph| graph.map(|graph| graph.chain_slots()));
+        if own == others {
             solver.model.stages_mut().set_shifts(&self.model.stages().shifts());
         }
         solver.set_pins(self.pins())?;

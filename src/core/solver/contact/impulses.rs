@@ -151,6 +151,15 @@ impl Impulses {
         }
     }
 
+    /// Whether the cloth may move any body: it has come to it or pulls at it, in this tick or the last.
+    pub fn move_bodies(&self) -> bool {
+        let moves = |account: &Account| {
+            let moves = |mobility: Mobility| mobility.inverse_mass > 0.0;
+            !account.rests() && !account.passed && account.mobility.is_some_and(moves)
+        };
+        self.live.iter().any(|&place| self.colliders[place].as_ref().is_some_and(moves))
+    }
+
     /// Whether any collider is measured.
     pub fn are_measured(&self) -> bool {
         !self.colliders.is_empty()

@@ -104,11 +104,11 @@ pub(crate) trait Stages {
 
     /// Begins the third stage.
     fn begin_corrections(&mut self, on: Particles<'_>);
-    /// Third stage: shear springs of a finite compliance.
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach);
+    /// Third stage: shear springs of a finite compliance. Notes what shifts are made of, where the substep ends a tick.
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool);
     /// Third stage: solves the threads. Tells whether any spring came to them beyond its limit: where none did, none
-    /// has to be held to it.
-    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool;
+    /// has to be held to it. Notes the same.
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool;
     /// Whether threads leave so much to do that springs may be beyond their limit where none came to them so.
     fn leaves_much(&self) -> bool;
     /// Ends a tick: shifts springs that threads leave too long (`constraints::threads::shifts`).

@@ -6,13 +6,11 @@
 mod contacts;
 mod layers;
 
-use std::sync::Arc;
-
 use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::SoftPin;
-use crate::solver::constraints::threads::shifts::Shifts;
+use crate::solver::constraints::threads::shifts::{LineShifts, are_good};
 use crate::solver::contact::ActiveSet;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
@@ -24,7 +22,6 @@ use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::snapshot::layers::SavedLayers;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
-use crate::solver::topology::graph::Graph;
 
 /// The state of a solver between two ticks: places, velocities, pins, and whatever else its later bits depend
 /// on. See [`ClothSolver::save`].
@@ -43,7 +40,7 @@ pub struct SolverState {
     response: f32,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
-    /// Shifts of the springs of a mesh \[m\], where any are shifted.
+    /// Shifts of springs \[m\], where any are shifted.
     shifts: Vec<f32>,
     /// The active set of contact, where any particle lay on a collider.
     contacts: Option<SavedContacts>,
@@ -116,8 +113,11 @@ impl SolverState {
         good(self.x.iter().all(|&x| is_near(self.origin + x)), "positions")?;
         good(is_good(&self.d), "displacements")?;
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
-        let is_shifts = |graph: &Arc<Graph>| Shifts::are_good(&self.shifts, &graph.chains);
-        let shifts = self.shifts.is_empty() || topology.as_graph().is_some_and(is_shifts);
+        let shifts = match topology {
+            _ if self.shifts.is_empty() => true,
+            Topology::Lattice(lattice) => LineShifts::restored(lattice, &self.shifts).is_some(),
+            Topology::Graph(graph) => are_good(&self.shifts, &graph.chains),
+        };
         good(shifts, "shifts")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
         good(is_good(&self.mark), "marked positions")?;

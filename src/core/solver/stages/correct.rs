@@ -4,7 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
-use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting};
+use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting, Touches};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Stages};
@@ -91,8 +91,9 @@ impl ClothSolver {
         if stiffness > 0.0 {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
+            let ends_tick = self.ends_tick();
             let (model, on) = self.model_and_particles();
-            model.correct_shear(on, reach);
+            model.correct_shear(on, reach, ends_tick);
         }
     }
 
@@ -104,8 +105,14 @@ impl ClothSolver {
         }
         let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
+        let ends_tick = self.ends_tick();
         let (model, on) = self.model_and_particles();
-        model.solve_threads(on, reach)
+        model.solve_threads(on, reach, ends_tick)
+    }
+
+    /// Whether this substep is the last of a tick.
+    fn ends_tick(&self) -> bool {
+        self.done + 1 == self.plan.substeps
     }
 
     /// Ends a tick: shifts springs by what threads leave them too long (`constraints::threads::shifts`). None grows where threads do not
@@ -121,10 +128,34 @@ impl ClothSolver {
             Some(_) => DRAG_OF_AIR,
             None => self.material.drag,
         };
+        let touches = self.touches();
         let Plan { tick, step, .. } = self.plan;
-        let shifting = Shifting::new(tick, step, drag, self.state.contacts.now.any);
+        let shifting = Shifting::new([tick, step], drag, touches, self.material.max_strain);
+        // Threads that leave little have come near enough on colliders, and what lies there is to lie still.
+        let leaves_much = self.model.stages().leaves_much();
+        let shifting = match touches {
+            Touches::Colliders if !leaves_much => shifting.without_growth(),
+            _ => shifting,
+        };
         let (model, on) = self.model_and_particles();
         model.shift_springs(on, shifting);
+    }
+
+    /// What the cloth touches, for its shifts.
+    fn touches(&self) -> Touches {
+        let contacts = &self.state.contacts;
+        if contacts.impulses.move_bodies() {
+            Touches::Bodies
+        } else if contacts.now.any || self.rests_on_layers() {
+            Touches::Colliders
+        } else {
+            Touches::Nothing
+        }
+    }
+
+    /// Whether the cloth is a sheet that touches layers of cloth, where it would not come to rest if more were asked of it.
+    fn rests_on_layers(&self) -> bool {
+        (self.touching_itself > 0 || self.touching_others > 0) && !self.model.stages().leaves_much()
     }
 
     fn limit_strain(&mut self) {
@@ -198,11 +229,10 @@ impl ClothSolver {
     /// Not on colliders, nor a sheet on layers of cloth, where it would not come to rest; what is worn ends in a way of its own
     /// (`stages/worn`).
     fn goes_on(&self) -> bool {
-        self.done + 1 == self.plan.substeps
+        self.ends_tick()
             && self.skin.is_none()
             && !self.state.contacts.now.any
-            && (self.touching_itself == 0 && self.touching_others == 0
-                || self.model.stages().leaves_much())
+            && !self.rests_on_layers()
             && self.can_end_within_limit()
     }
 

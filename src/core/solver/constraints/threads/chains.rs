@@ -159,7 +159,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
                 // Where there is no spring, nothing is to move.
                 w1.0[i] = if rest.0[i] > 0.0 { w1.0[i] } else { 0.0 };
             }
-            let shift = Some(&Block::load(&self.shifts.by, at));
+            let shift = &Block::load(&self.shifts.by, at);
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift };
             let next = last.next::<Self>(reach, &between, &rest, &factor, &mut excess);
             pivots.set::<Self>(place - 1, &next);

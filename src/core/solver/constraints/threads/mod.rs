@@ -24,6 +24,7 @@ pub(crate) mod weft;
 
 use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
+use crate::solver::constraints::threads::shifts::{ShiftsMut, ShiftsOfBundle};
 use crate::solver::constraints::threads::tridiagonal::{
     Between, Ends, Law, Pivot, Pivots, Reach, Tension,
 };
@@ -68,6 +69,7 @@ pub(crate) struct Lines<'a> {
     pub inverse_mass: &'a [f32],
     /// Room for the unknowns of [`LANES`] threads.
     pub line: &'a mut Line,
+    pub shifts: Option<ShiftsMut<'a>>,
 }
 
 /// Particles of which some lie on colliders.
@@ -140,7 +142,15 @@ impl Lines<'_> {
     /// Solves and corrects the threads from one on.
     #[inline(always)]
     pub fn solve<E: Ends>(&mut self, thread: usize, ends: &mut E, excess: &mut Block) {
-        Bundle::new(self, thread).solve(&self.reach, self.line, ends, excess);
+        let bundle = Bundle::new(self, thread);
+        let places = self.layout.rows;
+        match &mut self.shifts {
+            Some(shifts) => {
+                let shifts = shifts.of_bundle(thread * places, places);
+                bundle.solve(&self.reach, self.line, ends, excess, shifts);
+            }
+            None => bundle.solve(&self.reach, self.line, ends, excess, ()),
+        }
     }
 }
 
@@ -207,13 +217,19 @@ trait Springs {
 
     /// Solves and corrects the threads.
     #[inline(always)]
-    fn solve<E: Ends>(self, law: &impl Law, line: &mut Line, ends: &mut E, excess: &mut Block)
-    where
+    fn solve<E: Ends>(
+        self,
+        law: &impl Law,
+        line: &mut Line,
+        ends: &mut E,
+        excess: &mut Block,
+        mut shifts: impl ShiftsOfBundle,
+    ) where
         Self: Sized,
     {
         let mut pivots = Pivots::new(line, self.places() - 1);
-        self.eliminate(law, ends, &mut pivots, excess);
-        let most = self.substitute(&pivots, ends);
+        self.eliminate(law, ends, &mut pivots, excess, &shifts);
+        let most = self.substitute(&pivots, ends, &mut shifts);
         // Keeps taut threads from trembling.
         if most > law.reach().steady {
             ease(line, &mut Woven { springs: self, ends });
@@ -228,6 +244,7 @@ trait Springs {
         ends: &E,
         pivots: &mut Pivots<'_>,
         excess: &mut Block,
+        shifts: &impl ShiftsOfBundle,
     ) {
         let (mut x0, mut w0) = (ends.positions(0), mobile(&self.inverse_mass(0), ends, 0));
         let mut n0 = ends.normals(0);
@@ -236,8 +253,9 @@ trait Springs {
             let (x1, w1) = (ends.positions(place), mobile(&self.inverse_mass(place), ends, place));
             let n1 = ends.normals(place);
             let (rest, factor) = (self.rest(place - 1), self.compliance(place - 1));
+            let shift = shifts.at(place - 1);
             let between =
-                Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift: None };
+                Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift: &shift };
             let next = last.next::<E>(law, &between, &rest, &factor, excess);
             pivots.set::<E>(place - 1, &next);
             (x0, w0, n0, last) = (x1, w1, n1, next);
@@ -247,11 +265,17 @@ trait Springs {
     /// Back substitution: tensions from the last spring to the first, and the corrections of the particles between
     /// them. Tells what a spring moved a particle by at most \[m\].
     #[inline(always)]
-    fn substitute<E: Ends>(&self, pivots: &Pivots<'_>, ends: &mut E) -> f32 {
+    fn substitute<E: Ends>(
+        &self,
+        pivots: &Pivots<'_>,
+        ends: &mut E,
+        shifts: &mut impl ShiftsOfBundle,
+    ) -> f32 {
         let mut tension = Tension::default();
         for place in (1..self.places()).rev() {
             let w = mobile(&self.inverse_mass(place), ends, place);
             let correction = tension.next(&pivots.at::<E>(place - 1), &w, ends, place);
+            shifts.note(place - 1, &tension.multipliers);
             ends.correct(place, correction);
         }
         let correction = tension.last(&mobile(&self.inverse_mass(0), ends, 0), ends);

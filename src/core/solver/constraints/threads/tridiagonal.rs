@@ -74,7 +74,7 @@ pub(crate) struct Between<'a> {
     pub x: [&'a Block3; 2],
     pub w: [&'a Block; 2],
     pub normals: [&'a Block3; 2],
-    pub shift: Option<&'a Block>,
+    pub shift: &'a Block,
 }
 
 /// One step of the elimination.
@@ -124,8 +124,7 @@ impl Pivot {
             excess.0[i] = larger(beyond, excess.0[i]);
             let diagonal = w[0].0[i] + w[1].0[i];
             let factor = if is_there { factor.0[i] } else { 0.0 };
-            let (soft, over) = law.hold(length, rest.0[i], factor, diagonal);
-            let over = if let Some(shift) = shift { over + shift.0[i] } else { over };
+            let (soft, over) = law.hold(length + shift.0[i], rest.0[i], factor, diagonal);
             let mut whole = square * (diagonal + soft);
             let mut along = span.dot(self.span.at(i));
             if E::TOUCH {

@@ -3,6 +3,7 @@
 //! Cores cannot share the rows of a large sheet by columns. There each works on a band of columns and puts what it
 //! comes to apart, from where it is put back by rows.
 
+use crate::solver::constraints::threads::shifts::ShiftsMut;
 use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
 use crate::solver::constraints::threads::{Lines, OnColliders, ThreadWorkspace, touch_nothing};
 use crate::solver::contact::{Contacts, Normals};
@@ -98,11 +99,12 @@ pub(crate) struct SolveWarpApart<'a> {
     pub apart: PartMut<'a>,
     /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
     pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
+    pub shifts: Option<ShiftsMut<'a>>,
     pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
 /// Where a bundle of columns begins, and each of its rows.
-fn place_apart(layout: Layout, row: usize, column: usize) -> usize {
+pub(super) fn place_apart(layout: Layout, row: usize, column: usize) -> usize {
     column * layout.rows + row * LANES
 }
 
@@ -122,10 +124,11 @@ impl Kernel for SolveWarpApart<'_> {
             d,
             mut apart,
             mut contacts,
+            shifts,
             rooms,
         } = self;
         let line = &mut rooms.take().line;
-        let mut lines = Lines { layout, springs, reach, inverse_mass, line };
+        let mut lines = Lines { layout, springs, reach, inverse_mass, line, shifts };
         let mut excess = Block::ZERO;
         for column in band.rows.step_by(LANES) {
             let (first, count) = (layout.slot(0, column), layout.blocks_down());
@@ -181,9 +184,16 @@ impl<'a> Cut for SolveWarpApart<'a> {
             ((normals, load, apart), (normals, load, after))
         };
         let (contacts, contacts_after) = self.contacts.map(cut).unzip();
+        let (shifts, shifts_after) = self.shifts.cut(place);
         let (before, after) = self.band.cut(column);
-        let after = Self { band: after, apart: apart_after, contacts: contacts_after, ..self };
-        (Self { band: before, apart, contacts, ..self }, after)
+        let after = Self {
+            band: after,
+            apart: apart_after,
+            contacts: contacts_after,
+            shifts: shifts_after,
+            ..self
+        };
+        (Self { band: before, apart, contacts, shifts, ..self }, after)
     }
 
     fn run(self, isa: Isa) -> bool {

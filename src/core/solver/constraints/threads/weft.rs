@@ -1,6 +1,8 @@
 //! Weft threads: [`LANES`] rows at a time are turned into a strip of columns that stays in the nearest cache.
 
+use crate::solver::constraints::threads::shifts::ShiftsMut;
 use crate::solver::constraints::threads::tridiagonal::{Ends, Reach};
+use crate::solver::constraints::threads::warp::place_apart;
 use crate::solver::constraints::threads::{Lines, OnColliders, ThreadWorkspace, touch_nothing};
 use crate::solver::contact::Contacts;
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
@@ -24,6 +26,7 @@ pub(crate) struct SolveWeft<'a> {
     pub x: &'a Soa,
     pub d: PartMut<'a>,
     pub contacts: Option<Contacts<'a>>,
+    pub shifts: Option<ShiftsMut<'a>>,
     pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
@@ -33,11 +36,21 @@ impl TransposingKernel for SolveWeft<'_> {
 
     #[inline(always)]
     fn run(self, transpose: impl Transpose) -> bool {
-        let Self { band, lines, springs, inverse_mass, reach, x, mut d, mut contacts, rooms } =
-            self;
+        let Self {
+            band,
+            lines,
+            springs,
+            inverse_mass,
+            reach,
+            x,
+            mut d,
+            mut contacts,
+            shifts,
+            rooms,
+        } = self;
         let mut room = rooms.take();
         let ThreadWorkspace { strip, line, normals, slip, load } = &mut *room;
-        let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line };
+        let mut lines = Lines { layout: lines, springs, reach, inverse_mass, line, shifts };
         let mut excess = Block::ZERO;
         for row in band.rows.step_by(LANES) {
             fill_strip(transpose, band.layout, row, x, &d, strip);
@@ -82,9 +95,16 @@ impl Cut for SolveWeft<'_> {
         let slot = self.band.slot(row);
         let (d, d_below) = self.d.cut(slot);
         let (contacts, contacts_below) = self.contacts.cut(slot);
+        let (shifts, shifts_below) = self.shifts.cut(place_apart(self.lines, 0, row));
         let (above, below) = self.band.cut(row);
-        let below = Self { band: below, d: d_below, contacts: contacts_below, ..self };
-        (Self { band: above, d, contacts, ..self }, below)
+        let below = Self {
+            band: below,
+            d: d_below,
+            contacts: contacts_below,
+            shifts: shifts_below,
+            ..self
+        };
+        (Self { band: above, d, contacts, shifts, ..self }, below)
     }
 
     fn run(self, isa: Isa) -> bool {

@@ -9,7 +9,9 @@ use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
-use crate::solver::constraints::threads::shifts::{ShiftSprings, Shifting, Shifts};
+use crate::solver::constraints::threads::shifts::{
+    ShiftSprings, Shifting, Shifts, are_good, no_shifts,
+};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
@@ -55,7 +57,7 @@ impl Mesh {
     pub fn new(graph: Arc<Graph>) -> Self {
         let stiffness = GraphStiffness::new(&graph, &vec![false; graph.layout.len()]);
         let workspace = MeshWorkspace::new(&graph);
-        let shifts = Shifts::none(&graph.chains);
+        let shifts = no_shifts(&graph.chains);
         Self {
             graph,
             stiffness,
@@ -177,12 +179,12 @@ impl Stages for Mesh {
         self.workspace.fill(&on, true);
     }
 
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, _: bool) {
         let Reach { compliance, limit, .. } = reach;
         self.correct_springs(on, Rule::Shear { compliance, limit });
     }
 
-    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach) -> bool {
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, _: bool) -> bool {
         let MeshWorkspace { places, chains: workspaces, .. } = &mut self.workspace;
         let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
         let mut exceeds = false;
@@ -220,7 +222,7 @@ impl Stages for Mesh {
 
     fn set_shifts(&mut self, by: &[f32]) {
         let were_shifted = self.is_shifted;
-        self.is_shifted = Shifts::are_good(by, &self.graph.chains);
+        self.is_shifted = are_good(by, &self.graph.chains);
         if !(self.is_shifted || were_shifted) {
             return;
         }

@@ -44,16 +44,17 @@ impl Sheet {
     }
 
     /// Solves the shear springs along the diagonals of the sheet, those that go one way after those that go the other.
-    pub(super) fn solve_bias(&mut self, on: Particles<'_>, law: ShearLaw) {
-        let Self { lattice, diagonals, workspace, .. } = self;
+    pub(super) fn solve_bias(&mut self, on: Particles<'_>, law: ShearLaw, ends_tick: bool) {
+        let Self { lattice, diagonals, shifts, workspace, .. } = self;
         let SheetWorkspace { threads: rooms, apart, load_apart, .. } = workspace;
         let State { x, d, contacts, .. } = on.state;
-        for diagonals in diagonals {
+        for (place, diagonals) in diagonals.iter().enumerate() {
+            let shifts = shifts.as_mut().map(|shifts| shifts.0[2 + place].in_solve(ends_tick));
             let bias = Bias { lattice, diagonals, law, inverse_mass: &on.pins.inverse_mass, x };
             if on.bands.columns.count() == 1 {
                 let line = &mut rooms.take().line;
                 let contacts = contacts.contacts();
-                on.isa.run(SolveBias { bias, d: d.part_mut(), contacts, line });
+                on.isa.run(SolveBias { bias, d: d.part_mut(), contacts, line, shifts });
                 continue;
             }
             let touches = contacts.now.any;
@@ -65,6 +66,7 @@ impl Sheet {
                 apart: apart.part_mut(),
                 contacts: touches
                     .then(|| (&contacts.now, &contacts.load, ValuesMut::all(load_apart))),
+                shifts,
                 rooms,
             };
             parallel::run(on.isa, solve);
@@ -81,7 +83,12 @@ impl Sheet {
         }
     }
 
-    pub(super) fn solve_weft(&mut self, on: &mut Particles<'_>, reach: Reach) -> bool {
+    pub(super) fn solve_weft(
+        &mut self,
+        on: &mut Particles<'_>,
+        reach: Reach,
+        ends_tick: bool,
+    ) -> bool {
         let State { x, d, contacts, .. } = &mut *on.state;
         let weft = SolveWeft {
             band: on.bands.rows.clone(),
@@ -92,20 +99,27 @@ impl Sheet {
             x,
             d: d.part_mut(),
             contacts: contacts.contacts(),
+            shifts: self.shifts.as_mut().map(|shifts| shifts.0[0].in_solve(ends_tick)),
             rooms: &self.workspace.threads,
         };
         parallel::run(on.isa, weft)
     }
 
-    pub(super) fn solve_warp(&mut self, on: &mut Particles<'_>, reach: Reach) -> bool {
+    pub(super) fn solve_warp(
+        &mut self,
+        on: &mut Particles<'_>,
+        reach: Reach,
+        ends_tick: bool,
+    ) -> bool {
         let Bands { rows, columns, .. } = on.bands;
         let State { x, d, contacts, .. } = &mut *on.state;
         let SheetWorkspace { threads: rooms, apart, load_apart, .. } = &mut self.workspace;
         let (layout, springs) = (self.lattice.layout, &self.lattice.warp);
+        let shifts = self.shifts.as_mut().map(|shifts| shifts.0[1].in_solve(ends_tick));
         let inverse_mass = &on.pins.inverse_mass;
         if columns.count() == 1 {
             let line = &mut rooms.take().line;
-            let lines = Lines { layout, springs, reach, inverse_mass, line };
+            let lines = Lines { layout, springs, reach, inverse_mass, line, shifts };
             let contacts = contacts.contacts();
             return on.isa.run(SolveWarp { layout, lines, x, d, contacts });
         }
@@ -120,6 +134,7 @@ impl Sheet {
             d,
             apart: apart.part_mut(),
             contacts: touches.then(|| (&contacts.now, &contacts.load, ValuesMut::all(load_apart))),
+            shifts,
             rooms,
         };
         let beyond = parallel::run(on.isa, warp);

@@ -9,8 +9,8 @@ use crate::solver::constraints::shear::{RowPulls, bears};
 use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit, Since};
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
-use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw, Way};
-use crate::solver::constraints::threads::shifts::Shifting;
+use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw};
+use crate::solver::constraints::threads::shifts::{LineShifts, Shifting, Springs};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
@@ -39,6 +39,11 @@ pub(crate) struct Sheet {
     diagonals: [Diagonals; 2],
     /// Whether shear springs are solved along those: where a pass over the cells does not bear them.
     is_on_bias: bool,
+    /// How springs are shifted, where any are.
+    shifts: Option<LineShifts>,
+    /// Compliances in the last substep of threads, and of the diagonals where these were solved whole \[1/kg\].
+    compliance: f32,
+    shear_compliance: Option<f32>,
     workspace: SheetWorkspace,
 }
 
@@ -71,9 +76,18 @@ impl Sheet {
     /// Nothing held.
     pub fn new(lattice: Arc<Lattice>) -> Self {
         let hinges = Hinges::build(&lattice, &vec![false; lattice.layout.len()]);
-        let diagonals = [Way::Right, Way::Left].map(|way| Diagonals::new(lattice.layout, way));
+        let diagonals = Diagonals::both(lattice.layout);
         let workspace = SheetWorkspace::new(&lattice, &diagonals);
-        Self { lattice, hinges, diagonals, is_on_bias: false, workspace }
+        Self {
+            lattice,
+            hinges,
+            diagonals,
+            is_on_bias: false,
+            shifts: None,
+            compliance: 0.0,
+            shear_compliance: None,
+            workspace,
+        }
     }
 }
 
@@ -138,10 +152,13 @@ impl Stages for Sheet {
 
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool) {
         let Reach { compliance, limit, .. } = reach;
-        if self.is_on_bias {
-            self.solve_bias(on, ShearLaw(reach));
+        // A pass over the cells stands for too little where a body weighs many times what the cloth does.
+        let is_on_bias = self.is_on_bias || on.state.contacts.impulses.move_bodies();
+        self.shear_compliance = is_on_bias.then_some(compliance);
+        if is_on_bias {
+            self.solve_bias(on, ShearLaw(reach), ends_tick);
         } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {
@@ -149,9 +166,10 @@ impl Stages for Sheet {
         }
     }
 
-    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach) -> bool {
-        let weft_beyond = self.solve_weft(&mut on, reach);
-        let warp_beyond = self.solve_warp(&mut on, reach);
+    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool {
+        self.compliance = reach.compliance;
+        let weft_beyond = self.solve_weft(&mut on, reach, ends_tick);
+        let warp_beyond = self.solve_warp(&mut on, reach, ends_tick);
         weft_beyond || warp_beyond
     }
 
@@ -159,14 +177,35 @@ impl Stages for Sheet {
         false
     }
 
-    /// Threads leave little.
-    fn shift_springs(&mut self, _: Particles<'_>, _: Shifting) {}
-
-    fn shifts(&self) -> Vec<f32> {
-        Vec::new()
+    fn shift_springs(&mut self, on: Particles<'_>, shifting: Shifting) {
+        let Self { lattice, shifts, compliance, shear_compliance, .. } = self;
+        let Some(LineShifts(lines)) = shifts else {
+            if shifting.grows() {
+                // Multipliers are noted in the next tick.
+                *shifts = Some(LineShifts::none(lattice.layout));
+            }
+            return;
+        };
+        let most = on.bands.most();
+        let (threads, shear) = (Some(*compliance), *shear_compliance);
+        let compliances = [threads, threads, shear, shear];
+        for ((lines, springs), compliance) in
+            lines.iter_mut().zip(Springs::of(lattice)).zip(compliances)
+        {
+            if let Some(compliance) = compliance {
+                let x = &on.state.x;
+                parallel::run(on.isa, lines.shift(springs, shifting, compliance, x, most));
+            }
+        }
     }
 
-    fn set_shifts(&mut self, _: &[f32]) {}
+    fn shifts(&self) -> Vec<f32> {
+        self.shifts.as_ref().map_or_else(Vec::new, LineShifts::kept)
+    }
+
+    fn set_shifts(&mut self, by: &[f32]) {
+        self.shifts = LineShifts::restored(&self.lattice, by);
+    }
 
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool {
         let State { x, d, .. } = on.state;

@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use super::{Bias, Bundle, Diagonals, OnBias, To};
 use crate::solver::constraints::threads::ThreadWorkspace;
+use crate::solver::constraints::threads::shifts::ShiftsMut;
 use crate::solver::contact::Normals;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::isa::{Isa, Kernel};
@@ -23,6 +24,7 @@ pub(crate) struct SolveBiasApart<'a> {
     pub apart: PartMut<'a>,
     /// What particles lie on, what that bears so far, and where what it bears in the end is put apart as well.
     pub contacts: Option<(&'a Normals, &'a Array, ValuesMut<'a>)>,
+    pub shifts: Option<ShiftsMut<'a>>,
     pub rooms: &'a Workspaces<ThreadWorkspace>,
 }
 
@@ -31,7 +33,7 @@ impl Kernel for SolveBiasApart<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { bias, bundles, d, mut apart, mut contacts, rooms, .. } = self;
+        let Self { bias, bundles, d, mut apart, mut contacts, mut shifts, rooms, .. } = self;
         let line = &mut rooms.take().line;
         for bundle in &bias.diagonals.bundles[bundles] {
             let strands = bias.strands(bundle);
@@ -44,13 +46,21 @@ impl Kernel for SolveBiasApart<'_> {
             match &mut contacts {
                 Some((normals, _, loads)) if strands.touch(normals) => {
                     let to = Apart { d, first, apart, loads: Some(loads.reborrow()) };
-                    OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }
-                        .solve(&bias.law, line);
+                    OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }.solve(
+                        &bias.law,
+                        line,
+                        bundle,
+                        &mut shifts,
+                    );
                 }
                 _ => {
                     let to = Apart { d, first, apart, loads: None };
-                    OnBias::<_, false> { strands, x: bias.x, normals: None, to }
-                        .solve(&bias.law, line);
+                    OnBias::<_, false> { strands, x: bias.x, normals: None, to }.solve(
+                        &bias.law,
+                        line,
+                        bundle,
+                        &mut shifts,
+                    );
                 }
             }
         }
@@ -77,9 +87,16 @@ impl<'a> Cut for SolveBiasApart<'a> {
             ((normals, load, loads), (normals, load, after))
         };
         let (contacts, contacts_after) = self.contacts.map(cut).unzip();
+        let (shifts, shifts_after) = self.shifts.cut(place);
         let (before, after) = (self.bundles.start..middle, middle..self.bundles.end);
-        let after = Self { bundles: after, apart: apart_after, contacts: contacts_after, ..self };
-        (Self { bundles: before, apart, contacts, ..self }, after)
+        let after = Self {
+            bundles: after,
+            apart: apart_after,
+            contacts: contacts_after,
+            shifts: shifts_after,
+            ..self
+        };
+        (Self { bundles: before, apart, contacts, shifts, ..self }, after)
     }
 
     fn run(self, isa: Isa) {

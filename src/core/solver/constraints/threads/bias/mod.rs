@@ -18,6 +18,7 @@ pub(crate) use law::ShearLaw;
 
 use crate::solver::constraints::threads::Springs;
 use crate::solver::constraints::threads::line::Line;
+use crate::solver::constraints::threads::shifts::ShiftsMut;
 use crate::solver::constraints::threads::tridiagonal::Ends;
 use crate::solver::contact::{Contacts, Normals};
 use crate::solver::simd::block::{Block, Block3};
@@ -50,16 +51,20 @@ pub(crate) struct Bundle {
     /// The first row that any of them is in.
     row: usize,
     /// Rows that any of them is in: two at least.
-    places: usize,
+    pub places: usize,
     /// The column of the first one in the first row. It may be before all.
     column: isize,
     /// Particles of all bundles before it, padding included.
-    before: usize,
+    pub before: usize,
 }
 
 impl Diagonals {
-    /// All of a lattice.
-    pub fn new(layout: Layout, way: Way) -> Self {
+    /// All of a lattice, those that go right and those that go left.
+    pub fn both(layout: Layout) -> [Self; 2] {
+        [Way::Right, Way::Left].map(|way| Self::new(layout, way))
+    }
+
+    fn new(layout: Layout, way: Way) -> Self {
         let (rows, columns, lanes) =
             (layout.rows as isize, layout.columns as isize, LANES as isize);
         // Columns that the first diagonals of bundles would be in, in the first row of all.
@@ -92,9 +97,19 @@ impl Diagonals {
     }
 
     /// The slot of the first lane of a bundle's first row.
-    fn slot(&self, bundle: &Bundle) -> usize {
+    pub fn slot(&self, bundle: &Bundle) -> usize {
         // Before the first column is the padding of the row before.
         self.layout.slot(bundle.row, 0).wrapping_add_signed(bundle.column)
+    }
+
+    /// Slots from one particle of a diagonal to the next.
+    pub fn hop(&self) -> usize {
+        self.layout.stride.wrapping_add_signed(self.way.step())
+    }
+
+    /// Slots from a spring to the particle that it goes on from: a cell's springs stand at its first corner.
+    pub fn to_spring(&self) -> usize {
+        usize::from(self.way == Way::Left)
     }
 }
 
@@ -123,6 +138,7 @@ pub(crate) struct SolveBias<'a> {
     pub d: PartMut<'a>,
     pub contacts: Option<Contacts<'a>>,
     pub line: &'a mut Line,
+    pub shifts: Option<ShiftsMut<'a>>,
 }
 
 impl Kernel for SolveBias<'_> {
@@ -130,19 +146,27 @@ impl Kernel for SolveBias<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { bias, mut d, mut contacts, line } = self;
+        let Self { bias, mut d, mut contacts, line, mut shifts } = self;
         for bundle in &bias.diagonals.bundles {
             let strands = bias.strands(bundle);
             match &mut contacts {
                 Some(Contacts { normals, load }) if strands.touch(normals) => {
                     let to = InPlace { d: d.reborrow(), load: Some(load.reborrow()) };
-                    OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }
-                        .solve(&bias.law, line);
+                    OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }.solve(
+                        &bias.law,
+                        line,
+                        bundle,
+                        &mut shifts,
+                    );
                 }
                 _ => {
                     let to = InPlace { d: d.reborrow(), load: None };
-                    OnBias::<_, false> { strands, x: bias.x, normals: None, to }
-                        .solve(&bias.law, line);
+                    OnBias::<_, false> { strands, x: bias.x, normals: None, to }.solve(
+                        &bias.law,
+                        line,
+                        bundle,
+                        &mut shifts,
+                    );
                 }
             }
         }
@@ -152,17 +176,16 @@ impl Kernel for SolveBias<'_> {
 impl<'a> Bias<'a> {
     #[inline(always)]
     fn strands(&self, bundle: &Bundle) -> Strands<'a> {
-        let Lattice { layout, diagonal, antidiagonal_rest, .. } = self.lattice;
-        let way = self.diagonals.way;
-        let rest = match way {
+        let Lattice { diagonal, antidiagonal_rest, .. } = self.lattice;
+        let rest = match self.diagonals.way {
             Way::Right => &diagonal.rest,
             Way::Left => antidiagonal_rest,
         };
         Strands {
             places: bundle.places,
             first: self.diagonals.slot(bundle),
-            hop: layout.stride.wrapping_add_signed(way.step()),
-            to_spring: usize::from(way == Way::Left),
+            hop: self.diagonals.hop(),
+            to_spring: self.diagonals.to_spring(),
             inverse_mass: self.inverse_mass,
             rest,
             compliance: &diagonal.compliance,
@@ -275,8 +298,21 @@ struct OnBias<'a, T, const TOUCH: bool> {
 
 impl<T: To, const TOUCH: bool> OnBias<'_, T, TOUCH> {
     #[inline(always)]
-    fn solve(mut self, law: &ShearLaw, line: &mut Line) {
-        self.strands.solve(law, line, &mut self, &mut Block::splat(0.0));
+    fn solve(
+        mut self,
+        law: &ShearLaw,
+        line: &mut Line,
+        bundle: &Bundle,
+        shifts: &mut Option<ShiftsMut<'_>>,
+    ) {
+        let excess = &mut Block::splat(0.0);
+        match shifts {
+            Some(shifts) => {
+                let shifts = shifts.of_bundle(bundle.before, bundle.places);
+                self.strands.solve(law, line, &mut self, excess, shifts);
+            }
+            None => self.strands.solve(law, line, &mut self, excess, ()),
+        }
     }
 }
 
