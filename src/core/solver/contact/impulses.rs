@@ -151,13 +151,13 @@ impl Impulses {
         }
     }
 
-    /// Whether the cloth may move any body: it has come to it or pulls at it, in this tick or the last.
-    pub fn move_bodies(&self) -> bool {
-        let moves = |account: &Account| {
-            let moves = |mobility: Mobility| mobility.inverse_mass > 0.0;
-            !account.rests() && !account.passed && account.mobility.is_some_and(moves)
-        };
-        self.live.iter().any(|&place| self.colliders[place].as_ref().is_some_and(moves))
+    /// Mass of the bodies that the cloth has come to or pulls at, in this tick or the last \[kg\]; `None` where there are none.
+    pub fn moved_mass(&self) -> Option<f32> {
+        let accounts = self.live.iter().filter_map(|&place| self.colliders[place].as_ref());
+        let moved = accounts.filter(|account| !account.rests() && !account.passed);
+        let movable = |mobility: Mobility| (mobility.inverse_mass > 0.0).then_some(mobility);
+        let mobilities = moved.filter_map(|account| account.mobility.and_then(movable));
+        mobilities.map(|mobility| 1.0 / mobility.inverse_mass).reduce(|sum, mass| sum + mass)
     }
 
     /// Whether any collider is measured.

@@ -82,6 +82,15 @@ pub(crate) struct Acting<'a> {
     pub pushes: Option<&'a Pushes>,
 }
 
+/// What is asked of a substep's corrections.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    /// Whether the substep ends a tick: then they note what springs are shifted by.
+    pub ends_tick: bool,
+    /// Whether the cloth carries a body. A pass over the cells of a sheet stands for too little then.
+    pub carries: bool,
+}
+
 /// The stages of a substep that are different on a sheet and on a mesh, and what they need beforehand.
 pub(crate) trait Stages {
     /// Makes what depends on which slots are held.
@@ -104,11 +113,11 @@ pub(crate) trait Stages {
 
     /// Begins the third stage.
     fn begin_corrections(&mut self, on: Particles<'_>);
-    /// Third stage: shear springs of a finite compliance. Notes what shifts are made of, where the substep ends a tick.
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool);
+    /// Third stage: shear springs of a finite compliance.
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, asked: Asked);
     /// Third stage: solves the threads. Tells whether any spring came to them beyond its limit: where none did, none
-    /// has to be held to it. Notes the same.
-    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool;
+    /// has to be held to it.
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, asked: Asked) -> bool;
     /// Whether threads leave so much to do that springs may be beyond their limit where none came to them so.
     fn leaves_much(&self) -> bool;
     /// Ends a tick: shifts springs that threads leave too long (`constraints::threads::shifts`).

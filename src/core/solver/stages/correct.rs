@@ -7,7 +7,7 @@ use crate::solver::constraints::tethers::PullTethers;
 use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting, Touches};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
-use crate::solver::model::{Particles, Stages};
+use crate::solver::model::{Asked, Particles, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
@@ -15,6 +15,9 @@ use crate::solver::state::State;
 
 /// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
 const LOOK_EVERY: u32 = 4;
+/// Least share of the mass of itself and the bodies that it moves at which a cloth is said to carry them. Heavier ones take more substeps
+/// than would be saved by solving more than threads.
+const LEAST_SHARE: f32 = 0.05;
 /// Passes of the strain limit at a tick's end at most, for each one of a substep.
 pub(crate) const PASSES_AT_END: u32 = 20;
 
@@ -91,9 +94,9 @@ impl ClothSolver {
         if stiffness > 0.0 {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-            let ends_tick = self.ends_tick();
+            let asked = self.asked();
             let (model, on) = self.model_and_particles();
-            model.correct_shear(on, reach, ends_tick);
+            model.correct_shear(on, reach, asked);
         }
     }
 
@@ -105,9 +108,21 @@ impl ClothSolver {
         }
         let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-        let ends_tick = self.ends_tick();
+        let asked = self.asked();
         let (model, on) = self.model_and_particles();
-        model.solve_threads(on, reach, ends_tick)
+        model.solve_threads(on, reach, asked)
+    }
+
+    fn asked(&self) -> Asked {
+        let carries = self.share_of_mass().is_some_and(|share| share >= LEAST_SHARE);
+        Asked { ends_tick: self.ends_tick(), carries }
+    }
+
+    /// The cloth's share of the mass of itself and the bodies that it moves; `None` where there are none.
+    fn share_of_mass(&self) -> Option<f32> {
+        let of_bodies = self.state.contacts.impulses.moved_mass()?;
+        let own = self.topology.total_area() * self.material.area_density;
+        Some(own / (own + of_bodies))
     }
 
     /// Whether this substep is the last of a tick.
@@ -123,16 +138,19 @@ impl ClothSolver {
             self.model.stages_mut().set_shifts(&[]);
             return;
         }
+        let leaves_much = self.model.stages().leaves_much();
         let drag = match &self.air {
             _ if self.workspace.filter.is_none() => 0.0,
-            Some(_) => DRAG_OF_AIR,
+            // Pins further apart than a sheet reaches would have it tremble.
+            _ if !leaves_much && !self.can_end_within_limit() => 0.0,
+            Some(surface) if surface.air.density > 0.0 => DRAG_OF_AIR,
+            Some(_) => 0.0,
             None => self.material.drag,
         };
         let touches = self.touches();
         let Plan { tick, step, .. } = self.plan;
         let shifting = Shifting::new([tick, step], drag, touches, self.material.max_strain);
         // Threads that leave little have come near enough on colliders, and what lies there is to lie still.
-        let leaves_much = self.model.stages().leaves_much();
         let shifting = match touches {
             Touches::Colliders if !leaves_much => shifting.without_growth(),
             _ => shifting,
@@ -144,8 +162,8 @@ impl ClothSolver {
     /// What the cloth touches, for its shifts.
     fn touches(&self) -> Touches {
         let contacts = &self.state.contacts;
-        if contacts.impulses.move_bodies() {
-            Touches::Bodies
+        if let Some(share) = self.share_of_mass() {
+            Touches::Bodies { share }
         } else if contacts.now.any || self.rests_on_layers() {
             Touches::Colliders
         } else {

@@ -17,7 +17,7 @@ use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::families::Constants;
 use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::houbolt::Filter;
-use crate::solver::model::{Acting, Particles, Stages};
+use crate::solver::model::{Acting, Asked, Particles, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::Bending;
@@ -152,13 +152,12 @@ impl Stages for Sheet {
 
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, asked: Asked) {
         let Reach { compliance, limit, .. } = reach;
-        // A pass over the cells stands for too little where a body weighs many times what the cloth does.
-        let is_on_bias = self.is_on_bias || on.state.contacts.impulses.move_bodies();
+        let is_on_bias = self.is_on_bias || asked.carries;
         self.shear_compliance = is_on_bias.then_some(compliance);
         if is_on_bias {
-            self.solve_bias(on, ShearLaw(reach), ends_tick);
+            self.solve_bias(on, ShearLaw(reach), asked.ends_tick);
         } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {
@@ -166,10 +165,10 @@ impl Stages for Sheet {
         }
     }
 
-    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool {
+    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach, asked: Asked) -> bool {
         self.compliance = reach.compliance;
-        let weft_beyond = self.solve_weft(&mut on, reach, ends_tick);
-        let warp_beyond = self.solve_warp(&mut on, reach, ends_tick);
+        let weft_beyond = self.solve_weft(&mut on, reach, asked.ends_tick);
+        let warp_beyond = self.solve_warp(&mut on, reach, asked.ends_tick);
         weft_beyond || warp_beyond
     }
 

@@ -76,6 +76,8 @@ pub struct Lattice {
     pub(crate) crowd: f32,
     /// Area of cloth that a particle stands for \[m2\].
     pub(crate) area: Vec<f32>,
+    /// The same, of all particles together.
+    pub(crate) total_area: f32,
     /// Area of cloth that a particle weighs as much as \[m2\].
     pub(crate) mass_area: Vec<f32>,
     /// Whether all cells are the same rectangle of a flat sheet.
@@ -112,6 +114,7 @@ impl Lattice {
         let (diagonal, antidiagonal_rest) = shear(layout, &grid);
         let uniform = grid.is_uniform();
         let area = areas(layout, &grid, lumping);
+        let total_area = layout.slots().map(|slot| area[slot]).sum();
         Ok(Self {
             layout,
             lumping,
@@ -124,6 +127,7 @@ impl Lattice {
             crowd: crowd(&grid),
             mass_area: area.clone(),
             area,
+            total_area,
             uniform,
             flat: uniform,
         })
@@ -213,7 +217,7 @@ impl Lattice {
 
     /// Area of the sheet at rest \[m2\].
     pub fn total_area(&self) -> f32 {
-        self.layout.slots().map(|i| self.area[i]).sum()
+        self.total_area
     }
 }
 

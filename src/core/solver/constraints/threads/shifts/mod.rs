@@ -31,17 +31,21 @@ const GROWTH: f32 = 1.0;
 /// Rate at which shifts grow where the cloth touches colliders, for a rate of drag of one: its corrections are of first order there,
 /// which damps what they stretch, and friction stops the rest.
 const GROWTH_ON_COLLIDERS: f32 = 20.0;
-/// Rate at which shifts grow there at most \[1/s\]. With twice as much a mesh of few substeps trembles on a cone.
+/// Rate at which shifts grow there at most, and at which those go that are too large \[1/s\]. With twice as much a mesh of few substeps
+/// trembles on a cone. Were they to go sooner than they come, what trembles would take away more than it gives, and creep.
 const MOST_ON_COLLIDERS: f32 = 4.0;
-/// Rate at which shifts grow where the cloth carries bodies, for a rate of drag of one. Drag does not brake a body, and one of fifty times
-/// the cloth's mass swings for ever with twice as much.
-const GROWTH_UNDER_BODIES: f32 = 0.25;
+/// Rate at which shifts grow where the cloth carries bodies, for a rate of drag of one and substeps of one second, and a cloth that has next
+/// to all of the mass \[s\]. It goes with the square of the cloth's share of the mass: drag brakes both by that, and what threads leave to
+/// do is the more, the more a body weighs.
+const GROWTH_UNDER_BODIES: f32 = 5.6e-3;
+/// The same at most.
+const MOST_UNDER_BODIES: f32 = 0.25;
 /// Rate of drag that air stands for \[1/s\]: the drag of light cotton at a quarter of a metre a second.
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
 const RELEASE: f32 = 20.0;
 /// The same where the cloth carries bodies. A swing of a body would take away more than it gives, if shifts went sooner than they came.
-const RELEASE_UNDER_BODIES: f32 = 0.25;
+const RELEASE_UNDER_BODIES: f32 = MOST_UNDER_BODIES;
 /// Part of an error that a tick makes up for at most.
 const MOST_OF_ERROR: f32 = 1.0 / 3.0;
 /// Strain for a substep of one second that is left as it is \[1/s\]. What lies on a collider would slide on for ever to make up for the last
@@ -67,13 +71,15 @@ impl Shifts {
 }
 
 /// What a cloth touches whose springs are shifted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Touches {
     Nothing,
     /// Colliders that it does not move.
     Colliders,
-    /// Bodies that it carries, or pulls at.
-    Bodies,
+    /// Bodies that it carries, or pulls at, and its own share of all the mass.
+    Bodies {
+        share: f32,
+    },
 }
 
 /// How shifts change in a tick.
@@ -96,8 +102,12 @@ impl Shifting {
         let on_colliders = smaller(GROWTH_ON_COLLIDERS * drag, MOST_ON_COLLIDERS);
         let (growth, release) = match touches {
             Touches::Nothing => (GROWTH * drag, RELEASE),
-            Touches::Colliders => (on_colliders, RELEASE),
-            Touches::Bodies => (GROWTH_UNDER_BODIES * drag, RELEASE_UNDER_BODIES),
+            Touches::Colliders => (on_colliders, MOST_ON_COLLIDERS),
+            Touches::Bodies { share } => {
+                let growth = GROWTH_UNDER_BODIES * share * share / substep;
+                let growth = smaller(growth, MOST_UNDER_BODIES);
+                (growth * drag, RELEASE_UNDER_BODIES)
+            }
         };
         let part = |rate: f32| smaller(rate * tick, MOST_OF_ERROR);
         Self { grows: part(growth), goes: part(release), left: LEFT * substep, most_strain }
