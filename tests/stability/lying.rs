@@ -110,36 +110,40 @@ fn on_a_cube() {
 /// Chains of few substeps leave much to do, and shake the cloth where nothing is carried on.
 #[test]
 fn a_mesh_on_a_cube() {
-    Scene {
-        solid: &Cuboid::new(0.8, 0.8, 0.8),
+    let solid = &Cuboid::new(0.8, 0.8, 0.8);
+    let scene = |from| Scene {
+        solid,
         middle: 0.4,
         side: 2.0,
-        from: 1.2,
+        from,
         budget: 8,
-        speed: 6e-4,
-    }
-    .mesh();
+        speed: 2e-2,
+    };
+    are_mostly_still([1.18, 1.19, 1.2, 1.21, 1.22].map(scene), 2e-3);
 }
 
-/// Whether a hem trembles depends on how it happens to lie: most hardly do. Shifts move the cloth by some 0.3 mm/s where there is
-/// so little drag.
 #[test]
 fn a_mesh_on_a_cone() {
-    let heights = [1.28, 1.29, 1.3, 1.31, 1.32];
-    let speeds = heights.map(|from| {
-        let (solver, speed) = Scene {
-            solid: &Cone { radius: 0.5, height: 0.8 },
-            middle: 0.4,
-            side: 1.6,
-            from,
-            budget: 20,
-            speed: 3e-3,
-        }
-        .mesh();
+    let solid = &Cone { radius: 0.5, height: 0.8 };
+    let scene = |from| Scene {
+        solid,
+        middle: 0.4,
+        side: 1.6,
+        from,
+        budget: 20,
+        speed: 3e-3,
+    };
+    are_mostly_still([1.28, 1.29, 1.3, 1.31, 1.32].map(scene), 3e-4);
+}
+
+/// Whether a mesh's hem trembles depends on how it happens to lie: most hardly do.
+fn are_mostly_still(draws: [Scene<'_>; 5], speed: f64) {
+    let speeds = draws.map(|draw| {
+        let (solver, speed) = draw.mesh();
         assert!(solver.bounds().1.y > 0.75, "it slid off: {}", solver.bounds().1);
         speed
     });
-    let still = speeds.iter().filter(|&&speed| speed < 4e-4).count();
+    let still = speeds.iter().filter(|&&own| own < speed).count();
     println!("{still} of 5 are still: {speeds:?} m/s");
     assert!(still >= 3, "{speeds:?} m/s");
 }

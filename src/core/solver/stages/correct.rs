@@ -120,7 +120,9 @@ impl ClothSolver {
 
     /// The cloth's share of the mass of itself and the bodies that it moves; `None` where there are none.
     fn share_of_mass(&self) -> Option<f32> {
-        let of_bodies = self.state.contacts.impulses.moved_mass()?;
+        let contacts = &self.state.contacts;
+        let held = contacts.now.any && !self.pins.slots.is_empty();
+        let of_bodies = contacts.impulses.moved_mass().or(held.then_some(0.0))?;
         let own = self.topology.total_area() * self.material.area_density;
         Some(own / (own + of_bodies))
     }
