@@ -111,28 +111,14 @@ fn on_a_cube() {
 #[test]
 fn a_mesh_on_a_cube() {
     let solid = &Cuboid::new(0.8, 0.8, 0.8);
-    let scene = |from| Scene {
-        solid,
-        middle: 0.4,
-        side: 2.0,
-        from,
-        budget: 8,
-        speed: 2e-2,
-    };
+    let scene = |from| Scene { solid, middle: 0.4, side: 2.0, from, budget: 8, speed: 2e-2 };
     are_mostly_still([1.18, 1.19, 1.2, 1.21, 1.22].map(scene), 2e-3);
 }
 
 #[test]
 fn a_mesh_on_a_cone() {
     let solid = &Cone { radius: 0.5, height: 0.8 };
-    let scene = |from| Scene {
-        solid,
-        middle: 0.4,
-        side: 1.6,
-        from,
-        budget: 20,
-        speed: 3e-3,
-    };
+    let scene = |from| Scene { solid, middle: 0.4, side: 1.6, from, budget: 20, speed: 3e-3 };
     are_mostly_still([1.28, 1.29, 1.3, 1.31, 1.32].map(scene), 3e-4);
 }
 
