@@ -318,7 +318,7 @@ fn a_change_of_proxy_moves_nothing() {
         let now = mean_velocity(&app, cloth);
         // Fewer points cannot tell all of its folds. More of them tell all that was there.
         let is_finer = side.is_none();
-        assert!(off < if is_finer { 0.006 } else { 0.08 }, "{turn}: {off}");
+        assert!(off < if is_finer { 0.006 } else { 0.1 }, "{turn}: {off}");
         assert!(velocity.distance(now) < 0.3, "{turn}: {velocity} {now}");
         set_frame(&mut app, Duration::from_millis(11));
         updates(&mut app, 7);

@@ -115,7 +115,9 @@ impl SolverState {
         good(self.pull.as_deref().is_none_or(is_good), "pulls")?;
         let shifts = match topology {
             _ if self.shifts.is_empty() => true,
-            Topology::Lattice(lattice) => LineShifts::restored(lattice, &self.shifts).is_some(),
+            Topology::Lattice(lattice) => {
+                LineShifts::none(lattice.layout).can_be(lattice, &self.shifts)
+            }
             Topology::Graph(graph) => are_good(&self.shifts, &graph.chains),
         };
         good(shifts, "shifts")?;

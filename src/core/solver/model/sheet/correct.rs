@@ -45,11 +45,11 @@ impl Sheet {
 
     /// Solves the shear springs along the diagonals of the sheet, those that go one way after those that go the other.
     pub(super) fn solve_bias(&mut self, on: Particles<'_>, law: ShearLaw, ends_tick: bool) {
-        let Self { lattice, diagonals, shifts, workspace, .. } = self;
+        let Self { lattice, diagonals, shifts, is_shifted, workspace, .. } = self;
         let SheetWorkspace { threads: rooms, apart, load_apart, .. } = workspace;
         let State { x, d, contacts, .. } = on.state;
         for (place, diagonals) in diagonals.iter().enumerate() {
-            let shifts = shifts.as_mut().map(|shifts| shifts.0[2 + place].in_solve(ends_tick));
+            let shifts = is_shifted.then(|| shifts.0[2 + place].in_solve(ends_tick));
             let bias = Bias { lattice, diagonals, law, inverse_mass: &on.pins.inverse_mass, x };
             if on.bands.columns.count() == 1 {
                 let line = &mut rooms.take().line;
@@ -99,7 +99,7 @@ impl Sheet {
             x,
             d: d.part_mut(),
             contacts: contacts.contacts(),
-            shifts: self.shifts.as_mut().map(|shifts| shifts.0[0].in_solve(ends_tick)),
+            shifts: self.is_shifted.then(|| self.shifts.0[0].in_solve(ends_tick)),
             rooms: &self.workspace.threads,
         };
         parallel::run(on.isa, weft)
@@ -115,7 +115,7 @@ impl Sheet {
         let State { x, d, contacts, .. } = &mut *on.state;
         let SheetWorkspace { threads: rooms, apart, load_apart, .. } = &mut self.workspace;
         let (layout, springs) = (self.lattice.layout, &self.lattice.warp);
-        let shifts = self.shifts.as_mut().map(|shifts| shifts.0[1].in_solve(ends_tick));
+        let shifts = self.is_shifted.then(|| self.shifts.0[1].in_solve(ends_tick));
         let inverse_mass = &on.pins.inverse_mass;
         if columns.count() == 1 {
             let line = &mut rooms.take().line;

@@ -39,8 +39,9 @@ pub(crate) struct Sheet {
     diagonals: [Diagonals; 2],
     /// Whether shear springs are solved along those: where a pass over the cells does not bear them.
     is_on_bias: bool,
-    /// How springs are shifted, where any are.
-    shifts: Option<LineShifts>,
+    /// How springs are shifted, and whether any is.
+    shifts: LineShifts,
+    is_shifted: bool,
     /// Compliances in the last substep of threads, and of the diagonals where these were solved whole \[1/kg\].
     compliance: f32,
     shear_compliance: Option<f32>,
@@ -76,14 +77,16 @@ impl Sheet {
     /// Nothing held.
     pub fn new(lattice: Arc<Lattice>) -> Self {
         let hinges = Hinges::build(&lattice, &vec![false; lattice.layout.len()]);
-        let diagonals = Diagonals::both(lattice.layout);
+        let layout = lattice.layout;
+        let diagonals = Diagonals::both(layout);
         let workspace = SheetWorkspace::new(&lattice, &diagonals);
         Self {
             lattice,
             hinges,
             diagonals,
             is_on_bias: false,
-            shifts: None,
+            shifts: LineShifts::none(layout),
+            is_shifted: false,
             compliance: 0.0,
             shear_compliance: None,
             workspace,
@@ -177,19 +180,17 @@ impl Stages for Sheet {
     }
 
     fn shift_springs(&mut self, on: Particles<'_>, shifting: Shifting) {
-        let Self { lattice, shifts, compliance, shear_compliance, .. } = self;
-        let Some(LineShifts(lines)) = shifts else {
-            if shifting.grows() {
-                // Multipliers are noted in the next tick.
-                *shifts = Some(LineShifts::none(lattice.layout));
-            }
+        let Self { lattice, shifts, is_shifted, compliance, shear_compliance, .. } = self;
+        if !*is_shifted {
+            // What they are made of is noted in the next tick.
+            *is_shifted = shifting.grows();
             return;
-        };
+        }
         let most = on.bands.most();
         let (threads, shear) = (Some(*compliance), *shear_compliance);
         let compliances = [threads, threads, shear, shear];
         for ((lines, springs), compliance) in
-            lines.iter_mut().zip(Springs::of(lattice)).zip(compliances)
+            shifts.0.iter_mut().zip(Springs::of(lattice)).zip(compliances)
         {
             if let Some(compliance) = compliance {
                 let x = &on.state.x;
@@ -199,11 +200,15 @@ impl Stages for Sheet {
     }
 
     fn shifts(&self) -> Vec<f32> {
-        self.shifts.as_ref().map_or_else(Vec::new, LineShifts::kept)
+        if self.is_shifted { self.shifts.kept() } else { Vec::new() }
     }
 
     fn set_shifts(&mut self, by: &[f32]) {
-        self.shifts = LineShifts::restored(&self.lattice, by);
+        let were_shifted = self.is_shifted;
+        self.is_shifted = !by.is_empty() && self.shifts.put_back(&self.lattice, by);
+        if were_shifted && !self.is_shifted {
+            self.shifts.clear();
+        }
     }
 
     fn exceeds_limit(&mut self, on: Particles<'_>, limit: Limit, since: Since) -> bool {

@@ -70,24 +70,43 @@ impl LineShifts {
         ])
     }
 
+    /// Takes all shifts away.
+    pub fn clear(&mut self) {
+        for lines in &mut self.0 {
+            lines.shifts.by.fill(0.0);
+        }
+    }
+
     /// All shifts \[m\], to be kept.
     pub fn kept(&self) -> Vec<f32> {
         self.0.iter().flat_map(|lines| lines.shifts.by.iter().copied()).collect()
     }
 
-    /// Shifts that were kept; `None` where the springs of this lattice cannot be shifted so.
-    pub fn restored(lattice: &Lattice, kept: &[f32]) -> Option<Self> {
-        let mut shifts = Self::none(lattice.layout);
+    /// Puts back shifts that were kept. Leaves all as they are where the springs of the lattice cannot be shifted so, and tells.
+    pub fn put_back(&mut self, lattice: &Lattice, kept: &[f32]) -> bool {
+        if !self.can_be(lattice, kept) {
+            return false;
+        }
         let mut left = kept;
-        for (lines, springs) in shifts.0.iter_mut().zip(Springs::of(lattice)) {
-            let (own, others) = left.split_at_checked(lines.shifts.by.len())?;
-            if !are_within(own, lines.by_entry(springs.rest), MOST) {
-                return None;
-            }
+        for lines in &mut self.0 {
+            let (own, others) = left.split_at(lines.shifts.by.len());
             lines.shifts.by.copy_from_slice(own);
             left = others;
         }
-        left.is_empty().then_some(shifts)
+        true
+    }
+
+    /// Whether the springs of the lattice can be shifted so.
+    pub fn can_be(&self, lattice: &Lattice, kept: &[f32]) -> bool {
+        let mut left = kept;
+        let all = self.0.iter().zip(Springs::of(lattice)).all(|(lines, springs)| {
+            let Some((own, others)) = left.split_at_checked(lines.shifts.by.len()) else {
+                return false;
+            };
+            left = others;
+            are_within(own, lines.by_entry(springs.rest), MOST)
+        });
+        all && left.is_empty()
     }
 }
 
