@@ -299,7 +299,7 @@ fn a_change_of_proxy_moves_nothing() {
     let handle = app.world().get::<Mesh3d>(cloth).unwrap().clone();
     let corners = [0, FINE as usize - 1].map(|i| drawn_positions(&app, cloth)[i]);
     let levels = [Some(13), Some(7), None, Some(9), Some(7), None];
-    for (turn, side) in levels.into_iter().cycle().take(24).enumerate() {
+    for (turn, side) in levels.into_iter().cycle().take(12).enumerate() {
         // No time goes by meanwhile, so that nothing but the change is seen.
         set_frame(&mut app, Duration::ZERO);
         app.update();
@@ -318,7 +318,7 @@ fn a_change_of_proxy_moves_nothing() {
         let now = mean_velocity(&app, cloth);
         // Fewer points cannot tell all of its folds. More of them tell all that was there.
         let is_finer = side.is_none();
-        assert!(off < if is_finer { 0.006 } else { 0.1 }, "{turn}: {off}");
+        assert!(off < if is_finer { 0.006 } else { 0.08 }, "{turn}: {off}");
         assert!(velocity.distance(now) < 0.3, "{turn}: {velocity} {now}");
         set_frame(&mut app, Duration::from_millis(11));
         updates(&mut app, 7);

@@ -62,7 +62,7 @@
 //!   particle (`topology/graph/coloring`);
 //! - it changes displacements by a multiplier times inverse masses: momentum is kept, and position and velocity agree. A particle
 //!   on a collider has the mobility `w (1 - n n^T)`, and what that takes away is its load (`contact/active_set`);
-//! - what one pass of it leaves under a load that lasts can be made up for over ticks (`constraints/threads/shifts`, of chains);
+//! - what one pass of it leaves under a load that lasts can be made up for over ticks (`constraints/threads/shifts`);
 //! - what it does is carried on as a pull (`integrate/houbolt`), unless it mends, as the strain limit does: then it works between
 //!   `pause_pulls` and `go_on_pulling`;
 //! - what it derives from pins, material or settings is made again in `setup` (`set_pins`, `replan`).
