@@ -87,7 +87,7 @@ pub(crate) struct Acting<'a> {
 pub(crate) struct Asked {
     /// Whether the substep ends a tick: then they note what springs are shifted by.
     pub ends_tick: bool,
-    /// Whether the cloth carries a body. A pass over the cells of a sheet stands for too little then.
+    /// Whether the cloth carries anything. A pass over the cells of a sheet stands for too little then.
     pub carries: bool,
 }
 

@@ -15,8 +15,8 @@ use crate::solver::state::State;
 
 /// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
 const LOOK_EVERY: u32 = 4;
-/// Least share of the mass of itself and the bodies that it moves at which a cloth is said to carry them. Heavier ones take more substeps
-/// than would be saved by solving more than threads.
+/// Least share of its own weight in what a cloth carries at which the diagonals of a sheet are solved whole. Under heavier bodies it hangs
+/// hardly higher by that, and they swing for longer.
 const LEAST_SHARE: f32 = 0.05;
 /// Passes of the strain limit at a tick's end at most, for each one of a substep.
 pub(crate) const PASSES_AT_END: u32 = 20;
@@ -114,15 +114,17 @@ impl ClothSolver {
     }
 
     fn asked(&self) -> Asked {
-        let carries = self.share_of_mass().is_some_and(|share| share >= LEAST_SHARE);
+        let carries = self.share_of_what_it_carries().is_some_and(|share| share >= LEAST_SHARE);
         Asked { ends_tick: self.ends_tick(), carries }
     }
 
-    /// The cloth's share of the mass of itself and the bodies that it moves; `None` where there are none.
-    fn share_of_mass(&self) -> Option<f32> {
+    /// The cloth's share of the mass of itself and the bodies that it carries; `None` where it carries nothing. A sheet that is pinned carries
+    /// what presses on it, which has no mass.
+    fn share_of_what_it_carries(&self) -> Option<f32> {
         let contacts = &self.state.contacts;
-        let held = contacts.now.any && !self.pins.slots.is_empty();
-        let of_bodies = contacts.impulses.moved_mass().or(held.then_some(0.0))?;
+        let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
+        let is_pressed = is_held && contacts.now.any;
+        let of_bodies = contacts.impulses.moved_mass().or(is_pressed.then_some(0.0))?;
         let own = self.topology.total_area() * self.material.area_density;
         Some(own / (own + of_bodies))
     }
@@ -164,7 +166,7 @@ impl ClothSolver {
     /// What the cloth touches, for its shifts.
     fn touches(&self) -> Touches {
         let contacts = &self.state.contacts;
-        if let Some(share) = self.share_of_mass() {
+        if let Some(share) = self.share_of_what_it_carries() {
             Touches::Bodies { share }
         } else if contacts.now.any || self.rests_on_layers() {
             Touches::Colliders
