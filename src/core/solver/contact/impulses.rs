@@ -151,13 +151,16 @@ impl Impulses {
         }
     }
 
-    /// Mass of the bodies that the cloth has come to or pulls at, in this tick or the last \[kg\]; `None` where there are none.
-    pub fn moved_mass(&self) -> Option<f32> {
+    /// Mass of the bodies that the cloth is expected to change the speed of by more than `least` in the tick that begins, as it did in
+    /// the last one \[kg\]; `None` where there are none.
+    pub fn carried_mass(&self, least: f32) -> Option<f64> {
+        let of = |account: &Account| {
+            let Mobility { inverse_mass, .. } = account.mobility?;
+            let speed = account.coupling.expected.linear.length() * inverse_mass;
+            (speed > least && !account.passed).then(|| 1.0 / f64::from(inverse_mass))
+        };
         let accounts = self.live.iter().filter_map(|&place| self.colliders[place].as_ref());
-        let moved = accounts.filter(|account| !account.rests() && !account.passed);
-        let movable = |mobility: Mobility| (mobility.inverse_mass > 0.0).then_some(mobility);
-        let mobilities = moved.filter_map(|account| account.mobility.and_then(movable));
-        mobilities.map(|mobility| 1.0 / mobility.inverse_mass).reduce(|sum, mass| sum + mass)
+        accounts.filter_map(of).reduce(|sum, mass| sum + mass)
     }
 
     /// Whether any collider is measured.

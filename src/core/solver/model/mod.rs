@@ -82,13 +82,14 @@ pub(crate) struct Acting<'a> {
     pub pushes: Option<&'a Pushes>,
 }
 
-/// What is asked of a substep's corrections.
+/// How shear springs are corrected in a substep.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Asked {
-    /// Whether the substep ends a tick: then they note what springs are shifted by.
+pub(crate) struct Shearing {
+    /// Whether the substep ends a tick: then the multipliers are noted that shifts are made of.
     pub ends_tick: bool,
-    /// Whether the cloth carries anything. A pass over the cells of a sheet stands for too little then.
-    pub carries: bool,
+    /// Whether those of a sheet are solved along whole diagonals, even where a pass over the cells would bear them: it stands for
+    /// too little where the cloth carries anything.
+    pub whole: bool,
 }
 
 /// The stages of a substep that are different on a sheet and on a mesh, and what they need beforehand.
@@ -114,10 +115,10 @@ pub(crate) trait Stages {
     /// Begins the third stage.
     fn begin_corrections(&mut self, on: Particles<'_>);
     /// Third stage: shear springs of a finite compliance.
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, asked: Asked);
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, how: Shearing);
     /// Third stage: solves the threads. Tells whether any spring came to them beyond its limit: where none did, none
-    /// has to be held to it.
-    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, asked: Asked) -> bool;
+    /// has to be held to it. Notes the multipliers that shifts are made of, where the substep ends a tick.
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool;
     /// Whether threads leave so much to do that springs may be beyond their limit where none came to them so.
     fn leaves_much(&self) -> bool;
     /// Ends a tick: shifts springs that threads leave too long (`constraints::threads::shifts`).

@@ -10,7 +10,7 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::SoftPin;
-use crate::solver::constraints::threads::shifts::{LineShifts, are_good};
+use crate::solver::constraints::threads::shifts::{SheetShifts, are_good};
 use crate::solver::contact::ActiveSet;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
@@ -116,7 +116,7 @@ impl SolverState {
         let shifts = match topology {
             _ if self.shifts.is_empty() => true,
             Topology::Lattice(lattice) => {
-                LineShifts::none(lattice.layout).can_be(lattice, &self.shifts)
+                SheetShifts::none(lattice.layout).can_be(lattice, &self.shifts)
             }
             Topology::Graph(graph) => are_good(&self.shifts, &graph.chains),
         };

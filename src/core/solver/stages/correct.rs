@@ -7,7 +7,7 @@ use crate::solver::constraints::tethers::PullTethers;
 use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting, Touches};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
-use crate::solver::model::{Asked, Particles, Stages};
+use crate::solver::model::{Particles, Shearing, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::settings::Stretching;
 use crate::solver::simd::parallel;
@@ -18,6 +18,8 @@ const LOOK_EVERY: u32 = 4;
 /// Least share of its own weight in what a cloth carries at which the diagonals of a sheet are solved whole. Under heavier bodies it hangs
 /// hardly higher by that, and they swing for longer.
 const LEAST_SHARE: f32 = 0.05;
+/// Least acceleration of a body that a cloth carries \[m/s2\]. What it gives less to is as a collider that it does not move.
+const LEAST_ACCELERATION: f32 = 0.5;
 /// Passes of the strain limit at a tick's end at most, for each one of a substep.
 pub(crate) const PASSES_AT_END: u32 = 20;
 
@@ -94,9 +96,10 @@ impl ClothSolver {
         if stiffness > 0.0 {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-            let asked = self.asked();
+            let ends_tick = self.ends_tick();
+            let whole = self.workspace.share.is_some_and(|share| share >= LEAST_SHARE);
             let (model, on) = self.model_and_particles();
-            model.correct_shear(on, reach, asked);
+            model.correct_shear(on, reach, Shearing { ends_tick, whole });
         }
     }
 
@@ -108,25 +111,20 @@ impl ClothSolver {
         }
         let compliance = 1.0 / (stiffness * self.correction_response());
         let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
-        let asked = self.asked();
+        let ends_tick = self.ends_tick();
         let (model, on) = self.model_and_particles();
-        model.solve_threads(on, reach, asked)
+        model.solve_threads(on, reach, ends_tick)
     }
 
-    fn asked(&self) -> Asked {
-        let carries = self.share_of_what_it_carries().is_some_and(|share| share >= LEAST_SHARE);
-        Asked { ends_tick: self.ends_tick(), carries }
-    }
-
-    /// The cloth's share of the mass of itself and the bodies that it carries; `None` where it carries nothing. A sheet that is pinned carries
-    /// what presses on it, which has no mass.
-    fn share_of_what_it_carries(&self) -> Option<f32> {
+    /// Finds what the cloth carries in a tick that begins. A sheet that is pinned carries what presses on it, which has no mass.
+    pub(crate) fn begin_carrying(&mut self, tick: f32) {
         let contacts = &self.state.contacts;
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
         let is_pressed = is_held && contacts.now.any;
-        let of_bodies = contacts.impulses.moved_mass().or(is_pressed.then_some(0.0))?;
-        let own = self.topology.total_area() * self.material.area_density;
-        Some(own / (own + of_bodies))
+        let of_bodies = contacts.impulses.carried_mass(LEAST_ACCELERATION * tick);
+        let own = f64::from(self.topology.total_area() * self.material.area_density);
+        let share = |others: f64| (own / (own + others)) as f32;
+        self.workspace.share = of_bodies.or(is_pressed.then_some(0.0)).map(share);
     }
 
     /// Whether this substep is the last of a tick.
@@ -165,10 +163,9 @@ impl ClothSolver {
 
     /// What the cloth touches, for its shifts.
     fn touches(&self) -> Touches {
-        let contacts = &self.state.contacts;
-        if let Some(share) = self.share_of_what_it_carries() {
-            Touches::Bodies { share }
-        } else if contacts.now.any || self.rests_on_layers() {
+        if let Some(share) = self.workspace.share {
+            Touches::Carried { share }
+        } else if self.state.contacts.now.any || self.rests_on_layers() {
             Touches::Colliders
         } else {
             Touches::Nothing

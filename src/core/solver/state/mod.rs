@@ -99,6 +99,8 @@ pub(crate) struct Workspace {
     pub study: Option<ExplicitWorkspace>,
     /// How corrections are carried on in this tick, if they are.
     pub filter: Option<Filter>,
+    /// The cloth's share of the mass of itself and what it carries in this tick; `None` where it carries nothing.
+    pub share: Option<f32>,
     /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
     pub looked: Option<u32>,
     /// The memory of contact within a tick.
@@ -112,6 +114,7 @@ impl Workspace {
             a: Soa::zeros(layout.len()),
             study: None,
             filter: None,
+            share: None,
             looked: None,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }

@@ -17,7 +17,7 @@ use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
 use crate::solver::integrate::houbolt::Filter;
 use crate::solver::model::mesh::workspace::MeshWorkspace;
-use crate::solver::model::{Acting, Asked, Particles, Stages};
+use crate::solver::model::{Acting, Particles, Shearing, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::plan::graph_stiffness::GraphStiffness;
 use crate::solver::plan::stability::Bound;
@@ -179,12 +179,12 @@ impl Stages for Mesh {
         self.workspace.fill(&on, true);
     }
 
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, _: Asked) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, _: Shearing) {
         let Reach { compliance, limit, .. } = reach;
         self.correct_springs(on, Rule::Shear { compliance, limit });
     }
 
-    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, _: Asked) -> bool {
+    fn solve_threads(&mut self, on: Particles<'_>, reach: Reach, _: bool) -> bool {
         let MeshWorkspace { places, chains: workspaces, .. } = &mut self.workspace;
         let (touches, shared) = (on.state.contacts.now.any, on.bands.are_shared());
         let mut exceeds = false;

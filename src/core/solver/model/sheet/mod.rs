@@ -10,14 +10,14 @@ use crate::solver::constraints::strain_check::{Beyond, ExceedsLimit, Limit, Sinc
 use crate::solver::constraints::strain_limit::{CorrectSprings, Rule};
 use crate::solver::constraints::threads::ThreadWorkspace;
 use crate::solver::constraints::threads::bias::{Diagonals, ShearLaw};
-use crate::solver::constraints::threads::shifts::{LineShifts, Shifting, Springs};
+use crate::solver::constraints::threads::shifts::{LineSprings, SheetShifts, Shifting};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::bending::{Hinges, Moments};
 use crate::solver::forces::bending_friction::Brakes;
 use crate::solver::forces::families::Constants;
 use crate::solver::forces::spring_rows::SpringRows;
 use crate::solver::integrate::houbolt::Filter;
-use crate::solver::model::{Acting, Asked, Particles, Stages};
+use crate::solver::model::{Acting, Particles, Shearing, Stages};
 use crate::solver::plan::Plan;
 use crate::solver::plan::stability::Bound;
 use crate::solver::settings::Bending;
@@ -37,10 +37,10 @@ pub(crate) struct Sheet {
     hinges: [Hinges; 2],
     /// The diagonals that go either way.
     diagonals: [Diagonals; 2],
-    /// Whether shear springs are solved along those: where a pass over the cells does not bear them.
+    /// Whether shear springs are solved along those in every tick: where a pass over the cells does not bear them.
     is_on_bias: bool,
     /// How springs are shifted, and whether any is.
-    shifts: LineShifts,
+    shifts: SheetShifts,
     is_shifted: bool,
     /// Compliances in the last substep of threads, and of the diagonals where these were solved whole \[1/kg\].
     compliance: f32,
@@ -85,7 +85,7 @@ impl Sheet {
             hinges,
             diagonals,
             is_on_bias: false,
-            shifts: LineShifts::none(layout),
+            shifts: SheetShifts::none(layout),
             is_shifted: false,
             compliance: 0.0,
             shear_compliance: None,
@@ -155,12 +155,12 @@ impl Stages for Sheet {
 
     fn begin_corrections(&mut self, _: Particles<'_>) {}
 
-    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, asked: Asked) {
+    fn correct_shear(&mut self, on: Particles<'_>, reach: Reach, how: Shearing) {
         let Reach { compliance, limit, .. } = reach;
-        let is_on_bias = self.is_on_bias || asked.carries;
+        let is_on_bias = self.is_on_bias || how.whole;
         self.shear_compliance = is_on_bias.then_some(compliance);
         if is_on_bias {
-            self.solve_bias(on, ShearLaw(reach), asked.ends_tick);
+            self.solve_bias(on, ShearLaw(reach), how.ends_tick);
         } else if on.state.carries {
             self.correct_cells(on, compliance, limit);
         } else {
@@ -168,10 +168,10 @@ impl Stages for Sheet {
         }
     }
 
-    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach, asked: Asked) -> bool {
+    fn solve_threads(&mut self, mut on: Particles<'_>, reach: Reach, ends_tick: bool) -> bool {
         self.compliance = reach.compliance;
-        let weft_beyond = self.solve_weft(&mut on, reach, asked.ends_tick);
-        let warp_beyond = self.solve_warp(&mut on, reach, asked.ends_tick);
+        let weft_beyond = self.solve_weft(&mut on, reach, ends_tick);
+        let warp_beyond = self.solve_warp(&mut on, reach, ends_tick);
         weft_beyond || warp_beyond
     }
 
@@ -187,14 +187,18 @@ impl Stages for Sheet {
             return;
         }
         let most = on.bands.most();
-        let (threads, shear) = (Some(*compliance), *shear_compliance);
+        let (threads, shear) = (Some(*compliance), shear_compliance.take());
         let compliances = [threads, threads, shear, shear];
         for ((lines, springs), compliance) in
-            shifts.0.iter_mut().zip(Springs::of(lattice)).zip(compliances)
+            shifts.0.iter_mut().zip(LineSprings::of(lattice)).zip(compliances)
         {
-            if let Some(compliance) = compliance {
-                let x = &on.state.x;
-                parallel::run(on.isa, lines.shift(springs, shifting, compliance, x, most));
+            match compliance {
+                Some(compliance) => {
+                    let x = &on.state.x;
+                    parallel::run(on.isa, lines.shift(springs, shifting, compliance, x, most));
+                }
+                // What a pass over the cells did is as it should be.
+                None => lines.clear(),
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Where one pass over the cells (`constraints::shear`) cannot bear the stiffness asked for, it leaves a cloth softer than that: a
 //! substep's pass stands for no more than `k = 0.4 / (w h^2)`. Solved along whole diagonals, as threads are, springs bear many times
-//! that, the more the longer the waves of shear are.
+//! that, the more the longer the waves of shear are. So they are where the cloth carries bodies.
 //!
 //! The diagonals are [`LANES`] side by side, like columns that move by one from row to row. Some of them begin later
 //! than others, or end earlier; there their lanes are in the padding between rows, where there are no springs.

@@ -1,6 +1,6 @@
 //! Shifts of the springs of a sheet: of its weft and warp threads, and of its diagonals where these are solved whole.
 //!
-//! Springs stand as they are solved: bundle by bundle of [`LANES`] lines, and in each place by place.
+//! LineSprings stand as they are solved: bundle by bundle of [`LANES`] lines, and in each place by place.
 
 use super::{Row, Shifting, Shifts, are_within};
 use crate::solver::constraints::threads::bias::Diagonals;
@@ -18,19 +18,19 @@ const MOST: f32 = 0.1;
 
 /// The shifts of all springs of a sheet: of weft, warp, and of the diagonals that go either way.
 #[derive(Clone, Debug)]
-pub(crate) struct LineShifts(pub [LinesShifts; 4]);
+pub(crate) struct SheetShifts(pub [LineShifts; 4]);
 
 /// The shifts of lines that go one way.
 #[derive(Clone, Debug)]
-pub(crate) struct LinesShifts {
+pub(crate) struct LineShifts {
     shifts: Shifts,
-    bundles: Vec<Bundle>,
+    bundles: Vec<LineBundle>,
     hops: Hops,
 }
 
 /// [`LANES`] lines side by side.
 #[derive(Clone, Copy, Debug)]
-struct Bundle {
+struct LineBundle {
     /// Where its shifts begin.
     entry: usize,
     /// Particles of a line.
@@ -50,12 +50,12 @@ struct Hops {
 
 /// The springs of some lines: their rest lengths, and one over their shape factors.
 #[derive(Clone, Copy)]
-pub(crate) struct Springs<'a> {
+pub(crate) struct LineSprings<'a> {
     rest: &'a [f32],
     factor: &'a [f32],
 }
 
-impl LineShifts {
+impl SheetShifts {
     /// None.
     pub fn none(layout: Layout) -> Self {
         let [right, left] = Diagonals::both(layout);
@@ -63,18 +63,16 @@ impl LineShifts {
         let weft = Hops { line: layout.stride, particle: 1, spring: transposed.stride };
         let warp = Hops { line: 1, particle: layout.stride, spring: layout.stride };
         Self([
-            LinesShifts::of_threads(transposed, weft, |thread| layout.slot(thread, 0)),
-            LinesShifts::of_threads(layout, warp, |thread| layout.slot(0, thread)),
-            LinesShifts::of_diagonals(&right),
-            LinesShifts::of_diagonals(&left),
+            LineShifts::of_threads(transposed, weft, |thread| layout.slot(thread, 0)),
+            LineShifts::of_threads(layout, warp, |thread| layout.slot(0, thread)),
+            LineShifts::of_diagonals(&right),
+            LineShifts::of_diagonals(&left),
         ])
     }
 
     /// Takes all shifts away.
     pub fn clear(&mut self) {
-        for lines in &mut self.0 {
-            lines.shifts.by.fill(0.0);
-        }
+        self.0.iter_mut().for_each(LineShifts::clear);
     }
 
     /// All shifts \[m\], to be kept.
@@ -99,7 +97,7 @@ impl LineShifts {
     /// Whether the springs of the lattice can be shifted so.
     pub fn can_be(&self, lattice: &Lattice, kept: &[f32]) -> bool {
         let mut left = kept;
-        let all = self.0.iter().zip(Springs::of(lattice)).all(|(lines, springs)| {
+        let all = self.0.iter().zip(LineSprings::of(lattice)).all(|(lines, springs)| {
             let Some((own, others)) = left.split_at_checked(lines.shifts.by.len()) else {
                 return false;
             };
@@ -110,8 +108,8 @@ impl LineShifts {
     }
 }
 
-impl<'a> Springs<'a> {
-    /// Those of a lattice, in the order of [`LineShifts`].
+impl<'a> LineSprings<'a> {
+    /// Those of a lattice, in the order of [`SheetShifts`].
     pub fn of(lattice: &'a Lattice) -> [Self; 4] {
         let Lattice { weft_transposed: weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
         let factor = &*diagonal.compliance;
@@ -124,11 +122,11 @@ impl<'a> Springs<'a> {
     }
 }
 
-impl LinesShifts {
+impl LineShifts {
     /// Of threads, which are the columns of a layout. `first` is the slot of a thread's first particle.
     fn of_threads(layout: Layout, hops: Hops, first: impl Fn(usize) -> usize) -> Self {
         let places = layout.rows;
-        let bundle = |thread: usize| Bundle {
+        let bundle = |thread: usize| LineBundle {
             entry: thread * places,
             places,
             first: first(thread),
@@ -142,15 +140,20 @@ impl LinesShifts {
         let bundle = |bundle| {
             let first = diagonals.slot(bundle);
             let spring = first - diagonals.to_spring();
-            Bundle { entry: bundle.before, places: bundle.places, first, spring }
+            LineBundle { entry: bundle.before, places: bundle.places, first, spring }
         };
         let hops = Hops { line: 1, particle: hop, spring: hop };
         Self::new(diagonals.bundles.iter().map(bundle).collect(), hops)
     }
 
-    fn new(bundles: Vec<Bundle>, hops: Hops) -> Self {
+    fn new(bundles: Vec<LineBundle>, hops: Hops) -> Self {
         let entries = bundles.last().map_or(0, |last| last.entry + last.places * LANES);
         Self { shifts: Shifts::none(entries), bundles, hops }
+    }
+
+    /// Takes them away.
+    pub fn clear(&mut self) {
+        self.shifts.by.fill(0.0);
     }
 
     /// Numbers of springs, by entry.
@@ -171,7 +174,7 @@ impl LinesShifts {
     /// Shifts the springs by what they are too long at the end of a tick. Bundles are shared out between as many cores as `most`.
     pub fn shift<'a>(
         &'a mut self,
-        springs: Springs<'a>,
+        springs: LineSprings<'a>,
         shifting: Shifting,
         compliance: f32,
         x: &'a Soa,
@@ -259,11 +262,11 @@ impl ShiftsOfBundle for BundleShifts<'_> {
 
 /// Shifts the springs of lines that go one way, at the end of a tick.
 pub(crate) struct ShiftLines<'a> {
-    bundles: &'a [Bundle],
+    bundles: &'a [LineBundle],
     /// Bundles of a share at least.
     least: usize,
     hops: Hops,
-    springs: Springs<'a>,
+    springs: LineSprings<'a>,
     shifting: Shifting,
     /// Compliance in the last substep of a spring of shape factor one \[1/kg\].
     compliance: f32,
@@ -279,7 +282,7 @@ impl Kernel for ShiftLines<'_> {
     fn run(self) {
         let Self { bundles, hops, springs, shifting, compliance, x, mut by, multipliers, .. } =
             self;
-        for &Bundle { entry, places, first, spring } in bundles {
+        for &LineBundle { entry, places, first, spring } in bundles {
             let mut p = particles(x, first, hops.line);
             for place in 0..places - 1 {
                 let q = particles(x, first + (place + 1) * hops.particle, hops.line);

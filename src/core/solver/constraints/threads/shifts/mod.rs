@@ -7,8 +7,8 @@
 //! constraints without ever solving them exactly. Where a cloth is at rest its springs are then as long as their tensions say.
 //!
 //! Shifts follow a load late, and what follows late gives energy to what swings: as the springs that are shifted hardly
-//! stretch, less of it than drag takes, while shifts grow no faster than drag brakes. Without drag or air none grow. A shift
-//! that is not needed any more goes sooner than it came, so that a cloth that is let go does not contract.
+//! stretch, less of it than drag takes, while shifts grow no faster than drag brakes. Without drag or air none grow. Where a cloth touches
+//! nothing, a shift that is not needed any more goes sooner than it came: what is let go does not contract.
 //!
 //! | | springs |
 //! | --- | --- |
@@ -19,7 +19,7 @@ mod chains;
 mod lines;
 
 pub(crate) use chains::{ShiftSprings, are_good, no_shifts};
-pub(crate) use lines::{LineShifts, ShiftsMut, ShiftsOfBundle, Springs};
+pub(crate) use lines::{LineSprings, SheetShifts, ShiftsMut, ShiftsOfBundle};
 
 use crate::solver::settings::Material;
 use crate::solver::simd::block::{Block, Block3, larger, smaller};
@@ -32,7 +32,7 @@ const GROWTH: f32 = 1.0;
 /// which damps what they stretch, and friction stops the rest.
 const GROWTH_ON_COLLIDERS: f32 = 20.0;
 /// Rate at which shifts grow there at most, and at which those go that are too large \[1/s\]. With twice as much a mesh of few substeps
-/// trembles on a cone. Were they to go sooner than they come, what trembles would take away more than it gives, and creep.
+/// trembles on a cone. Were they to go many times sooner than they come, what trembles would take away more than it gives, and creep.
 const MOST_ON_COLLIDERS: f32 = 4.0;
 /// Rate at which shifts grow where the cloth carries bodies, for a rate of drag of one and substeps of one second, and a cloth that has next
 /// to all of the mass \[s\]. It goes with the square of the cloth's share of the mass: drag brakes both by that, and what threads leave to
@@ -44,7 +44,8 @@ const MOST_UNDER_BODIES: f32 = 0.25;
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
 const RELEASE: f32 = 20.0;
-/// The same where the cloth carries bodies. A swing of a body would take away more than it gives, if shifts went sooner than they came.
+/// The same where the cloth carries bodies. Were shifts to go many times sooner than they come, a swing of a body would take away more than
+/// it gives.
 const RELEASE_UNDER_BODIES: f32 = MOST_UNDER_BODIES;
 /// Part of an error that a tick makes up for at most.
 const MOST_OF_ERROR: f32 = 1.0 / 3.0;
@@ -76,8 +77,8 @@ pub(crate) enum Touches {
     Nothing,
     /// Colliders that it does not move.
     Colliders,
-    /// Bodies that it carries, or pulls at, and its own share of all the mass.
-    Bodies {
+    /// Bodies that it carries or pulls at, or what presses on it where it is pinned; and its own share of all the mass.
+    Carried {
         share: f32,
     },
 }
@@ -103,7 +104,7 @@ impl Shifting {
         let (growth, release) = match touches {
             Touches::Nothing => (GROWTH * drag, RELEASE),
             Touches::Colliders => (on_colliders, MOST_ON_COLLIDERS),
-            Touches::Bodies { share } => {
+            Touches::Carried { share } => {
                 let growth = GROWTH_UNDER_BODIES * share * share / substep;
                 let growth = smaller(growth, MOST_UNDER_BODIES);
                 (growth * drag, RELEASE_UNDER_BODIES)
