@@ -1,6 +1,6 @@
 //! Shifts of the springs of a sheet: of its weft and warp threads, and of its diagonals where these are solved whole.
 //!
-//! LineSprings stand as they are solved: bundle by bundle of [`LANES`] lines, and in each place by place.
+//! Springs stand as they are solved: bundle by bundle of [`LANES`] lines, and in each place by place.
 
 use super::{Row, Shifting, Shifts, are_within};
 use crate::solver::constraints::threads::bias::Diagonals;
@@ -13,7 +13,7 @@ use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{Soa, ValuesMut};
 use crate::solver::topology::lattice::Lattice;
 
-/// Largest shift, in rest lengths. With twice as much a sheet of few substeps trembles at the corners that it hangs from.
+/// Largest shift, in rest lengths. With three times as much a sheet of few substeps trembles at the corners that it hangs from.
 const MOST: f32 = 0.1;
 
 /// The shifts of all springs of a sheet: of weft, warp, and of the diagonals that go either way.
