@@ -163,6 +163,15 @@ impl Impulses {
         accounts.filter_map(of).reduce(|sum, mass| sum + mass)
     }
 
+    /// Whether the cloth has come near any body that it can move.
+    pub fn meet_bodies(&self) -> bool {
+        let is_body = |account: &Account| {
+            let can_move = |mobility: Mobility| mobility.inverse_mass > 0.0;
+            !account.rests() && account.mobility.is_some_and(can_move)
+        };
+        self.live.iter().any(|&place| self.colliders[place].as_ref().is_some_and(is_body))
+    }
+
     /// Whether any collider is measured.
     pub fn are_measured(&self) -> bool {
         !self.colliders.is_empty()

@@ -4,7 +4,7 @@ use crate::solver::ClothSolver;
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::tethers::PullTethers;
-use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, Shifting, Touches};
+use crate::solver::constraints::threads::shifts::{DRAG_OF_AIR, LEAST_SHARE, Shifting, Touches};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::contact::HoldOnto;
 use crate::solver::model::{Particles, Shearing, Stages};
@@ -15,9 +15,6 @@ use crate::solver::state::State;
 
 /// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
 const LOOK_EVERY: u32 = 4;
-/// Least share of its own weight in what a cloth carries at which the diagonals of a sheet are solved whole. Under heavier bodies it hangs
-/// hardly higher by that, and they swing for longer.
-const LEAST_SHARE: f32 = 0.05;
 /// Least acceleration of a body that a cloth carries \[m/s2\]. What it gives less to is as a collider that it does not move.
 const LEAST_ACCELERATION: f32 = 0.5;
 /// Passes of the strain limit at a tick's end at most, for each one of a substep.
@@ -116,11 +113,12 @@ impl ClothSolver {
         model.solve_threads(on, reach, ends_tick)
     }
 
-    /// Finds what the cloth carries in a tick that begins. A sheet that is pinned carries what presses on it, which has no mass.
+    /// Finds what the cloth carries in a tick that begins. A sheet that is pinned carries what presses on it as well, if
+    /// that is no body; it has no mass.
     pub(crate) fn begin_carrying(&mut self, tick: f32) {
         let contacts = &self.state.contacts;
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
-        let is_pressed = is_held && contacts.now.any;
+        let is_pressed = is_held && contacts.now.any && !contacts.impulses.meet_bodies();
         let of_bodies = contacts.impulses.carried_mass(LEAST_ACCELERATION * tick);
         let own = f64::from(self.topology.total_area() * self.material.area_density);
         let share = |others: f64| (own / (own + others)) as f32;

@@ -40,6 +40,9 @@ const MOST_ON_COLLIDERS: f32 = 4.0;
 const GROWTH_UNDER_BODIES: f32 = 5.6e-3;
 /// The same at most.
 const MOST_UNDER_BODIES: f32 = 0.25;
+/// Least share of its own weight in what a cloth carries at which shifts grow, and the diagonals of a sheet are solved whole. Under heavier
+/// bodies it hangs hardly higher by that, and they swing for longer.
+pub(crate) const LEAST_SHARE: f32 = 0.05;
 /// Rate of drag that air stands for \[1/s\]: the drag of light cotton at a quarter of a metre a second.
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
@@ -104,6 +107,7 @@ impl Shifting {
         let (growth, release) = match touches {
             Touches::Nothing => (GROWTH * drag, RELEASE),
             Touches::Colliders => (on_colliders, MOST_ON_COLLIDERS),
+            Touches::Carried { share } if share < LEAST_SHARE => (0.0, RELEASE_UNDER_BODIES),
             Touches::Carried { share } => {
                 let growth = GROWTH_UNDER_BODIES * share * share / substep;
                 let growth = smaller(growth, MOST_UNDER_BODIES);
