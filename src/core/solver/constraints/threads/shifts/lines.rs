@@ -211,6 +211,10 @@ pub(crate) struct BundleShifts<'a> {
 
 impl ShiftsMut<'_> {
     /// Those of a bundle whose shifts begin at an entry.
+    #[expect(
+        clippy::manual_map,
+        reason = "a closure that is not inlined keeps the baseline's instructions"
+    )]
     #[inline(always)]
     pub fn of_bundle(&mut self, entry: usize, places: usize) -> BundleShifts<'_> {
         let multipliers = match &mut self.multipliers {
