@@ -151,8 +151,7 @@ impl Impulses {
         }
     }
 
-    /// Mass of the bodies that the cloth is expected to change the speed of by more than `least` in the tick that begins, as it did in
-    /// the last one \[kg\]; `None` where there are none.
+    /// Mass of the bodies whose speed the cloth changed by more than `least` in the last tick \[kg\]; `None` where there are none.
     pub fn carried_mass(&self, least: f32) -> Option<f64> {
         let of = |account: &Account| {
             let Mobility { inverse_mass, .. } = account.mobility?;

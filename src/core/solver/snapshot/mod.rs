@@ -10,7 +10,7 @@ use bevy_math::Vec3;
 
 use crate::solver::ClothSolver;
 use crate::solver::constraints::soft_pins::SoftPin;
-use crate::solver::constraints::threads::shifts::{SheetShifts, are_good};
+use crate::solver::constraints::threads::shifts::{SheetShifts, Shifts};
 use crate::solver::contact::ActiveSet;
 use crate::solver::error::SolverError;
 use crate::solver::forces::aerodynamics::Air;
@@ -38,6 +38,8 @@ pub struct SolverState {
     start: Vec<Vec3>,
     last_step: f32,
     response: f32,
+    /// The cloth's share of the mass of itself and what it carried.
+    share: Option<f32>,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
     /// Shifts of springs \[m\], where any are shifted.
@@ -118,7 +120,7 @@ impl SolverState {
             Topology::Lattice(lattice) => {
                 SheetShifts::none(lattice.layout).can_be(lattice, &self.shifts)
             }
-            Topology::Graph(graph) => are_good(&self.shifts, &graph.chains),
+            Topology::Graph(graph) => Shifts::can_be(&graph.chains, &self.shifts),
         };
         good(shifts, "shifts")?;
         good(self.contacts.as_ref().is_none_or(|contacts| contacts.is_good(expected)), "contacts")?;
@@ -128,6 +130,8 @@ impl SolverState {
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
+        let is_share = |share: f32| (0.0..=1.0).contains(&share);
+        good(self.share.is_none_or(is_share), "share of the mass")?;
         good(self.tick > 0.0 && self.tick <= 1.0, "tick")?;
         good(self.pins.is_sorted_by(|a, b| a < b), "pins")?;
         good(self.soft.is_sorted_by(|(a, _), (b, _)| a.particle < b.particle), "soft pins")?;
@@ -185,8 +189,19 @@ impl ClothSolver {
             state,
             mark,
         } = self;
-        let State { origin, x, d, pull, carries, unit, start, last_step, response, contacts } =
-            state;
+        let State {
+            origin,
+            x,
+            d,
+            pull,
+            carries,
+            unit,
+            start,
+            last_step,
+            response,
+            share,
+            contacts,
+        } = state;
         let Mark { origin: mark_origin, x: mark } = mark;
         let by_particle = |soa: &Soa| by_particle(topology, soa);
         SolverState {
@@ -198,6 +213,7 @@ impl ClothSolver {
             start: by_particle(start),
             last_step: *last_step,
             response: *response,
+            share: *share,
             pull: carries.then(|| by_particle(pull)),
             shifts: model.stages().shifts(),
             contacts: SavedContacts::of(topology, contacts),
@@ -241,6 +257,7 @@ impl ClothSolver {
             start,
             last_step,
             response,
+            share,
             pull,
             shifts,
             contacts,
@@ -285,6 +302,7 @@ impl ClothSolver {
             start: by_slot(start),
             last_step: *last_step,
             response: *response,
+            share: *share,
             contacts: ActiveSet::new(topology.layout().len()),
         };
         if let Some(contacts) = contacts {

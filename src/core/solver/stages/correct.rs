@@ -94,7 +94,7 @@ impl ClothSolver {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
             let ends_tick = self.ends_tick();
-            let whole = self.workspace.share.is_some_and(|share| share >= LEAST_SHARE);
+            let whole = self.state.share.is_some_and(|share| share >= LEAST_SHARE);
             let (model, on) = self.model_and_particles();
             model.correct_shear(on, reach, Shearing { ends_tick, whole });
         }
@@ -113,16 +113,21 @@ impl ClothSolver {
         model.solve_threads(on, reach, ends_tick)
     }
 
-    /// Finds what the cloth carries in a tick that begins. A sheet that is pinned carries what presses on it as well, if
-    /// that is no body; it has no mass.
+    /// Finds what share of the mass of itself and what it carries is the cloth's own in a tick that begins. It has none where it has met bodies
+    /// that it does not carry at present: they may be in the air, and come back. A body that falls asleep is one no
+    /// more, and is carried as before. A sheet that is pinned carries what presses on it as well, which has no mass.
     pub(crate) fn begin_carrying(&mut self, tick: f32) {
         let contacts = &self.state.contacts;
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
-        let is_pressed = is_held && contacts.now.any && !contacts.impulses.meet_bodies();
-        let of_bodies = contacts.impulses.carried_mass(LEAST_ACCELERATION * tick);
-        let own = f64::from(self.topology.total_area() * self.material.area_density);
-        let share = |others: f64| (own / (own + others)) as f32;
-        self.workspace.share = of_bodies.or(is_pressed.then_some(0.0)).map(share);
+        self.state.share = match contacts.impulses.carried_mass(LEAST_ACCELERATION * tick) {
+            Some(others) => {
+                let own = f64::from(self.topology.total_area() * self.material.area_density);
+                Some((own / (own + others)) as f32)
+            }
+            None if contacts.impulses.meet_bodies() => Some(0.0),
+            None if !contacts.now.any => None,
+            None => self.state.share.filter(|share| *share > 0.0).or(is_held.then_some(1.0)),
+        };
     }
 
     /// Whether this substep is the last of a tick.
@@ -133,8 +138,11 @@ impl ClothSolver {
     /// Ends a tick: shifts springs by what threads leave them too long (`constraints::threads::shifts`). None grows where threads do not
     /// come near enough to their solution to be carried on.
     pub(crate) fn shift_springs(&mut self) {
-        if self.plan.stretching != Stretching::ImplicitThreads || self.plan.thread_stiffness <= 0.0
-        {
+        let is_woven =
+            self.plan.stretching == Stretching::ImplicitThreads && self.plan.thread_stiffness > 0.0;
+        let is_overloaded =
+            self.state.share.is_some_and(|share| share > 0.0 && share < LEAST_SHARE);
+        if !is_woven || is_overloaded {
             self.model.stages_mut().set_shifts(&[]);
             return;
         }
@@ -159,9 +167,9 @@ impl ClothSolver {
         model.shift_springs(on, shifting);
     }
 
-    /// What the cloth touches, for its shifts.
+    /// Tells shifts what the cloth touches.
     fn touches(&self) -> Touches {
-        if let Some(share) = self.workspace.share {
+        if let Some(share) = self.state.share {
             Touches::Carried { share }
         } else if self.state.contacts.now.any || self.rests_on_layers() {
             Touches::Colliders

@@ -39,6 +39,9 @@ pub(crate) struct State {
     /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
     /// substep, less what drag takes. Corrections with a compliance answer forces through it.
     pub response: f32,
+    /// The cloth's share of the mass of itself and what it carries in the last tick; `None` where it carries nothing, and has met no
+    /// body.
+    pub share: Option<f32>,
     /// Particles that lay on colliders in the last substep.
     pub contacts: ActiveSet,
 }
@@ -67,6 +70,7 @@ impl State {
             x,
             last_step: 0.0,
             response: 0.0,
+            share: None,
             contacts: ActiveSet::new(layout.len()),
         }
     }
@@ -99,8 +103,6 @@ pub(crate) struct Workspace {
     pub study: Option<ExplicitWorkspace>,
     /// How corrections are carried on in this tick, if they are.
     pub filter: Option<Filter>,
-    /// The cloth's share of the mass of itself and what it carries in this tick; `None` where it carries nothing.
-    pub share: Option<f32>,
     /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
     pub looked: Option<u32>,
     /// The memory of contact within a tick.
@@ -114,7 +116,6 @@ impl Workspace {
             a: Soa::zeros(layout.len()),
             study: None,
             filter: None,
-            share: None,
             looked: None,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }

@@ -9,9 +9,7 @@ use crate::solver::constraints::graph_strain_limit::{CorrectPairs, LargestStrain
 use crate::solver::constraints::strain_check::{Limit, Since};
 use crate::solver::constraints::strain_limit::Rule;
 use crate::solver::constraints::threads::chains::SolveChains;
-use crate::solver::constraints::threads::shifts::{
-    ShiftSprings, Shifting, Shifts, are_good, no_shifts,
-};
+use crate::solver::constraints::threads::shifts::{ShiftSprings, Shifting, Shifts};
 use crate::solver::constraints::threads::tridiagonal::Reach;
 use crate::solver::forces::graph_bending::{Coupled, Turn, Turned};
 use crate::solver::forces::graph_springs::{Damped, GatherDamping, GatherForces, Pulls, Target};
@@ -57,7 +55,7 @@ impl Mesh {
     pub fn new(graph: Arc<Graph>) -> Self {
         let stiffness = GraphStiffness::new(&graph, &vec![false; graph.layout.len()]);
         let workspace = MeshWorkspace::new(&graph);
-        let shifts = no_shifts(&graph.chains);
+        let shifts = Shifts::none_of_chains(&graph.chains);
         Self {
             graph,
             stiffness,
@@ -222,7 +220,7 @@ impl Stages for Mesh {
 
     fn set_shifts(&mut self, by: &[f32]) {
         let were_shifted = self.is_shifted;
-        self.is_shifted = are_good(by, &self.graph.chains);
+        self.is_shifted = Shifts::can_be(&self.graph.chains, by);
         if !(self.is_shifted || were_shifted) {
             return;
         }

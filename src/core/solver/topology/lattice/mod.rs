@@ -76,7 +76,7 @@ pub struct Lattice {
     pub(crate) crowd: f32,
     /// Area of cloth that a particle stands for \[m2\].
     pub(crate) area: Vec<f32>,
-    /// The same, of all particles together.
+    /// Area of cloth that all particles stand for \[m2\].
     pub(crate) total_area: f32,
     /// Area of cloth that a particle weighs as much as \[m2\].
     pub(crate) mass_area: Vec<f32>,

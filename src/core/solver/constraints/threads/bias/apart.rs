@@ -49,7 +49,6 @@ impl Kernel for SolveBiasApart<'_> {
                     OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }.solve(
                         &bias.law,
                         line,
-                        bundle,
                         &mut shifts,
                     );
                 }
@@ -58,7 +57,6 @@ impl Kernel for SolveBiasApart<'_> {
                     OnBias::<_, false> { strands, x: bias.x, normals: None, to }.solve(
                         &bias.law,
                         line,
-                        bundle,
                         &mut shifts,
                     );
                 }

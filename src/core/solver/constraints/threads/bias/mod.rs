@@ -2,7 +2,8 @@
 //!
 //! Where one pass over the cells (`constraints::shear`) cannot bear the stiffness asked for, it leaves a cloth softer than that: a
 //! substep's pass stands for no more than `k = 0.4 / (w h^2)`. Solved along whole diagonals, as threads are, springs bear many times
-//! that, the more the longer the waves of shear are. So they are where the cloth carries bodies.
+//! that, the more the longer the waves of shear are. They are solved so as well where the cloth carries
+//! anything.
 //!
 //! The diagonals are [`LANES`] side by side, like columns that move by one from row to row. Some of them begin later
 //! than others, or end earlier; there their lanes are in the padding between rows, where there are no springs.
@@ -59,7 +60,7 @@ pub(crate) struct Bundle {
 }
 
 impl Diagonals {
-    /// All of a lattice, those that go right and those that go left.
+    /// Finds the diagonals of a lattice: those that go right, and those that go left.
     pub fn both(layout: Layout) -> [Self; 2] {
         [Way::Right, Way::Left].map(|way| Self::new(layout, way))
     }
@@ -155,7 +156,6 @@ impl Kernel for SolveBias<'_> {
                     OnBias::<_, true> { strands, x: bias.x, normals: Some(normals), to }.solve(
                         &bias.law,
                         line,
-                        bundle,
                         &mut shifts,
                     );
                 }
@@ -164,7 +164,6 @@ impl Kernel for SolveBias<'_> {
                     OnBias::<_, false> { strands, x: bias.x, normals: None, to }.solve(
                         &bias.law,
                         line,
-                        bundle,
                         &mut shifts,
                     );
                 }
@@ -182,6 +181,7 @@ impl<'a> Bias<'a> {
             Way::Left => antidiagonal_rest,
         };
         Strands {
+            entry: bundle.before,
             places: bundle.places,
             first: self.diagonals.slot(bundle),
             hop: self.diagonals.hop(),
@@ -196,11 +196,13 @@ impl<'a> Bias<'a> {
 /// The springs of a bundle.
 #[derive(Clone, Copy)]
 struct Strands<'a> {
+    /// Where its shifts begin.
+    entry: usize,
     places: usize,
     /// The slot of the first lane of the first place, and slots from place to place.
     first: usize,
     hop: usize,
-    /// Slots from a spring to the particle that it goes on from: a cell's springs stand at its first corner.
+    /// Slots from a spring to the particle that it goes on from.
     to_spring: usize,
     inverse_mass: &'a [f32],
     rest: &'a [f32],
@@ -298,20 +300,14 @@ struct OnBias<'a, T, const TOUCH: bool> {
 
 impl<T: To, const TOUCH: bool> OnBias<'_, T, TOUCH> {
     #[inline(always)]
-    fn solve(
-        mut self,
-        law: &ShearLaw,
-        line: &mut Line,
-        bundle: &Bundle,
-        shifts: &mut Option<ShiftsMut<'_>>,
-    ) {
-        let excess = &mut Block::splat(0.0);
+    fn solve(mut self, law: &ShearLaw, line: &mut Line, shifts: &mut Option<ShiftsMut<'_>>) {
+        let (strands, excess) = (self.strands, &mut Block::splat(0.0));
         match shifts {
             Some(shifts) => {
-                let shifts = shifts.of_bundle(bundle.before, bundle.places);
-                self.strands.solve(law, line, &mut self, excess, shifts);
+                let shifts = shifts.of_bundle(strands.entry, strands.places);
+                strands.solve(law, line, &mut self, excess, shifts);
             }
-            None => self.strands.solve(law, line, &mut self, excess, ()),
+            None => strands.solve(law, line, &mut self, excess, ()),
         }
     }
 }

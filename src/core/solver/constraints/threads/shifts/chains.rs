@@ -12,16 +12,18 @@ use crate::solver::topology::graph::domains::{Domain, DomainBand, Rounds, cut_be
 /// Largest shift, in rest lengths. Near a corner that bears the whole cloth, few substeps leave a quarter.
 const MOST: f32 = 0.3;
 
-/// No shifts, for the chains of each domain, round after round.
-pub(crate) fn no_shifts(chains: &Rounds<Chains>) -> Vec<Vec<Shifts>> {
-    let of_domain = |domain: &Domain<Chains>| Shifts::none(domain.work.slots.len());
-    chains.0.iter().map(|round| round.iter().map(of_domain).collect()).collect()
-}
+impl Shifts {
+    /// Makes the shifts of chains, all of them zero: for each domain, round after round.
+    pub fn none_of_chains(chains: &Rounds<Chains>) -> Vec<Vec<Self>> {
+        let of_domain = |domain: &Domain<Chains>| Self::none(domain.work.slots.len());
+        chains.0.iter().map(|round| round.iter().map(of_domain).collect()).collect()
+    }
 
-/// Whether the springs of some chains can be shifted so, by entry, domain after domain.
-pub(crate) fn are_good(by: &[f32], chains: &Rounds<Chains>) -> bool {
-    let rests = chains.iter().flat_map(|domain| domain.work.rest.iter().copied());
-    are_within(by, rests, MOST)
+    /// Whether the springs of some chains can be shifted so, by entry, domain after domain.
+    pub fn can_be(chains: &Rounds<Chains>, kept: &[f32]) -> bool {
+        let rests = chains.iter().flat_map(|domain| domain.work.rest.iter().copied());
+        are_within(kept, rests, MOST)
+    }
 }
 
 /// Shifts the springs of a round by what they are too long at the end of a tick.

@@ -56,7 +56,7 @@ pub(crate) struct LineSprings<'a> {
 }
 
 impl SheetShifts {
-    /// None.
+    /// Makes the shifts of a sheet, all of them zero.
     pub fn none(layout: Layout) -> Self {
         let [right, left] = Diagonals::both(layout);
         let transposed = layout.transposed();
@@ -75,7 +75,7 @@ impl SheetShifts {
         self.0.iter_mut().for_each(LineShifts::clear);
     }
 
-    /// All shifts \[m\], to be kept.
+    /// Collects all shifts, to be kept \[m\].
     pub fn kept(&self) -> Vec<f32> {
         self.0.iter().flat_map(|lines| lines.shifts.by.iter().copied()).collect()
     }
@@ -109,7 +109,7 @@ impl SheetShifts {
 }
 
 impl<'a> LineSprings<'a> {
-    /// Those of a lattice, in the order of [`SheetShifts`].
+    /// Springs of a lattice, in the order of [`SheetShifts`].
     pub fn of(lattice: &'a Lattice) -> [Self; 4] {
         let Lattice { weft_transposed: weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
         let factor = &*diagonal.compliance;
@@ -123,7 +123,7 @@ impl<'a> LineSprings<'a> {
 }
 
 impl LineShifts {
-    /// Of threads, which are the columns of a layout. `first` is the slot of a thread's first particle.
+    /// Makes the shifts of threads, which are the columns of a layout. `first` is the slot of a thread's first particle.
     fn of_threads(layout: Layout, hops: Hops, first: impl Fn(usize) -> usize) -> Self {
         let places = layout.rows;
         let bundle = |thread: usize| LineBundle {
@@ -151,7 +151,7 @@ impl LineShifts {
         Self { shifts: Shifts::none(entries), bundles, hops }
     }
 
-    /// Takes them away.
+    /// Takes all shifts away.
     pub fn clear(&mut self) {
         self.shifts.by.fill(0.0);
     }
@@ -165,7 +165,7 @@ impl LineShifts {
         rows.flat_map(|first| springs[first..first + LANES].iter().copied())
     }
 
-    /// What a solve of the lines reads, and what it notes if it does.
+    /// Lends the shifts to a solve of the lines, and the multipliers where it `notes` them.
     pub fn in_solve(&mut self, notes: bool) -> ShiftsMut<'_> {
         let Shifts { by, multipliers } = &mut self.shifts;
         ShiftsMut { by, multipliers: notes.then(|| ValuesMut::all(multipliers)) }
@@ -203,14 +203,14 @@ pub(crate) struct ShiftsMut<'a> {
     multipliers: Option<ValuesMut<'a>>,
 }
 
-/// The same, of a bundle.
+/// Shifts and multipliers of a bundle.
 pub(crate) struct BundleShifts<'a> {
     by: Blocks<'a>,
     multipliers: Option<BlocksMut<'a>>,
 }
 
 impl ShiftsMut<'_> {
-    /// Those of a bundle whose shifts begin at an entry.
+    /// Shifts of a bundle that begin at an entry.
     #[expect(
         clippy::manual_map,
         reason = "a closure that is not inlined keeps the baseline's instructions"

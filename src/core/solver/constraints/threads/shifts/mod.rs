@@ -18,7 +18,7 @@
 mod chains;
 mod lines;
 
-pub(crate) use chains::{ShiftSprings, are_good, no_shifts};
+pub(crate) use chains::ShiftSprings;
 pub(crate) use lines::{LineSprings, SheetShifts, ShiftsMut, ShiftsOfBundle};
 
 use crate::solver::settings::Material;
@@ -38,16 +38,16 @@ const MOST_ON_COLLIDERS: f32 = 4.0;
 /// to all of the mass \[s\]. It goes with the square of the cloth's share of the mass: drag brakes both by that, and what threads leave to
 /// do is the more, the more a body weighs.
 const GROWTH_UNDER_BODIES: f32 = 5.6e-3;
-/// The same at most.
+/// Rate at which shifts grow there at most, for a rate of drag of one \[1/s\].
 const MOST_UNDER_BODIES: f32 = 0.25;
-/// Least share of its own weight in what a cloth carries at which shifts grow, and the diagonals of a sheet are solved whole. Under heavier
-/// bodies it hangs hardly higher by that, and they swing for longer.
+/// Least share of its own weight in what a cloth carries at which springs are shifted, and the diagonals of a sheet are solved whole. Under
+/// heavier bodies it hangs hardly higher by that, and they swing for longer.
 pub(crate) const LEAST_SHARE: f32 = 0.05;
 /// Rate of drag that air stands for \[1/s\]: the drag of light cotton at a quarter of a metre a second.
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
 const RELEASE: f32 = 20.0;
-/// The same where the cloth carries bodies. Were shifts to go many times sooner than they come, a swing of a body would take away more than
+/// Rate at which shifts go that are too large where the cloth carries bodies \[1/s\]. Were they to go many times sooner than they come, a swing of a body would take away more than
 /// it gives.
 const RELEASE_UNDER_BODIES: f32 = MOST_UNDER_BODIES;
 /// Part of an error that a tick makes up for at most.
@@ -68,19 +68,19 @@ pub(crate) struct Shifts {
 }
 
 impl Shifts {
-    /// None, of so many springs.
+    /// Makes shifts of so many springs, all of them zero.
     pub fn none(springs: usize) -> Self {
         Self { by: Array::zeros(springs), multipliers: Array::zeros(springs) }
     }
 }
 
-/// What a cloth touches whose springs are shifted.
+/// Kinds of things that a cloth touches, as far as its shifts differ by them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Touches {
     Nothing,
     /// Colliders that it does not move.
     Colliders,
-    /// Bodies that it carries or pulls at, or what presses on it where it is pinned; and its own share of all the mass.
+    /// Bodies that it has met, or what presses on it where it is pinned; and its share of the mass of itself and what it carries of them.
     Carried {
         share: f32,
     },
@@ -118,7 +118,7 @@ impl Shifting {
         Self { grows: part(growth), goes: part(release), left: LEFT * substep, most_strain }
     }
 
-    /// The same, of shifts that do not grow.
+    /// Keeps shifts from growing.
     pub fn without_growth(self) -> Self {
         Self { grows: 0.0, ..self }
     }
@@ -143,7 +143,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Their shifts after a tick, for those before.
+    /// Shifts after a tick, for those before.
     #[inline(always)]
     fn shifted(&self, mut by: Block, shifting: Shifting) -> Block {
         let Self { ends: [p, q], rest, factor, multipliers, compliance, most } = self;
