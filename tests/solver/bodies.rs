@@ -198,63 +198,37 @@ fn a_ball_that_is_told_afterwards_is_thrown() {
     assert!(gain > 0.5 || low < -4.0, "it is carried as well: {low} m, gain {gain}");
 }
 
-#[test]
-fn a_ball_rests_where_the_cloth_bears_its_weight() {
+/// Where a ball comes to rest that is laid on a hammock.
+fn rests_at(mass: f32, substeps: u32, stretch_method: StretchMethod) -> f32 {
+    let substeps = Substeps::Fixed(substeps);
+    let (mut cloth, pins) = hammock();
+    cloth.set_settings(Settings { substeps, stretch_method, ..Settings::default() }).unwrap();
+    let calm = bevy_drape::solver::Material { drag: 2.0, ..*cloth.material() };
+    cloth.set_material(calm).unwrap();
     let gravity = Vec3::NEG_Y * GRAVITY;
-    // A heavy one comes to where it is borne but slowly.
-    for (mass, within) in [(0.2_f32, 5e-3), (1.0, 5e-3), (3.0, 3e-2)] {
-        let Dropped { low, high, .. } = drop_onto_hammock(mass, true, Isa::detect(), 64.0);
-        let rests = 0.5 * (low + high);
-        // Held there, a little lower and a little higher.
-        let borne = |height: f32| {
-            let (mut cloth, pins) = hammock();
-            let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
-            let shape = Sphere::new(RADIUS);
-            let at = |tick: i32| height + (0.4 - 0.002 * tick as f32).max(0.0);
-            let mut force = 0.0;
-            for tick in 0..640 {
-                let pose = |tick| Pose::from_translation(Vec3::Y * at(tick));
-                let ball = Collider::new(&shape, pose(tick)).moving_to(pose(tick + 1)).measured();
-                cloth.tick(&StepInput { colliders: &[ball], ..input }).unwrap();
-                if tick >= 576 {
-                    force += cloth.impulse(0).linear.y;
-                }
-            }
-            force / GRAVITY
-        };
-        let [least, most] = [within, -5e-3].map(|by| borne(rests + by));
-        println!("{mass} kg at {rests} m: the cloth bears {least} to {most} kg");
-        assert!(least < mass && mass < most, "{mass} kg: {least} to {most}");
+    let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+    let mut ball = Body::ball(mass, Vec3::Y * (RADIUS + 0.006));
+    let mut mean = 0.0;
+    for tick in 0..384 {
+        ball.tick(&mut cloth, &Sphere::new(RADIUS), &input);
+        mean += if tick >= 320 { ball.place.y / 64.0 } else { 0.0 };
     }
+    mean
 }
 
-/// Truth: explicit springs of many substeps. A pass over the cells would leave shear so soft that the balls hang 70 and 90 mm too low.
+/// Truth: explicit springs of many substeps, which 800 move by less than a millimetre. Were the cloth to move as if it weighed no more than it does, balls of 3 and
+/// 10 kg would hang 3 and 10 cm too low; were a pass over the cells to hold shear, those of 1 kg 7 cm.
 #[test]
-fn few_substeps_bear_a_ball_where_many_do() {
-    let rests = |mass: f32, substeps: u32, stretch_method: StretchMethod| {
-        let substeps = Substeps::Fixed(substeps);
-        let (mut cloth, pins) = hammock();
-        let settings = Settings { substeps, stretch_method, ..Settings::default() };
-        cloth.set_settings(settings).unwrap();
-        let calm = bevy_drape::solver::Material { drag: 2.0, ..*cloth.material() };
-        cloth.set_material(calm).unwrap();
-        let gravity = Vec3::NEG_Y * GRAVITY;
-        let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
-        let mut ball = Body::ball(mass, Vec3::Y * (RADIUS + 0.006));
-        let mut mean = 0.0;
-        for tick in 0..384 {
-            ball.tick(&mut cloth, &Sphere::new(RADIUS), &input);
-            mean += if tick >= 320 { ball.place.y / 64.0 } else { 0.0 };
-        }
-        mean
-    };
-    for (mass, within) in [(0.05, [6e-3, 1.5e-3]), (0.2, [1e-2, 1.5e-3]), (1.0, [3.6e-2, 5e-3])] {
-        let many = rests(mass, 200, StretchMethod::ExplicitSprings);
-        for (substeps, within) in [8, 20].into_iter().zip(within) {
-            let few = rests(mass, substeps, StretchMethod::ImplicitThreads);
-            println!("{mass} kg: at {few} m with {substeps} substeps, at {many} m with many");
-            assert!((few - many).abs() < within, "{mass} kg, {substeps}: {few} for {many}");
-        }
+fn balls_rest_where_springs_of_many_substeps_bear_them() {
+    let of_few = [(0.05, 6e-3), (0.2, 1e-2), (1.0, 2e-2), (3.0, 2.5e-2), (10.0, 5e-2)];
+    for (mass, within) in of_few {
+        let many = rests_at(mass, 200, StretchMethod::ExplicitSprings);
+        let Dropped { low, high, .. } = drop_onto_hammock(mass, true, Isa::detect(), 64.0);
+        let (dropped, few) =
+            (0.5 * (low + high), rests_at(mass, 8, StretchMethod::ImplicitThreads));
+        println!("{mass} kg: {many} m with many substeps, {dropped} with 20, {few} with 8");
+        assert!((dropped - many).abs() < 5e-3, "{mass} kg: {dropped} for {many}");
+        assert!((few - many).abs() < within, "{mass} kg, 8: {few} for {many}");
     }
 }
 

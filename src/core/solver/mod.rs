@@ -313,7 +313,7 @@ impl ClothSolver {
         let particle = self.topology.total_area() * self.material.area_density
             / self.topology.particle_count() as f32;
         self.state.contacts.begin_tick(input.colliders, self.state.origin, particle);
-        self.begin_carrying(input.dt);
+        self.begin_carrying(input);
         self.begin_pulling(input);
         self.workspace.looked = None;
         self.done = 0;

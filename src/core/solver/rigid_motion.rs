@@ -12,6 +12,7 @@ use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
+use crate::solver::state::carrying::Carrying;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -208,6 +209,7 @@ impl ClothSolver {
     pub(crate) fn come_to_rest(&mut self) {
         self.stop_filtering();
         self.model.stages_mut().set_shifts(&[]);
+        self.state.carrying = Carrying::NOTHING;
         self.stop();
     }
 

@@ -20,6 +20,8 @@ pub(crate) struct Pins {
     pub inverse_mass: Array,
     /// Inverse masses in the transposed layout of a lattice.
     pub inverse_mass_transposed: Array,
+    /// What the particles move as if they weighed, over what they do (`state::carrying`).
+    pub mass_scale: f32,
     /// Mass of the cloth, for each metre of its width \[kg/m\].
     pub hung: f32,
     /// Tethers to the pins.
@@ -34,6 +36,7 @@ impl Pins {
         let transposed = topology.as_lattice().map_or(0, |_| layout.transposed().len());
         Self {
             tethers: TetherSet::build(topology, &slots),
+            mass_scale: 1.0,
             hung: 0.0,
             particles,
             places: vec![Vec3::ZERO; slots.len()],
@@ -56,10 +59,23 @@ impl Pins {
         let layout = topology.layout();
         let mass = layout.slots().map(|slot| topology.area(slot) * density).sum::<f32>();
         self.hung = mass / topology.total_area().sqrt();
-        let held = self.mask(layout);
         for slot in layout.slots() {
-            let w = 1.0 / (topology.area(slot) * density);
-            self.inverse_mass[slot] = if held[slot] { 0.0 } else { w };
+            self.inverse_mass[slot] = 1.0;
+        }
+        for &slot in &self.slots {
+            self.inverse_mass[slot] = 0.0;
+        }
+        self.scale_mass(topology, density, 1.0);
+    }
+
+    /// Sets the masses that particles move as if they had for an area density \[kg/m2\]: `scale` times their own.
+    pub fn scale_mass(&mut self, topology: &Topology, density: f32, scale: f32) {
+        self.mass_scale = scale;
+        let layout = topology.layout();
+        for slot in layout.slots() {
+            if self.inverse_mass[slot] > 0.0 {
+                self.inverse_mass[slot] = 1.0 / (topology.area(slot) * density * scale);
+            }
         }
         if topology.as_lattice().is_some() {
             let transposed = layout.transposed();

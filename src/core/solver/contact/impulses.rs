@@ -27,6 +27,14 @@ pub(crate) struct Impulses {
     live: Vec<usize>,
 }
 
+/// A body that the cloth carries.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CarriedBody {
+    pub collider: usize,
+    /// Its mass \[kg\].
+    pub mass: f64,
+}
+
 /// Momentum that a collider is given at a place in a substep, times the substep \[kg m\].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Share {
@@ -151,15 +159,16 @@ impl Impulses {
         }
     }
 
-    /// Mass of the bodies whose speed the cloth changed by more than `least` in the last tick \[kg\]; `None` where there are none.
-    pub fn carried_mass(&self, least: f32) -> Option<f64> {
-        let of = |account: &Account| {
+    /// The bodies that the cloth is expected to change the speed of by more than `least` \[m/s\] in the direction `up` in a tick, as it did in the
+    /// last one.
+    pub fn carried(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
+        self.live.iter().filter_map(move |&collider| {
+            let account = self.account(collider)?;
             let Mobility { inverse_mass, .. } = account.mobility?;
-            let speed = account.coupling.expected.linear.length() * inverse_mass;
-            (speed > least && !account.passed).then(|| 1.0 / f64::from(inverse_mass))
-        };
-        let accounts = self.live.iter().filter_map(|&place| self.colliders[place].as_ref());
-        accounts.filter_map(of).reduce(|sum, mass| sum + mass)
+            let speed = account.coupling.expected.linear.dot(up) * inverse_mass;
+            let is_carried = speed > least && !account.passed;
+            is_carried.then(|| CarriedBody { collider, mass: 1.0 / f64::from(inverse_mass) })
+        })
     }
 
     /// Whether the cloth has come near any body that it can move.
@@ -254,7 +263,7 @@ impl Impulses {
 
     /// Where a place of a body is at part `to` of the tick that is planned to be at `place` then, at the end of a substep of length
     /// `step` \[m\].
-    pub fn carried(&self, collider: usize, place: Vec3, to: f32, step: f32) -> Vec3 {
+    pub fn led(&self, collider: usize, place: Vec3, to: f32, step: f32) -> Vec3 {
         self.expected_to_carry(collider, place, [to, to], step)
     }
 

@@ -26,7 +26,8 @@
 //! first order there, and so is a mesh that is so stiff that one pass over its chains of edges leaves too much to do.
 //!
 //! A mesh that lies on colliders carries on a third, and is of first order: its chains leave more to do than threads, and contact
-//! follows with a delay.
+//! follows with a delay. So is what carries heavy bodies (`state::carrying`): of second order, a sheet whose strain limit bears them
+//! swings for ever.
 
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{PartMut, Soa};
@@ -49,9 +50,9 @@ impl Filter {
     /// That of a mesh, whose chains leave much to the next substep. With 0.5 some of 48 x 48 vertices shake themselves, with 0.55 none
     /// did of those that were measured.
     pub const OF_CHAINS: Self = Self::of_second_order(0.6);
-    /// That of a mesh on colliders, of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
-    /// stretches while it moves; of those that kept 0.4 more trembled.
-    pub const OF_CHAINS_ON_COLLIDERS: Self =
+    /// Of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
+    /// stretches while it moves; of those on colliders that kept 0.4 more trembled.
+    pub const OF_FIRST_ORDER: Self =
         Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
 
     /// The filter of second order that keeps a part: the forces that it sums up are a substep old in the mean, as the acceleration is

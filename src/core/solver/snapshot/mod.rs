@@ -20,6 +20,7 @@ use crate::solver::settings::is_near;
 use crate::solver::simd::soa::Soa;
 use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::snapshot::layers::SavedLayers;
+use crate::solver::state::carrying::Carrying;
 use crate::solver::state::State;
 use crate::solver::topology::Topology;
 
@@ -38,8 +39,7 @@ pub struct SolverState {
     start: Vec<Vec3>,
     last_step: f32,
     response: f32,
-    /// The cloth's share of the mass of itself and what it carried.
-    share: Option<f32>,
+    carrying: Carrying,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
     /// Shifts of springs \[m\], where any are shifted.
@@ -130,8 +130,7 @@ impl SolverState {
         good(self.unit > 0.0 && self.unit <= 1.0, "unit of time")?;
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
-        let is_share = |share: f32| (0.0..=1.0).contains(&share);
-        good(self.share.is_none_or(is_share), "share of the mass")?;
+        good(self.carrying.is_good(), "mass that it carries")?;
         good(self.tick > 0.0 && self.tick <= 1.0, "tick")?;
         good(self.pins.is_sorted_by(|a, b| a < b), "pins")?;
         good(self.soft.is_sorted_by(|(a, _), (b, _)| a.particle < b.particle), "soft pins")?;
@@ -199,7 +198,7 @@ impl ClothSolver {
             start,
             last_step,
             response,
-            share,
+            carrying,
             contacts,
         } = state;
         let Mark { origin: mark_origin, x: mark } = mark;
@@ -213,7 +212,7 @@ impl ClothSolver {
             start: by_particle(start),
             last_step: *last_step,
             response: *response,
-            share: *share,
+            carrying: *carrying,
             pull: carries.then(|| by_particle(pull)),
             shifts: model.stages().shifts(),
             contacts: SavedContacts::of(topology, contacts),
@@ -257,7 +256,7 @@ impl ClothSolver {
             start,
             last_step,
             response,
-            share,
+            carrying,
             pull,
             shifts,
             contacts,
@@ -302,7 +301,7 @@ impl ClothSolver {
             start: by_slot(start),
             last_step: *last_step,
             response: *response,
-            share: *share,
+            carrying: *carrying,
             contacts: ActiveSet::new(topology.layout().len()),
         };
         if let Some(contacts) = contacts {

@@ -15,8 +15,6 @@ use crate::solver::state::State;
 
 /// Substeps after which all springs of a mesh are held to their limit, not only those that were near it.
 const LOOK_EVERY: u32 = 4;
-/// Least acceleration of a body that a cloth carries \[m/s2\]. What it gives less to is as a collider that it does not move.
-const LEAST_ACCELERATION: f32 = 0.5;
 /// Passes of the strain limit at a tick's end at most, for each one of a substep.
 pub(crate) const PASSES_AT_END: u32 = 20;
 
@@ -94,7 +92,7 @@ impl ClothSolver {
             let compliance = 1.0 / (stiffness * self.correction_response());
             let reach = Reach { compliance, limit: self.limit(), steady: self.steady };
             let ends_tick = self.ends_tick();
-            let whole = self.state.share.is_some_and(|share| share >= LEAST_SHARE);
+            let whole = self.state.carrying.share.is_some_and(|share| share >= LEAST_SHARE);
             let (model, on) = self.model_and_particles();
             model.correct_shear(on, reach, Shearing { ends_tick, whole });
         }
@@ -113,23 +111,6 @@ impl ClothSolver {
         model.solve_threads(on, reach, ends_tick)
     }
 
-    /// Finds what share of the mass of itself and what it carries is the cloth's own in a tick that begins. It has none where it has met bodies
-    /// that it does not carry at present: they may be in the air, and come back. A body that falls asleep is one no
-    /// more, and is carried as before. A sheet that is pinned carries what presses on it as well, which has no mass.
-    pub(crate) fn begin_carrying(&mut self, tick: f32) {
-        let contacts = &self.state.contacts;
-        let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
-        self.state.share = match contacts.impulses.carried_mass(LEAST_ACCELERATION * tick) {
-            Some(others) => {
-                let own = f64::from(self.topology.total_area() * self.material.area_density);
-                Some((own / (own + others)) as f32)
-            }
-            None if contacts.impulses.meet_bodies() => Some(0.0),
-            None if !contacts.now.any => None,
-            None => self.state.share.filter(|share| *share > 0.0).or(is_held.then_some(1.0)),
-        };
-    }
-
     /// Whether this substep is the last of a tick.
     fn ends_tick(&self) -> bool {
         self.done + 1 == self.plan.substeps
@@ -141,7 +122,7 @@ impl ClothSolver {
         let is_woven =
             self.plan.stretching == Stretching::ImplicitThreads && self.plan.thread_stiffness > 0.0;
         let is_overloaded =
-            self.state.share.is_some_and(|share| share > 0.0 && share < LEAST_SHARE);
+            self.state.carrying.share.is_some_and(|share| share > 0.0 && share < LEAST_SHARE);
         if !is_woven || is_overloaded {
             self.model.stages_mut().set_shifts(&[]);
             return;
@@ -157,7 +138,8 @@ impl ClothSolver {
         };
         let touches = self.touches();
         let Plan { tick, step, .. } = self.plan;
-        let shifting = Shifting::new([tick, step], drag, touches, self.material.max_strain);
+        let limit = self.material.max_strain;
+        let shifting = Shifting::new([tick, step], drag, touches, leaves_much, limit);
         // Threads that leave little have come near enough on colliders, and what lies there is to lie still.
         let shifting = match touches {
             Touches::Colliders if !leaves_much => shifting.without_growth(),
@@ -169,7 +151,7 @@ impl ClothSolver {
 
     /// Tells shifts what the cloth touches.
     fn touches(&self) -> Touches {
-        if let Some(share) = self.state.share {
+        if let Some(share) = self.state.carrying.share {
             Touches::Carried { share }
         } else if self.state.contacts.now.any || self.rests_on_layers() {
             Touches::Colliders

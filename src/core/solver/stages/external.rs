@@ -53,7 +53,10 @@ impl ClothSolver {
         // What a particle that feels the whole push is accelerated by, or how its velocity changes.
         let whole = match with {
             PushWith::Velocity(velocity) => velocity,
-            PushWith::Force(vector) | PushWith::Impulse(vector) => vector * (1.0 / mass) as f32,
+            PushWith::Force(vector) => vector * (1.0 / mass) as f32,
+            PushWith::Impulse(vector) => {
+                vector * (1.0 / (mass * f64::from(self.pins.mass_scale))) as f32
+            }
         };
         match with {
             PushWith::Force(force) => {

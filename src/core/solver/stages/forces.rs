@@ -27,13 +27,13 @@ impl ClothSolver {
 
     /// Accelerations where the particles are.
     pub(crate) fn accelerate(&mut self, input: &StepInput<'_>) {
-        let half_kick = self.half_kick();
+        let (half_kick, gravity) = (self.half_kick(), self.gravity(input));
         let Self { model, isa, bands, pins, state, workspace, .. } = self;
         let acting = Acting {
             plan: &self.plan,
             damping_form: self.material.damping_form,
             half_kick,
-            gravity: input.gravity,
+            gravity,
             pushes: self.pushes.as_deref(),
         };
         let on = Particles { isa: *isa, bands, pins, state };
@@ -67,12 +67,13 @@ impl ClothSolver {
 
     /// Drag and lift, on top of all other accelerations.
     pub(crate) fn add_air(&mut self) {
+        let area_density = self.inertia();
         let Some(surface) = &mut self.air else { return };
         let state = &self.state;
         let push = Push {
             kick: 0.5 * (state.last_step + self.plan.step),
             unit: state.unit,
-            area_density: self.material.area_density,
+            area_density,
             inverse_mass: &self.pins.inverse_mass,
             x: &state.x,
             d: &state.d,

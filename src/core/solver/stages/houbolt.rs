@@ -15,7 +15,9 @@ impl ClothSolver {
             && self.settings.integrator == Integrator::Verlet
             && self.survey.max_strain <= MOST_STRAIN;
         let touches = self.state.contacts.now.any;
-        self.workspace.filter = if carries { self.model.stages().filter(touches) } else { None };
+        let usual = if carries { self.model.stages().filter(touches) } else { None };
+        let is_loaded = self.state.carrying.mass_scale > 1.0;
+        self.workspace.filter = usual.map(|it| if is_loaded { Filter::OF_FIRST_ORDER } else { it });
         self.state.carries &= self.workspace.filter.is_some();
     }
 

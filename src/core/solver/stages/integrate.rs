@@ -29,7 +29,7 @@ impl ClothSolver {
         let acceleration = if self.has_forces() {
             Acceleration::Each(&self.workspace.a)
         } else {
-            Acceleration::Uniform(input.gravity)
+            Acceleration::Uniform(self.gravity(input))
         };
         // From the middle of the last substep to the middle of this one.
         let kick = Kick::new(self.drag(), 0.5 * (self.state.last_step + plan.step));

@@ -4,12 +4,13 @@
 //! | --- | --- | --- |
 //! | 1 | `forces` | `external`, `bending_friction` |
 //! | 2 | `integrate` | `houbolt`, `explicit` |
-//! | 3 | `correct` | `cloth_contact`, `skin`, `soft_pins`, `pulling` |
+//! | 3 | `correct` | `carrying`, `cloth_contact`, `skin`, `soft_pins`, `pulling` |
 //! | 4 | `collide` | `worn` |
 //!
 //! The parts of stages that differ between a sheet and a mesh are in `model`.
 
 mod bending_friction;
+mod carrying;
 mod cloth_contact;
 mod collide;
 mod correct;

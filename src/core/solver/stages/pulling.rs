@@ -46,7 +46,7 @@ impl ClothSolver {
         for spring in &mut self.soft {
             spring.body = None;
         }
-        let hard = self.pins.slots.len();
+        let (hard, density) = (self.pins.slots.len(), self.inertia());
         let impulses = &mut self.state.contacts.impulses;
         for &PinPull { pin, body } in input.pulls {
             let Some(collider) = impulses.of_body(body) else { continue };
@@ -62,7 +62,7 @@ impl ClothSolver {
                 continue;
             }
             let slot = self.pins.slots[pin as usize];
-            let own = 1.0 / (self.topology.area(slot) * self.material.area_density);
+            let own = 1.0 / (self.topology.area(slot) * density);
             let none = Vec3::ZERO;
             let (inverse_mass, planned, before, threads) = (0.0, none, none, none);
             let pulling = Pulling { slot, collider, own, inverse_mass, planned, before, threads };
@@ -82,7 +82,7 @@ impl ClothSolver {
         let (to, step) = (self.span().to, self.plan.step);
         let State { x, d, contacts, .. } = &mut self.state;
         for &Pulling { slot, collider, planned, .. } in &self.pulling {
-            let place = contacts.impulses.carried(collider, planned, to, step);
+            let place = contacts.impulses.led(collider, planned, to, step);
             d.set(slot, place - x.get(slot));
         }
     }

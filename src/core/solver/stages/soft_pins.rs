@@ -73,7 +73,7 @@ impl ClothSolver {
             if let Some(body) = &mut spring.body {
                 let (impulses, collider) = (&state.contacts.impulses, body.collider);
                 let from = start + way * span.from;
-                let before = impulses.carried(collider, from, span.from, 0.0);
+                let before = impulses.led(collider, from, span.from, 0.0);
                 let span = [span.from, span.to];
                 target = impulses.expected_to_carry(collider, target, span, h);
                 moved = target - before;

@@ -1,5 +1,6 @@
 //! The state of one cloth, positions and displacements, and the workspace of its stages.
 
+pub(crate) mod carrying;
 pub(crate) mod measure;
 
 use bevy_math::Vec3;
@@ -10,6 +11,7 @@ use crate::solver::integrate::houbolt::Filter;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::Band;
 use crate::solver::simd::soa::Soa;
+use crate::solver::state::carrying::Carrying;
 use crate::solver::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -39,9 +41,7 @@ pub(crate) struct State {
     /// Displacement in the substep that an acceleration of one makes \[s2\]: the square of the
     /// substep, less what drag takes. Corrections with a compliance answer forces through it.
     pub response: f32,
-    /// The cloth's share of the mass of itself and what it carries in the last tick; `None` where it carries nothing, and has met no
-    /// body.
-    pub share: Option<f32>,
+    pub carrying: Carrying,
     /// Particles that lay on colliders in the last substep.
     pub contacts: ActiveSet,
 }
@@ -70,7 +70,7 @@ impl State {
             x,
             last_step: 0.0,
             response: 0.0,
-            share: None,
+            carrying: Carrying::NOTHING,
             contacts: ActiveSet::new(layout.len()),
         }
     }

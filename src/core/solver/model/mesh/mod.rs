@@ -153,7 +153,7 @@ impl Stages for Mesh {
     }
 
     fn filter(&self, touches: bool) -> Option<Filter> {
-        let filter = if touches { Filter::OF_CHAINS_ON_COLLIDERS } else { Filter::OF_CHAINS };
+        let filter = if touches { Filter::OF_FIRST_ORDER } else { Filter::OF_CHAINS };
         self.is_solved_enough.then_some(filter)
     }
 

@@ -38,8 +38,11 @@ const MOST_ON_COLLIDERS: f32 = 4.0;
 /// to all of the mass \[s\]. It goes with the square of the cloth's share of the mass: drag brakes both by that, and what threads leave to
 /// do is the more, the more a body weighs.
 const GROWTH_UNDER_BODIES: f32 = 5.6e-3;
-/// Rate at which shifts grow there at most, for a rate of drag of one \[1/s\].
-const MOST_UNDER_BODIES: f32 = 0.25;
+/// Rate at which shifts grow there at most, for a rate of drag of one, and at which those go that are too large \[1/s\]. Were they to go many
+/// times sooner than they come, a swing of a body would take away more than it gives.
+const MOST_UNDER_BODIES: f32 = 0.75;
+/// The same rate of the shifts of a mesh, whose chains leave more to do \[1/s\].
+const MOST_OF_CHAINS_UNDER_BODIES: f32 = 0.25;
 /// Least share of its own weight in what a cloth carries at which springs are shifted, and the diagonals of a sheet are solved whole. Under
 /// heavier bodies it hangs hardly higher by that, and they swing for longer.
 pub(crate) const LEAST_SHARE: f32 = 0.05;
@@ -47,9 +50,6 @@ pub(crate) const LEAST_SHARE: f32 = 0.05;
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
 /// Rate at which shifts that are too large go \[1/s\].
 const RELEASE: f32 = 20.0;
-/// Rate at which shifts go that are too large where the cloth carries bodies \[1/s\]. Were they to go many times sooner than they come, a swing of a body would take away more than
-/// it gives.
-const RELEASE_UNDER_BODIES: f32 = MOST_UNDER_BODIES;
 /// Part of an error that a tick makes up for at most.
 const MOST_OF_ERROR: f32 = 1.0 / 3.0;
 /// Strain for a substep of one second that is left as it is \[1/s\]. What lies on a collider would slide on for ever to make up for the last
@@ -102,16 +102,23 @@ pub(crate) struct Shifting {
 impl Shifting {
     /// Shifts change so in a tick of such substeps \[s\], under a rate of drag \[1/s\]. Where that is zero, shifts that are too large go,
     /// and none grow.
-    pub fn new([tick, substep]: [f32; 2], drag: f32, touches: Touches, most_strain: f32) -> Self {
+    pub fn new(
+        [tick, substep]: [f32; 2],
+        drag: f32,
+        touches: Touches,
+        is_of_chains: bool,
+        most_strain: f32,
+    ) -> Self {
+        let under_bodies =
+            if is_of_chains { MOST_OF_CHAINS_UNDER_BODIES } else { MOST_UNDER_BODIES };
         let on_colliders = smaller(GROWTH_ON_COLLIDERS * drag, MOST_ON_COLLIDERS);
         let (growth, release) = match touches {
             Touches::Nothing => (GROWTH * drag, RELEASE),
             Touches::Colliders => (on_colliders, MOST_ON_COLLIDERS),
-            Touches::Carried { share } if share < LEAST_SHARE => (0.0, RELEASE_UNDER_BODIES),
+            Touches::Carried { share } if share < LEAST_SHARE => (0.0, under_bodies),
             Touches::Carried { share } => {
                 let growth = GROWTH_UNDER_BODIES * share * share / substep;
-                let growth = smaller(growth, MOST_UNDER_BODIES);
-                (growth * drag, RELEASE_UNDER_BODIES)
+                (smaller(growth, under_bodies) * drag, under_bodies)
             }
         };
         let part = |rate: f32| smaller(rate * tick, MOST_OF_ERROR);

@@ -1,0 +1,101 @@
+//! What a cloth carries in a tick, and what follows for its inertia (`state::carrying`).
+
+use bevy_math::Vec3;
+
+use crate::solver::ClothSolver;
+use crate::solver::contact::Collider;
+use crate::solver::input::StepInput;
+use crate::solver::state::carrying::{Burden, Known, Load};
+
+/// Least upward acceleration that a cloth gives a body which it carries \[m/s2\]. What it gives less to is as a collider that it does not
+/// move.
+const LEAST_ACCELERATION: f32 = 0.1;
+/// Strain beyond which a cloth is not given more mass to move with, over its limit. It would contract, and throw up what it
+/// carries.
+const MOST_STRETCHED: f32 = 2.0;
+
+impl ClothSolver {
+    /// Finds what the cloth carries in a tick that begins, and has it move as if it had the mass for that.
+    pub(crate) fn begin_carrying(&mut self, input: &StepInput<'_>) {
+        let (load, hangs) = (self.load(input), self.hangs(input));
+        let is_stretched = self.survey.max_strain > MOST_STRETCHED * self.material.max_strain;
+        self.state.carrying.follow(load, hangs, is_stretched, input.dt);
+        let scale = self.state.carrying.mass_scale;
+        if scale > self.pins.mass_scale {
+            self.take_up_mass(self.pins.mass_scale / scale, input);
+        }
+        if scale != self.pins.mass_scale {
+            self.pins.scale_mass(&self.topology, self.material.area_density, scale);
+        }
+    }
+
+    /// Slows the cloth as mass does that it takes up, and that was at rest between its pins: it keeps `part` of its velocity.
+    /// Its momentum stays, and its energy does not grow.
+    fn take_up_mass(&mut self, part: f32, input: &StepInput<'_>) {
+        let way: Vec3 = input.pins.iter().map(|pin| pin.end - pin.start).sum();
+        let ways = input.pins.len() as f32 * input.dt;
+        let rest = way * (self.state.unit / ways.max(f32::MIN_POSITIVE));
+        for slot in self.topology.layout().slots() {
+            let d = self.state.d.get(slot);
+            self.state.d.set(slot, rest + (d - rest) * part);
+        }
+    }
+
+    /// What the cloth carries. A sheet that is pinned carries what presses on it as well, even if that is no body.
+    fn load(&self, input: &StepInput<'_>) -> Load {
+        let contacts = &self.state.contacts;
+        let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
+        match self.burden(input) {
+            Some(burden) => Load::Bodies(burden),
+            None if contacts.impulses.meet_bodies() => Load::Met,
+            None if !contacts.now.any => Load::None,
+            None if self.lies_as_before(input) => Load::AsBefore,
+            None if is_held => Load::Pressed,
+            None => Load::None,
+        }
+    }
+
+    /// The bodies that the cloth carries, if there are any.
+    fn burden(&self, input: &StepInput<'_>) -> Option<Burden> {
+        let own = f64::from(self.topology.total_area() * self.material.area_density);
+        let up = -input.gravity.normalize_or_zero();
+        let bodies = || self.state.contacts.impulses.carried(up, LEAST_ACCELERATION * input.dt);
+        let heaviest = bodies().max_by(|a, b| a.mass.total_cmp(&b.mass))?;
+        let Collider { key, body, .. } = input.colliders[heaviest.collider];
+        let mass = bodies().map(|body| body.mass).sum::<f64>() / own;
+        Some(Burden { mass, heaviest: Known { key, body } })
+    }
+
+    /// Whether the heaviest body that it carried lies on it still.
+    fn lies_as_before(&self, input: &StepInput<'_>) -> bool {
+        let carrying = &self.state.carrying;
+        let Known { key, body } = carrying.heaviest;
+        let is_it = |collider: &Collider<'_>| {
+            collider.key == key || body != 0 && collider.body == body
+        };
+        let lies_on = |slot: usize| {
+            let contacts = &self.state.contacts;
+            let holder = input.colliders.get(contacts.holder[slot] as usize);
+            contacts.now.normal.get(slot) != Vec3::ZERO && holder.is_some_and(is_it)
+        };
+        carrying.share.is_some_and(|share| share > 0.0)
+            && self.topology.layout().slots().any(lies_on)
+    }
+
+    /// Whether any pin holds the cloth to what it does not move.
+    fn hangs(&self, input: &StepInput<'_>) -> bool {
+        let impulses = &self.state.contacts.impulses;
+        let pulls = input.pulls.iter().filter(|pull| impulses.of_body(pull.body).is_some());
+        self.pins.slots.len() + self.soft.len() > pulls.count()
+    }
+
+    /// Mass that a square metre of the cloth moves as if it had \[kg/m2\].
+    pub(crate) fn inertia(&self) -> f32 {
+        self.material.area_density * self.pins.mass_scale
+    }
+
+    /// What its weight accelerates the cloth by, whatever it moves as if it weighed \[m/s2\].
+    pub(crate) fn gravity(&self, input: &StepInput<'_>) -> Vec3 {
+        input.gravity / self.pins.mass_scale
+    }
+}
