@@ -336,6 +336,7 @@ impl ClothSolver {
         self.make_room_for_study();
         self.plan_ticks(self.plan.tick);
         self.tethered_under = None;
+        self.scale_mass();
     }
 
     /// Sets the tethers' bounds for a load \[m/s2\], or leaves that to the next tick.

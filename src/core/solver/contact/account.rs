@@ -5,6 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::contact::coupling::Coupling;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
+use crate::solver::simd::block::{larger, smaller};
 
 /// What a collider is given in a tick.
 #[derive(Clone, Copy, Debug)]
@@ -68,9 +69,13 @@ impl Account {
     }
 
     /// The angular momentum that it lacks when the tick ends, and it has gone to its place. The impulse that was expected has been
-    /// given to the engine's body where its way begins.
-    pub fn lacking(&self) -> Vec3 {
-        self.late + (self.ways[1] - self.ways[0]).cross(self.coupling.expected.linear)
+    /// given to the engine's body where its way begins; there its weight acts as well, for the engine. What bears that lacks nothing.
+    pub fn lacking(&self, falls: Vec3) -> Vec3 {
+        let (way, expected) = (self.ways[1] - self.ways[0], self.coupling.expected.linear);
+        let weight = self.mobility.map_or(0.0, |it| falls.length() / it.inverse_mass);
+        let up = -falls.normalize_or_zero();
+        let borne = larger(smaller(expected.dot(up), weight), 0.0);
+        self.late + way.cross(expected - up * (0.5 * borne))
     }
 
     /// Whether nothing is left of what the cloth has done to it.

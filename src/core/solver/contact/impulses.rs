@@ -25,6 +25,9 @@ pub(crate) struct Impulses {
     by_body: Vec<(u64, usize)>,
     /// Colliders in whose accounts anything is, or comes to be. There may be many more that are far away.
     live: Vec<usize>,
+    /// Where cloth and bodies are to keep their angular momentum: the velocity that bodies fall by in a tick, as their engine has it \[m/s\].
+    /// `None` where pins hold the cloth, and take of it what they like; what made up for the rest would be a spin from nothing.
+    pub kept: Option<Vec3>,
 }
 
 /// A body that the cloth carries.
@@ -147,9 +150,10 @@ impl Impulses {
             let Some(account) = &mut self.colliders[place] else { continue };
             account.drop_what_is_no_number();
             let Account { given, deviation, .. } = *account;
+            let lacking = self.kept.map_or(Vec3::ZERO, |falls| account.lacking(falls));
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
-                    let (lacking, is_pinned) = (account.lacking(), account.pins > 0);
+                    let is_pinned = account.pins > 0;
                     let coupling = &mut account.coupling;
                     let answer = coupling.end_tick(given, &deviation, inverse_mass, is_pinned);
                     Impulse { angular: answer.angular + lacking, ..answer }

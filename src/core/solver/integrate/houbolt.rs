@@ -52,8 +52,7 @@ impl Filter {
     pub const OF_CHAINS: Self = Self::of_second_order(0.6);
     /// Of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
     /// stretches while it moves; of those on colliders that kept 0.4 more trembled.
-    pub const OF_FIRST_ORDER: Self =
-        Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
+    pub const OF_FIRST_ORDER: Self = Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
 
     /// The filter of second order that keeps a part: the forces that it sums up are a substep old in the mean, as the acceleration is
     /// that it stands for.

@@ -20,8 +20,8 @@ use crate::solver::settings::is_near;
 use crate::solver::simd::soa::Soa;
 use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::snapshot::layers::SavedLayers;
-use crate::solver::state::carrying::Carrying;
 use crate::solver::state::State;
+use crate::solver::state::carrying::Carrying;
 use crate::solver::topology::Topology;
 
 /// The state of a solver between two ticks: places, velocities, pins, and whatever else its later bits depend
@@ -311,6 +311,7 @@ impl ClothSolver {
         self.pushes = pushes.as_ref().map(|(forces, strength)| {
             Box::new(Pushes { forces: by_slot(forces), strength: *strength })
         });
+        self.scale_mass();
         self.survey_anew();
         Ok(())
     }

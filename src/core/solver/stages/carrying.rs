@@ -20,10 +20,17 @@ impl ClothSolver {
         let (load, hangs) = (self.load(input), self.hangs(input));
         let is_stretched = self.survey.max_strain > MOST_STRETCHED * self.material.max_strain;
         self.state.carrying.follow(load, hangs, is_stretched, input.dt);
+        self.state.contacts.impulses.kept = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
         if scale > self.pins.mass_scale {
             self.take_up_mass(self.pins.mass_scale / scale, input);
         }
+        self.scale_mass();
+    }
+
+    /// Has particles move as if they had the mass that what the cloth carries asks for.
+    pub(crate) fn scale_mass(&mut self) {
+        let scale = self.state.carrying.mass_scale;
         if scale != self.pins.mass_scale {
             self.pins.scale_mass(&self.topology, self.material.area_density, scale);
         }
@@ -68,18 +75,15 @@ impl ClothSolver {
 
     /// Whether the heaviest body that it carried lies on it still.
     fn lies_as_before(&self, input: &StepInput<'_>) -> bool {
-        let carrying = &self.state.carrying;
-        let Known { key, body } = carrying.heaviest;
-        let is_it = |collider: &Collider<'_>| {
-            collider.key == key || body != 0 && collider.body == body
-        };
+        let Some(Known { key, body }) = self.state.carrying.heaviest else { return false };
+        let is_it =
+            |collider: &Collider<'_>| collider.key == key || body != 0 && collider.body == body;
         let lies_on = |slot: usize| {
             let contacts = &self.state.contacts;
             let holder = input.colliders.get(contacts.holder[slot] as usize);
             contacts.now.normal.get(slot) != Vec3::ZERO && holder.is_some_and(is_it)
         };
-        carrying.share.is_some_and(|share| share > 0.0)
-            && self.topology.layout().slots().any(lies_on)
+        self.topology.layout().slots().any(lies_on)
     }
 
     /// Whether any pin holds the cloth to what it does not move.

@@ -127,6 +127,10 @@ impl ClothSolver {
             self.model.stages_mut().set_shifts(&[]);
             return;
         }
+        if self.state.carrying.rests {
+            // A body that sleeps is nothing that springs could lift.
+            return;
+        }
         let leaves_much = self.model.stages().leaves_much();
         let drag = match &self.air {
             _ if self.workspace.filter.is_none() => 0.0,

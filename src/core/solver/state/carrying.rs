@@ -24,8 +24,10 @@ pub(crate) struct Carrying {
     pub share: Option<f32>,
     /// Mass that the cloth moves as if it had, over its own: 1 or more.
     pub mass_scale: f32,
-    /// The heaviest body that it carried.
-    pub heaviest: Known,
+    /// The heaviest body that it carries or carried, if any.
+    pub heaviest: Option<Known>,
+    /// Whether all that it carries is asleep.
+    pub rests: bool,
 }
 
 /// What a body is known by from tick to tick: the key of a collider, and of the body that has it.
@@ -59,8 +61,7 @@ pub(crate) struct Burden {
 }
 
 impl Carrying {
-    pub const NOTHING: Self =
-        Self { share: None, mass_scale: 1.0, heaviest: Known { key: 0, body: 0 } };
+    pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: None, rests: false };
 
     /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from something is scaled; and if it `is_stretched`
     /// beyond what it is held to, it takes up no more mass: it would contract, and throw up what it carries.
@@ -72,13 +73,17 @@ impl Carrying {
             false if hangs => self.scale_on_the_way_to(target, tick),
             false => target,
         };
+        self.rests = load == Load::AsBefore;
         self.share = match load {
             Load::None => None,
             Load::Met => Some(0.0),
             Load::AsBefore => self.share,
-            Load::Pressed => Some(1.0),
+            Load::Pressed => {
+                self.heaviest = None;
+                Some(1.0)
+            }
             Load::Bodies(Burden { mass, heaviest }) => {
-                self.heaviest = heaviest;
+                self.heaviest = Some(heaviest);
                 let own = f64::from(self.mass_scale);
                 Some((own / (own + mass)) as f32)
             }
