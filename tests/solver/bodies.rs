@@ -170,9 +170,9 @@ fn meshes_of_few_substeps_carry_them_as_well() {
             let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
             let mut ball = Body::ball(mass, Vec3::Y * (RADIUS + 0.006));
             let (mut low, mut high) = (f32::MAX, f32::MIN);
-            for tick in 0..960 {
+            for tick in 0..1920 {
                 ball.tick(&mut cloth, &Sphere::new(RADIUS), &input);
-                if tick >= 896 {
+                if tick >= 1856 {
                     (low, high) = (low.min(ball.place.y), high.max(ball.place.y));
                 }
             }
