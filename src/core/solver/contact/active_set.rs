@@ -29,6 +29,7 @@ use crate::solver::contact::keys::Keys;
 use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::lanes::LANES;
+use crate::solver::simd::layout::Layout;
 use crate::solver::simd::slots::CutAt;
 use crate::solver::simd::soa::{Array, Soa, ValuesMut};
 
@@ -195,6 +196,14 @@ impl ActiveSet {
             self.answering.clear();
             self.answering.reserve(self.now.blocks.len());
         }
+    }
+
+    /// Whether any particle, edge or face lies on such a collider.
+    pub fn touches(&self, layout: Layout, is_it: impl Fn(usize) -> bool) -> bool {
+        let lies = |slot: usize| {
+            self.now.normal.get(slot) != Vec3::ZERO && is_it(self.holder[slot] as usize)
+        };
+        layout.slots().any(lies) || self.edges.warm.iter().any(|edge| is_it(edge.collider as usize))
     }
 
     /// Forgets what the particle of a slot lies on.

@@ -54,10 +54,9 @@ impl ClothSolver {
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
         match self.burden(input) {
             Some(burden) => Load::Bodies(burden),
+            None if self.bears_one_that_sleeps(input) => Load::AsBefore,
             None if contacts.impulses.meet_bodies() => Load::Met,
-            None if !contacts.now.any => Load::None,
-            None if self.lies_as_before(input) => Load::AsBefore,
-            None if is_held => Load::Pressed,
+            None if is_held && contacts.now.any => Load::Pressed,
             None => Load::None,
         }
     }
@@ -73,17 +72,15 @@ impl ClothSolver {
         Some(Burden { mass, heaviest: Known { key, body } })
     }
 
-    /// Whether the heaviest body that it carried lies on it still.
-    fn lies_as_before(&self, input: &StepInput<'_>) -> bool {
+    /// Whether the heaviest body that it carried lies on it still, and sleeps.
+    fn bears_one_that_sleeps(&self, input: &StepInput<'_>) -> bool {
         let Some(Known { key, body }) = self.state.carrying.heaviest else { return false };
-        let is_it =
-            |collider: &Collider<'_>| collider.key == key || body != 0 && collider.body == body;
-        let lies_on = |slot: usize| {
-            let contacts = &self.state.contacts;
-            let holder = input.colliders.get(contacts.holder[slot] as usize);
-            contacts.now.normal.get(slot) != Vec3::ZERO && holder.is_some_and(is_it)
+        let is_it = |collider: usize| {
+            input.colliders.get(collider).is_some_and(|it| {
+                it.mobility.is_none() && (it.key == key || body != 0 && it.body == body)
+            })
         };
-        self.topology.layout().slots().any(lies_on)
+        self.state.contacts.touches(self.topology.layout(), is_it)
     }
 
     /// Whether any pin holds the cloth to what it does not move.
