@@ -17,9 +17,9 @@ const MOST_STRETCHED: f32 = 2.0;
 impl ClothSolver {
     /// Finds what the cloth carries in a tick that begins, and has it move as if it had the mass for that.
     pub(crate) fn begin_carrying(&mut self, input: &StepInput<'_>) {
-        let (load, hangs) = (self.load(input), self.hangs(input));
+        let (load, [hangs, pulls]) = (self.load(input), self.pinned(input));
         let is_stretched = self.survey.max_strain > MOST_STRETCHED * self.material.max_strain;
-        self.state.carrying.follow(load, hangs, is_stretched, input.dt);
+        self.state.carrying.follow(load, hangs && !pulls, is_stretched, input.dt);
         self.state.contacts.impulses.kept = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
         if scale > self.pins.mass_scale {
@@ -83,11 +83,12 @@ impl ClothSolver {
         self.state.contacts.touches(self.topology.layout(), is_it)
     }
 
-    /// Whether any pin holds the cloth to what it does not move.
-    fn hangs(&self, input: &StepInput<'_>) -> bool {
+    /// Whether pins hold the cloth to what it does not move, and whether any of them pulls at a body.
+    fn pinned(&self, input: &StepInput<'_>) -> [bool; 2] {
         let impulses = &self.state.contacts.impulses;
         let pulls = input.pulls.iter().filter(|pull| impulses.of_body(pull.body).is_some());
-        self.pins.slots.len() + self.soft.len() > pulls.count()
+        let (pins, pulls) = (self.pins.slots.len() + self.soft.len(), pulls.count());
+        [pins > pulls, pulls > 0]
     }
 
     /// Mass that a square metre of the cloth moves as if it had \[kg/m2\].

@@ -1,12 +1,13 @@
 //! What a cloth carries of rigid bodies, and the mass that it moves as if it had for that.
 //!
-//! A pass over the threads moves forces no further than the cloth's own inertia has them: under a body of many times its mass, a
-//! cloth yields in every substep by what its particles are pushed aside before their threads pull them back. A hammock of 0.2 kg hung 10 cm too low under 10 kg
-//! with 20 substeps, and 1 cm with 200. So a cloth that carries heavy bodies moves as if it had a part of their mass,
-//! and weighs no more than it does: mass scaling (Olovsson, Simonsson and Unosson 2005, *Selective mass scaling for explicit finite
-//! element analyses*). Where it comes to rest does not depend on that, and how it moves is up to the bodies.
+//! A pass over the threads moves forces no further than the cloth's own inertia has them. Under a body of many times its mass, a cloth yields in
+//! every substep by what its particles are pushed aside before their threads pull them back: with 20 substeps a hammock of 0.2 kg hung 10 cm
+//! too low under 10 kg, and with 200 1 cm. So a cloth that carries bodies moves as if it had a part of their mass beside its own, and weighs no
+//! more than it does: mass scaling (Olovsson, Simonsson and Unosson 2005, *Selective mass scaling for explicit finite element analyses*).
+//! Where it comes to rest does not depend on that, and how it moves is up to the bodies.
 //!
-//! Only cloth that hangs from something does so, as momentum is nothing that stays there.
+//! Only cloth that hangs from something does so, as momentum is nothing that stays there; and none whose pins pull at bodies: what such a
+//! body is given comes late, and mass that is hung on it would set it swinging.
 
 /// Part of the bodies' mass that a cloth moves as if it had.
 const PART: f64 = 0.5;
@@ -63,15 +64,17 @@ pub(crate) struct Burden {
 impl Carrying {
     pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: None, rests: false };
 
-    /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from something is scaled; and if it `is_stretched`
+    /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from what it does not move is scaled; and if it `is_stretched`
     /// beyond what it is held to, it takes up no more mass: it would contract, and throw up what it carries.
     pub fn follow(&mut self, load: Load, hangs: bool, is_stretched: bool, tick: f32) {
         let target = if hangs { self.scale_for(load) } else { 1.0 };
-        self.mass_scale = match target > self.mass_scale {
-            true if is_stretched => self.mass_scale,
-            true => target,
-            false if hangs => self.scale_on_the_way_to(target, tick),
-            false => target,
+        let grows = target > self.mass_scale;
+        self.mass_scale = if grows && is_stretched {
+            self.mass_scale
+        } else if grows || !hangs {
+            target
+        } else {
+            self.scale_on_the_way_to(target, tick)
         };
         self.rests = load == Load::AsBefore;
         self.share = match load {
