@@ -10,15 +10,14 @@ use crate::solver::state::carrying::{Burden, Known, Load};
 /// Least upward acceleration that a cloth gives a body which it carries \[m/s2\]. What it gives less to is as a collider that it does not
 /// move.
 const LEAST_ACCELERATION: f32 = 0.1;
-/// Strain beyond which a cloth is not given more mass to move with, over its limit. It would contract, and throw up what it
-/// carries.
-const MOST_STRETCHED: f32 = 2.0;
+/// Strain beyond its limit at which a cloth is not given more mass to move with. It would contract, and throw up what it carries.
+const MOST_BEYOND: f32 = 0.1;
 
 impl ClothSolver {
     /// Finds what the cloth carries in a tick that begins, and has it move as if it had the mass for that.
     pub(crate) fn begin_carrying(&mut self, input: &StepInput<'_>) {
         let (load, [hangs, pulls]) = (self.load(input), self.pinned(input));
-        let is_stretched = self.survey.max_strain > MOST_STRETCHED * self.material.max_strain;
+        let is_stretched = self.survey.max_strain > self.material.max_strain + MOST_BEYOND;
         self.state.carrying.follow(load, hangs && !pulls, is_stretched, input.dt);
         self.state.contacts.impulses.kept = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
@@ -36,8 +35,8 @@ impl ClothSolver {
         }
     }
 
-    /// Slows the cloth as mass does that it takes up, and that was at rest between its pins: it keeps `part` of its velocity.
-    /// Its momentum stays, and its energy does not grow.
+    /// Slows the cloth, which keeps `part` of its velocity as it takes up mass that was at rest between its pins. So its momentum
+    /// stays, and its energy does not grow.
     fn take_up_mass(&mut self, part: f32, input: &StepInput<'_>) {
         let way: Vec3 = input.pins.iter().map(|pin| pin.end - pin.start).sum();
         let ways = input.pins.len() as f32 * input.dt;

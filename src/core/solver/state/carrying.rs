@@ -78,7 +78,10 @@ impl Carrying {
         };
         self.rests = load == Load::AsBefore;
         self.share = match load {
-            Load::None => None,
+            Load::None => {
+                self.heaviest = None;
+                None
+            }
             Load::Met => Some(0.0),
             Load::AsBefore => self.share,
             Load::Pressed => {

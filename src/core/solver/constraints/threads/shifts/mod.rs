@@ -81,7 +81,8 @@ pub(crate) enum Touches {
     Nothing,
     /// Colliders that it does not move.
     Colliders,
-    /// Bodies that it has met, or what presses on it where it is pinned; and its share of the mass of itself and what it carries of them.
+    /// Bodies that it has met, or what presses on it where it is pinned; and the cloth's share of the mass that moves, its own and that of what it
+    /// carries of them.
     Carried {
         share: f32,
     },
