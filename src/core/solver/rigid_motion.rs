@@ -210,6 +210,7 @@ impl ClothSolver {
         self.stop_filtering();
         self.model.stages_mut().set_shifts(&[]);
         self.state.carrying = Carrying::NOTHING;
+        self.scale_mass();
         self.stop();
     }
 

@@ -133,6 +133,7 @@ impl ClothSolver {
         let _ = solver.set_self_collision(self.self_collision());
         let _ = solver.set_inter_collision(self.inter_collision());
         solver.plan_ticks(self.plan.tick);
+        solver.scale_mass();
         solver.survey_anew();
         Ok(solver)
     }

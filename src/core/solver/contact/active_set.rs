@@ -198,6 +198,11 @@ impl ActiveSet {
         }
     }
 
+    /// Whether nothing lies on any collider.
+    pub fn is_empty(&self) -> bool {
+        !self.now.any && self.edges.warm.is_empty()
+    }
+
     /// Whether any particle, edge or face lies on such a collider.
     pub fn touches(&self, layout: Layout, is_it: impl Fn(usize) -> bool) -> bool {
         let lies = |slot: usize| {

@@ -25,9 +25,9 @@ pub(crate) struct Impulses {
     by_body: Vec<(u64, usize)>,
     /// Colliders in whose accounts anything is, or comes to be. There may be many more that are far away.
     live: Vec<usize>,
-    /// Where cloth and bodies are to keep their angular momentum: the velocity that bodies fall by in a tick, as their engine has it \[m/s\].
-    /// `None` where pins hold the cloth, and take of it what they like; what made up for the rest would be a spin from nothing.
-    pub kept: Option<Vec3>,
+    /// Where cloth and bodies are to keep their angular momentum: the velocity that bodies fall by in a tick, as their engine has it
+    /// \[m/s\]. `None` where pins hold the cloth, and take of it what they like; what made up for the rest would be a spin from nothing.
+    pub falls: Option<Vec3>,
 }
 
 /// A body that the cloth carries.
@@ -150,7 +150,7 @@ impl Impulses {
             let Some(account) = &mut self.colliders[place] else { continue };
             account.drop_what_is_no_number();
             let Account { given, deviation, .. } = *account;
-            let lacking = self.kept.map_or(Vec3::ZERO, |falls| account.lacking(falls));
+            let lacking = self.falls.map_or(Vec3::ZERO, |falls| account.lacking(falls));
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
                     let is_pinned = account.pins > 0;
@@ -163,11 +163,11 @@ impl Impulses {
         }
     }
 
-    /// The bodies that the cloth is expected to change the speed of by more than `least` \[m/s\] in the direction `up` in a tick, as it did in the
-    /// last one.
+    /// Finds the bodies that the cloth is expected to change the speed of by more than `least` \[m/s\] in the direction `up` in a tick, as it
+    /// did in the last one.
     pub fn carried(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
         self.live.iter().filter_map(move |&collider| {
-            let account = self.account(collider)?;
+            let account = self.colliders[collider].as_ref()?;
             let Mobility { inverse_mass, .. } = account.mobility?;
             let speed = account.coupling.expected.linear.dot(up) * inverse_mass;
             let is_carried = speed > least && !account.passed;
@@ -271,7 +271,7 @@ impl Impulses {
         self.expected_to_carry(collider, place, [to, to], step)
     }
 
-    /// [`carried`](Self::carried) by what the cloth is expected to give the body in the substep, which begins at part `from`.
+    /// [`led`](Self::led) by what the cloth is expected to give the body in the substep, which begins at part `from`.
     pub fn expected_to_carry(
         &self,
         collider: usize,

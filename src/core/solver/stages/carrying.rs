@@ -5,7 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::ClothSolver;
 use crate::solver::contact::Collider;
 use crate::solver::input::StepInput;
-use crate::solver::state::carrying::{Burden, Known, Load};
+use crate::solver::state::carrying::{Burden, Carrying, Load};
 
 /// Least upward acceleration that a cloth gives a body which it carries \[m/s2\]. What it gives less to is as a collider that it does not
 /// move.
@@ -19,7 +19,7 @@ impl ClothSolver {
         let (load, [hangs, pulls]) = (self.load(input), self.pinned(input));
         let is_stretched = self.survey.max_strain > self.material.max_strain + MOST_BEYOND;
         self.state.carrying.follow(load, hangs && !pulls, is_stretched, input.dt);
-        self.state.contacts.impulses.kept = (!hangs).then_some(input.gravity * input.dt);
+        self.state.contacts.impulses.falls = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
         if scale > self.pins.mass_scale {
             self.take_up_mass(self.pins.mass_scale / scale, input);
@@ -52,34 +52,38 @@ impl ClothSolver {
         let contacts = &self.state.contacts;
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
         match self.burden(input) {
+            _ if self.bears_one_that_sleeps(input) => Load::AsBefore,
             Some(burden) => Load::Bodies(burden),
-            None if self.bears_one_that_sleeps(input) => Load::AsBefore,
             None if contacts.impulses.meet_bodies() => Load::Met,
             None if is_held && contacts.now.any => Load::Pressed,
             None => Load::None,
         }
     }
 
-    /// The bodies that the cloth carries, if there are any.
+    /// The bodies that the cloth carries, if there are any: lying on it, or hung from it.
     fn burden(&self, input: &StepInput<'_>) -> Option<Burden> {
+        let contacts = &self.state.contacts;
+        if contacts.is_empty() && input.pulls.is_empty() {
+            return None;
+        }
         let own = f64::from(self.topology.total_area() * self.material.area_density);
         let up = -input.gravity.normalize_or_zero();
-        let bodies = || self.state.contacts.impulses.carried(up, LEAST_ACCELERATION * input.dt);
+        let bodies = || contacts.impulses.carried(up, LEAST_ACCELERATION * input.dt);
         let heaviest = bodies().max_by(|a, b| a.mass.total_cmp(&b.mass))?;
-        let Collider { key, body, .. } = input.colliders[heaviest.collider];
         let mass = bodies().map(|body| body.mass).sum::<f64>() / own;
-        Some(Burden { mass, heaviest: Known { key, body } })
+        Some(Burden { mass, heaviest: input.colliders[heaviest.collider].body })
     }
 
-    /// Whether the heaviest body that it carried lies on it still, and sleeps.
+    /// Whether the heaviest body that it carried in the last tick lies on it still, and sleeps.
     fn bears_one_that_sleeps(&self, input: &StepInput<'_>) -> bool {
-        let Some(Known { key, body }) = self.state.carrying.heaviest else { return false };
-        let is_it = |collider: usize| {
-            input.colliders.get(collider).is_some_and(|it| {
-                it.mobility.is_none() && (it.key == key || body != 0 && it.body == body)
-            })
-        };
-        self.state.contacts.touches(self.topology.layout(), is_it)
+        let Carrying { share, heaviest, .. } = self.state.carrying;
+        let sleeps =
+            |it: &Collider<'_>| it.body == heaviest && it.measured && it.mobility.is_none();
+        let lies = |collider: usize| input.colliders.get(collider).is_some_and(sleeps);
+        let carried = heaviest != 0 && share.is_some_and(|share| share > 0.0);
+        carried
+            && input.colliders.iter().any(sleeps)
+            && self.state.contacts.touches(self.topology.layout(), lies)
     }
 
     /// Whether pins hold the cloth to what it does not move, and whether any of them pulls at a body.

@@ -136,7 +136,8 @@ impl ClothSolver {
             _ if self.workspace.filter.is_none() => 0.0,
             // Pins further apart than a sheet reaches would have it tremble.
             _ if !leaves_much && !self.can_end_within_limit() => 0.0,
-            Some(surface) if surface.air.density > 0.0 => DRAG_OF_AIR,
+            // Air brakes the cloth as it weighs, whatever it moves as if it did.
+            Some(surface) if surface.air.density > 0.0 => DRAG_OF_AIR / self.pins.mass_scale,
             Some(_) => 0.0,
             None => self.material.drag,
         };

@@ -20,23 +20,15 @@ const MOST: f64 = 1e4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Carrying {
-    /// The cloth's share of the mass that moves, its own and that of what it carries, in the last tick; `None` where it carries nothing,
-    /// and has met no body.
+    /// The cloth's share of the mass that moves in the last tick: what it moves as if it had, and what it carries. `None` where it carries
+    /// nothing, and has met no body.
     pub share: Option<f32>,
     /// Mass that the cloth moves as if it had, over its own: 1 or more.
     pub mass_scale: f32,
-    /// The heaviest body that it carries or carried, if any.
-    pub heaviest: Option<Known>,
+    /// The heaviest body that it carries or carried, by the key that its colliders have in common; 0 for none that has one.
+    pub heaviest: u64,
     /// Whether all that it carries is asleep.
     pub rests: bool,
-}
-
-/// What a body is known by from tick to tick: the key of a collider, and of the body that has it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Known {
-    pub key: u64,
-    pub body: u64,
 }
 
 /// What a cloth is found to carry in a tick.
@@ -46,7 +38,7 @@ pub(crate) enum Load {
     None,
     /// Nothing at present: bodies that it has met may be in the air, and come back.
     Met,
-    /// What it carried before, and has under its cloth still: a body that falls asleep is one no more.
+    /// What it carried before: the heaviest body lies on it, and sleeps. One that sleeps is no body to it.
     AsBefore,
     /// What has no mass of its own, and presses on cloth that is held.
     Pressed,
@@ -58,14 +50,14 @@ pub(crate) enum Load {
 pub(crate) struct Burden {
     /// Their mass, over the cloth's.
     pub mass: f64,
-    pub heaviest: Known,
+    pub heaviest: u64,
 }
 
 impl Carrying {
-    pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: None, rests: false };
+    pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: 0, rests: false };
 
-    /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from what it does not move is scaled; and if it `is_stretched`
-    /// beyond what it is held to, it takes up no more mass: it would contract, and throw up what it carries.
+    /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from what it does not move is scaled. If it
+    /// `is_stretched` far beyond its limit, it takes up no more mass: it would contract, and throw up what it carries.
     pub fn follow(&mut self, load: Load, hangs: bool, is_stretched: bool, tick: f32) {
         let target = if hangs { self.scale_for(load) } else { 1.0 };
         let grows = target > self.mass_scale;
@@ -78,21 +70,19 @@ impl Carrying {
         };
         self.rests = load == Load::AsBefore;
         self.share = match load {
-            Load::None => {
-                self.heaviest = None;
-                None
-            }
+            Load::None => None,
             Load::Met => Some(0.0),
             Load::AsBefore => self.share,
-            Load::Pressed => {
-                self.heaviest = None;
-                Some(1.0)
-            }
-            Load::Bodies(Burden { mass, heaviest }) => {
-                self.heaviest = Some(heaviest);
+            Load::Pressed => Some(1.0),
+            Load::Bodies(Burden { mass, .. }) => {
                 let own = f64::from(self.mass_scale);
                 Some((own / (own + mass)) as f32)
             }
+        };
+        self.heaviest = match load {
+            Load::Bodies(Burden { heaviest, .. }) => heaviest,
+            Load::AsBefore => self.heaviest,
+            Load::None | Load::Met | Load::Pressed => 0,
         };
     }
 

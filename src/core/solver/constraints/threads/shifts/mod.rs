@@ -44,8 +44,8 @@ const MOST_UNDER_BODIES: f32 = 0.75;
 /// The same rates of the shifts of a mesh, whose chains leave more to do. With twice the growth, light bodies come to swing within half a
 /// minute, with eight substeps.
 const OF_CHAINS_UNDER_BODIES: [f32; 2] = [5e-4, 0.25];
-/// Least share of its own weight in what a cloth carries at which springs are shifted, and the diagonals of a sheet are solved whole. Under
-/// heavier bodies it hangs hardly higher by that, and they swing for longer.
+/// Least share of the mass that moves which a cloth has or moves as if it had (`state::carrying`), at which springs are shifted and the
+/// diagonals of a sheet are solved whole. One of less hangs hardly higher by that, and what it carries swings for longer.
 pub(crate) const LEAST_SHARE: f32 = 0.05;
 /// Rate of drag that air stands for \[1/s\]: the drag of light cotton at a quarter of a metre a second.
 pub(crate) const DRAG_OF_AIR: f32 = Material::USUAL.drag;
