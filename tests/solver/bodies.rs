@@ -393,6 +393,22 @@ fn a_fine_hammock_takes_the_energy_of_a_heavy_ball() {
     check_at_most("top of a bounce [m]", f64::from(top), 0.25);
 }
 
+/// What no cloth could bear stretches it far before it is found to be borne. Were the cloth then to move as if it had a part of that mass, it would
+/// contract, and throw a ton up by a metre.
+#[test]
+fn a_ton_is_not_thrown_up() {
+    let (mut cloth, pins) = hammock();
+    let gravity = Vec3::NEG_Y * GRAVITY;
+    let input = StepInput { dt: 1.0 / 64.0, gravity, pins: &pins, ..StepInput::default() };
+    let mut ball = Body::ball(1000.0, Vec3::Y * (RADIUS + 0.006));
+    let mut top = f32::MIN;
+    for tick in 0..128 {
+        ball.tick(&mut cloth, &Sphere::new(RADIUS), &input);
+        top = if tick > 32 { top.max(ball.place.y) } else { top };
+    }
+    check_at_most("top after half a second [m]", f64::from(top), f64::from(RADIUS));
+}
+
 /// What a cloth carries, and moves as if it weighed for that, is saved with it.
 #[test]
 fn a_loaded_hammock_goes_on_to_the_bit_when_it_is_restored() {
