@@ -20,7 +20,7 @@ pub(crate) struct Pins {
     pub inverse_mass: Array,
     /// Inverse masses in the transposed layout of a lattice.
     pub inverse_mass_transposed: Array,
-    /// What the particles move as if they weighed, over what they do (`state::carrying`).
+    /// Mass that particles move as if they had, over their own (`state::carrying`).
     pub mass_scale: f32,
     /// Mass of the cloth, for each metre of its width \[kg/m\].
     pub hung: f32,

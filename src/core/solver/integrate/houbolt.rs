@@ -50,7 +50,7 @@ impl Filter {
     /// That of a mesh, whose chains leave much to the next substep. With 0.5 some of 48 x 48 vertices shake themselves, with 0.55 none
     /// did of those that were measured.
     pub const OF_CHAINS: Self = Self::of_second_order(0.6);
-    /// Of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
+    /// A filter of first order: corrections stand for all that is not kept. The more it keeps, the less a mesh
     /// stretches while it moves; of those on colliders that kept 0.4 more trembled.
     pub const OF_FIRST_ORDER: Self = Self { keeps: 1.0 / 3.0, moves: 1.0, now: 1.0 - 1.0 / 3.0 };
 

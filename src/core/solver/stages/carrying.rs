@@ -1,4 +1,4 @@
-//! What a cloth carries in a tick, and what follows for its inertia (`state::carrying`).
+//! The load that a cloth is found to have in a tick, and what follows for its inertia (`state::carrying`).
 
 use bevy_math::Vec3;
 
@@ -18,6 +18,7 @@ impl ClothSolver {
     pub(crate) fn begin_carrying(&mut self, input: &StepInput<'_>) {
         let (load, [hangs, pulls]) = (self.load(input), self.pinned(input));
         let is_stretched = self.survey.max_strain > self.material.max_strain + MOST_BEYOND;
+        self.workspace.bears_sleeper = load == Load::AsBefore;
         self.state.carrying.follow(load, hangs && !pulls, is_stretched, input.dt);
         self.state.contacts.impulses.falls = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
@@ -47,7 +48,7 @@ impl ClothSolver {
         }
     }
 
-    /// What the cloth carries. A sheet that is pinned carries what presses on it as well, even if that is no body.
+    /// Finds the load of the cloth. A sheet that is pinned carries what presses on it as well, even if that is no body.
     fn load(&self, input: &StepInput<'_>) -> Load {
         let contacts = &self.state.contacts;
         let is_held = !self.pins.slots.is_empty() && !self.model.stages().leaves_much();
@@ -60,7 +61,7 @@ impl ClothSolver {
         }
     }
 
-    /// The bodies that the cloth carries, if there are any: lying on it, or hung from it.
+    /// Finds the bodies that the cloth carries, if there are any: lying on it, or hung from it.
     fn burden(&self, input: &StepInput<'_>) -> Option<Burden> {
         let contacts = &self.state.contacts;
         if contacts.is_empty() && input.pulls.is_empty() {
@@ -99,7 +100,7 @@ impl ClothSolver {
         self.material.area_density * self.pins.mass_scale
     }
 
-    /// What its weight accelerates the cloth by, whatever it moves as if it weighed \[m/s2\].
+    /// Acceleration of the cloth by its weight, which is its own, whatever it moves as if it had \[m/s2\].
     pub(crate) fn gravity(&self, input: &StepInput<'_>) -> Vec3 {
         input.gravity / self.pins.mass_scale
     }

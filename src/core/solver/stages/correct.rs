@@ -127,7 +127,7 @@ impl ClothSolver {
             self.model.stages_mut().set_shifts(&[]);
             return;
         }
-        if self.state.carrying.rests {
+        if self.workspace.bears_sleeper {
             // A body that sleeps is nothing that springs could lift.
             return;
         }

@@ -46,7 +46,7 @@ impl ClothSolver {
         for spring in &mut self.soft {
             spring.body = None;
         }
-        let (hard, density) = (self.pins.slots.len(), self.inertia());
+        let hard = self.pins.slots.len();
         let impulses = &mut self.state.contacts.impulses;
         for &PinPull { pin, body } in input.pulls {
             let Some(collider) = impulses.of_body(body) else { continue };
@@ -62,7 +62,7 @@ impl ClothSolver {
                 continue;
             }
             let slot = self.pins.slots[pin as usize];
-            let own = 1.0 / (self.topology.area(slot) * density);
+            let own = 1.0 / (self.topology.area(slot) * self.material.area_density);
             let none = Vec3::ZERO;
             let (inverse_mass, planned, before, threads) = (0.0, none, none, none);
             let pulling = Pulling { slot, collider, own, inverse_mass, planned, before, threads };

@@ -1,4 +1,4 @@
-//! What a cloth carries of rigid bodies, and the mass that it moves as if it had for that.
+//! Rigid bodies that a cloth carries, and the mass that it moves as if it had for that.
 //!
 //! A pass over the threads moves forces no further than the cloth's own inertia has them. Under a body of many times its mass, a cloth yields in
 //! every substep by what its particles are pushed aside before their threads pull them back: with 20 substeps a hammock of 0.2 kg hung 10 cm
@@ -16,7 +16,7 @@ const RATE: f32 = 5.0;
 /// Largest scale: what single precision tells the weight of a cloth from.
 const MOST: f64 = 1e4;
 
-/// What a cloth carries.
+/// The load of a cloth, as far as it goes on from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Carrying {
@@ -27,21 +27,20 @@ pub(crate) struct Carrying {
     pub mass_scale: f32,
     /// The heaviest body that it carries or carried, by the key that its colliders have in common; 0 for none that has one.
     pub heaviest: u64,
-    /// Whether all that it carries is asleep.
-    pub rests: bool,
 }
 
-/// What a cloth is found to carry in a tick.
+/// Kinds of loads that a cloth is found to have in a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Load {
     /// Nothing, and it has met no body.
     None,
     /// Nothing at present: bodies that it has met may be in the air, and come back.
     Met,
-    /// What it carried before: the heaviest body lies on it, and sleeps. One that sleeps is no body to it.
+    /// The same as in the tick before: the heaviest body lies on it, and sleeps. One that sleeps is no body to it.
     AsBefore,
-    /// What has no mass of its own, and presses on cloth that is held.
+    /// Colliders that are no bodies, and press on cloth that is held.
     Pressed,
+    /// Bodies that the cloth bears.
     Bodies(Burden),
 }
 
@@ -50,11 +49,12 @@ pub(crate) enum Load {
 pub(crate) struct Burden {
     /// Their mass, over the cloth's.
     pub mass: f64,
+    /// The heaviest, as [`Carrying`] knows it.
     pub heaviest: u64,
 }
 
 impl Carrying {
-    pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: 0, rests: false };
+    pub const NOTHING: Self = Self { share: None, mass_scale: 1.0, heaviest: 0 };
 
     /// Follows what the cloth is found to carry in a tick \[s\]. Only cloth that `hangs` from what it does not move is scaled. If it
     /// `is_stretched` far beyond its limit, it takes up no more mass: it would contract, and throw up what it carries.
@@ -68,7 +68,6 @@ impl Carrying {
         } else {
             self.scale_on_the_way_to(target, tick)
         };
-        self.rests = load == Load::AsBefore;
         self.share = match load {
             Load::None => None,
             Load::Met => Some(0.0),
@@ -86,7 +85,7 @@ impl Carrying {
         };
     }
 
-    /// What the scale is to come to under a load.
+    /// Returns the scale that a load asks for.
     fn scale_for(&self, load: Load) -> f32 {
         match load {
             Load::AsBefore => self.mass_scale,
@@ -95,7 +94,7 @@ impl Carrying {
         }
     }
 
-    /// The scale after a tick, where it shrinks. It comes to its end: what is not scaled is to be computed as if it never had been.
+    /// Returns the scale after a tick, where it shrinks. It comes to its end: what is not scaled is to be computed as if it never had been.
     fn scale_on_the_way_to(&self, target: f32, tick: f32) -> f32 {
         let left = (self.mass_scale - target) * (1.0 - RATE * tick).max(0.0);
         if left < 1e-3 { target } else { target + left }

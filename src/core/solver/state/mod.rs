@@ -105,6 +105,8 @@ pub(crate) struct Workspace {
     pub filter: Option<Filter>,
     /// The substep in which all springs were last looked at for the strain limit, if they were in this tick.
     pub looked: Option<u32>,
+    /// Whether the heaviest body that the cloth carries sleeps in this tick.
+    pub bears_sleeper: bool,
     /// The memory of contact within a tick.
     pub broad_phase: BroadPhase,
 }
@@ -117,6 +119,7 @@ impl Workspace {
             study: None,
             filter: None,
             looked: None,
+            bears_sleeper: false,
             broad_phase: BroadPhase::new(&Band::all(layout), edges),
         }
     }

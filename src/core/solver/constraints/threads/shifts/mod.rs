@@ -41,7 +41,7 @@ const GROWTH_UNDER_BODIES: f32 = 5.6e-3;
 /// Rate at which shifts grow there at most, for a rate of drag of one, and at which those go that are too large \[1/s\]. Were they to go many
 /// times sooner than they come, a swing of a body would take away more than it gives.
 const MOST_UNDER_BODIES: f32 = 0.75;
-/// The same rates of the shifts of a mesh, whose chains leave more to do. With twice the growth, light bodies come to swing within half a
+/// Both rates of the shifts of a mesh, whose chains leave more to do. With twice the growth, light bodies come to swing within half a
 /// minute, with eight substeps.
 const OF_CHAINS_UNDER_BODIES: [f32; 2] = [5e-4, 0.25];
 /// Least share of the mass that moves which a cloth has or moves as if it had (`state::carrying`), at which springs are shifted and the
@@ -119,7 +119,6 @@ impl Shifting {
         let (growth, release) = match touches {
             Touches::Nothing => (GROWTH * drag, RELEASE),
             Touches::Colliders => (on_colliders, MOST_ON_COLLIDERS),
-            Touches::Carried { share } if share < LEAST_SHARE => (0.0, most_under_bodies),
             Touches::Carried { share } => {
                 let growth = under_bodies * share * share / substep;
                 (smaller(growth, most_under_bodies) * drag, most_under_bodies)
