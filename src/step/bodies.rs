@@ -197,8 +197,6 @@ impl BodyMemory {
     /// \[kg m/s\].
     fn has_changed(&mut self, given: Impulse, ran: u32, weight: f32) -> bool {
         match self.at_rest {
-            // All cloths sleep, and do what they did.
-            Some(_) if ran == 0 => false,
             Some((before, then)) if then == ran => {
                 let change = (given.linear - before.linear).length();
                 change > UNCHANGED * (before.linear.length() + weight)
