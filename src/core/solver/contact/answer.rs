@@ -14,11 +14,10 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::active_set::ActiveSet;
-use crate::solver::contact::carried::Carried;
 use crate::solver::contact::collider::Motion;
 use crate::solver::contact::impulse::Impulse;
-use crate::solver::contact::linear::solve;
 use crate::solver::contact::mobility::{Mobility, Twist};
+use crate::solver::contact::together::together;
 use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::isa::Kernel;
@@ -53,10 +52,10 @@ impl Kernel for Answer<'_> {
     #[inline(always)]
     fn run(mut self) -> Impulse {
         let mut all = core::mem::take(&mut self.set.answering);
-        let (carried, count) = self.find(&mut all);
+        let count = self.find(&mut all);
         let mut taken = Impulse::ZERO;
         if count > 0.0 {
-            let together = self.mobility.motion_with(&carried, self.given);
+            let together = together(&self.mobility, &all, self.given);
             let mut sums = [Block3::ZERO; 2];
             for touching in &all {
                 self.take_along(touching, &together, &mut sums);
@@ -73,11 +72,11 @@ impl Kernel for Answer<'_> {
 }
 
 impl Answer<'_> {
-    /// Finds the particles that touch the body: what they are together, and how many.
+    /// Finds the particles that touch the body, and how many they are.
     #[inline(always)]
-    fn find(&self, all: &mut Vec<Touching>) -> (Carried, f32) {
+    fn find(&self, all: &mut Vec<Touching>) -> f32 {
         all.clear();
-        let (mut carried, mut count) = (Carried::NONE, Block::ZERO);
+        let mut count = Block::ZERO;
         let blocks = &*self.set.next.blocks;
         let (touch, touch_left) = blocks.as_chunks::<LANES>();
         let (until, until_left) = self.until[..blocks.len()].as_chunks::<LANES>();
@@ -99,10 +98,7 @@ impl Answer<'_> {
                 self.look(block * LANES, all, &mut count);
             }
         }
-        for touching in all.iter() {
-            carried.add(touching);
-        }
-        (carried, count.0.iter().sum())
+        count.0.iter().sum()
     }
 
     /// Looks which particles of a block touch the body.
@@ -193,52 +189,5 @@ impl Answer<'_> {
         normal.store(&mut set.next.normal, slot);
         velocity.store(&mut set.velocity, slot);
         pressed.store(&mut set.pressed, slot);
-    }
-}
-
-impl Mobility {
-    /// The motion that an impulse makes of the body and of what it carries.
-    fn motion_with(&self, carried: &Carried, impulse: Impulse) -> Twist {
-        let alone = self.motion(impulse);
-        // (1 + K A) v = K j, with the body's own mobility K: it may be none along some axes.
-        let mut matrix = [[0.0; 6]; 6];
-        for (column, [linear, angular]) in carried.columns().into_iter().enumerate() {
-            let moved = self.motion(Impulse { linear, angular });
-            for (row, value) in components(&moved).into_iter().enumerate() {
-                matrix[row][column] = value + if row == column { 1.0 } else { 0.0 };
-            }
-        }
-        let moves = solve(matrix, components(&alone)).map(|v| v as f32);
-        Twist {
-            linear: Vec3::new(moves[0], moves[1], moves[2]),
-            angular: Vec3::new(moves[3], moves[4], moves[5]),
-        }
-    }
-}
-
-fn components(twist: &Twist) -> [f64; 6] {
-    let Twist { linear: v, angular: w } = twist;
-    [v.x, v.y, v.z, w.x, w.y, w.z].map(f64::from)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::solver::contact::carried::tests::one;
-    use bevy_math::Mat3;
-
-    #[test]
-    fn a_body_that_carries_its_own_mass_is_half_as_fast() {
-        let body = Mobility {
-            inverse_mass: 0.5,
-            inverse_inertia: Mat3::from_diagonal(Vec3::new(1.0, 2.0, 0.0)),
-            informed: true,
-        };
-        // Two kilograms at its centre.
-        let carried = one(2.0, Vec3::ZERO, Vec3::Y, 1.0);
-        let impulse = Impulse { linear: Vec3::new(4.0, 0.0, -8.0), angular: Vec3::ONE };
-        let moves = body.motion_with(&carried, impulse);
-        assert_eq!(moves.linear, Vec3::new(1.0, 0.0, -2.0));
-        assert_eq!(moves.angular, Vec3::new(1.0, 2.0, 0.0));
     }
 }

@@ -79,6 +79,11 @@ impl Twist {
         self.angular += other.angular;
     }
 
+    /// So many times as much.
+    pub fn times(&self, factor: f32) -> Self {
+        Self { linear: self.linear * factor, angular: self.angular * factor }
+    }
+
     /// What it does at an arm from the centre.
     #[inline(always)]
     pub fn at(&self, arm: Vec3) -> Vec3 {

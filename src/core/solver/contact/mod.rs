@@ -27,7 +27,7 @@
 //! | `impulse`, `impulses`, `account`, `ledger` | momentum given to the colliders that are measured |
 //! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
 //! | `coupling` | what is remembered of such a body from tick to tick, and what its engine is given |
-//! | `answer`, `touching`, `carried`, `linear` | after contact: a body and the particles that lie on it go on together |
+//! | `answer`, `touching`, `together` | after contact: a body and the particles that lie on it go on together |
 //! | `edges` | edges and faces: near a rim or tip (`candidates`), nearest place (`search`), solved together (`solve`) |
 //!
 //! Friction is in four places. `friction` brakes a particle that rests or slides. `Pushed::slip` in `push_out` tells
@@ -39,7 +39,6 @@ mod active_set;
 mod answer;
 mod broad_phase;
 mod calm;
-mod carried;
 mod collider;
 mod coupling;
 mod edges;
@@ -53,12 +52,12 @@ mod impulses;
 mod keys;
 mod ledger;
 mod let_go;
-mod linear;
 mod mobility;
 mod pose;
 mod push_out;
 mod response;
 mod swept;
+mod together;
 mod touching;
 
 use bevy_math::Vec3;

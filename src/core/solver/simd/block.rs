@@ -171,7 +171,8 @@ impl Block3 {
     }
 
     /// The sum over the lanes: of halves, and of halves of these.
-    #[inline(always)]
+    // Inlined behind a loop that adds up, it has the compiler split what is added up there, lane by lane.
+    #[inline(never)]
     pub fn sum(&self) -> Vec3 {
         let mut lanes = *self;
         let mut width = LANES;

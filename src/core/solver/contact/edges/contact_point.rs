@@ -5,6 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::contact::LEAST_SLIDING;
 use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::{HELD, HoldEdges, WarmStart};
+use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::Twist;
 use crate::solver::simd::block::larger;
 use crate::solver::simd::soa::Soa;
@@ -51,10 +52,12 @@ impl Place {
         &self.corners[..self.count()]
     }
 
+    #[inline(always)]
     fn is_on_edge(&self) -> bool {
         self.corners[2] == self.corners[0]
     }
 
+    #[inline(always)]
     fn count(&self) -> usize {
         if self.is_on_edge() { 2 } else { 3 }
     }
@@ -74,7 +77,8 @@ pub(super) struct Press {
     pub arm: Vec3,
     /// Outward, of length one.
     pub normal: Vec3,
-    /// How far the collider moves there in the substep \[m\].
+    /// How far the collider was planned to move there in the substep, and moves, as far as it has yielded up to now \[m\].
+    planned: Vec3,
     surface: Vec3,
     /// Where the place is, before anything is moved \[m\].
     from: Vec3,
@@ -88,28 +92,52 @@ pub(super) struct Press {
     pub push: f32,
     /// The push of friction, up to now \[m\].
     pub brake: Vec3,
+    /// The push that it began with \[m\].
+    began: Vec3,
     /// Whether it was expected.
     pub was_expected: bool,
+    /// How far the collider yields to a push, as a part of it.
+    pub yields: f32,
 }
 
 impl Press {
     /// The corners' places among the bodies, their parts, and how far they go for a push of one.
+    #[inline(always)]
     pub fn corners(&self) -> impl Iterator<Item = (usize, f32, f32)> {
-        let corners = self.bodies.iter().zip(self.place.parts).zip(self.shares);
-        corners.take(self.place.count()).map(|((&body, part), share)| (body as usize, part, share))
+        let count = self.place.count();
+        (0..3).take(count).map(|i| (self.bodies[i] as usize, self.place.parts[i], self.shares[i]))
     }
 
-    /// How far the place goes in the substep, beside the collider, which has `yielded` by so much up to now \[m\].
-    pub fn goes(&self, bodies: &[Body], yielded: &Twist) -> Vec3 {
-        let d = |(body, part, _): (usize, f32, f32)| bodies[body].d * part;
-        self.corners().map(d).sum::<Vec3>() - self.surface - yielded.at(self.arm)
+    /// Notes how far the collider has yielded in the substep.
+    #[inline(always)]
+    pub fn follow(&mut self, yielded: &Twist) {
+        self.surface = self.planned + yielded.at(self.arm);
+    }
+
+    /// How far the place goes in the substep, beside the collider \[m\].
+    #[inline(always)]
+    pub fn goes(&self, bodies: &[Body]) -> Vec3 {
+        let mut goes = -self.surface;
+        for (body, part, _) in self.corners() {
+            goes += bodies[body].d * part;
+        }
+        goes
     }
 
     /// How far it is still inside \[m\].
-    pub fn depth(&self, bodies: &[Body], yielded: &Twist) -> f32 {
-        let at = |(body, part, _): (usize, f32, f32)| bodies[body].at() * part;
-        let goes = self.corners().map(at).sum::<Vec3>() - self.from - yielded.at(self.arm);
+    #[inline(always)]
+    pub fn depth(&self, bodies: &[Body]) -> f32 {
+        let mut goes = self.planned - self.surface - self.from;
+        for (body, part, _) in self.corners() {
+            goes += bodies[body].at() * part;
+        }
         self.depth - goes.dot(self.normal)
+    }
+
+    /// What it has given the collider about its centre, times the substep.
+    pub fn given(&self) -> Impulse {
+        let by = self.began - self.normal * self.push - self.brake;
+        Impulse::at(self.arm, by * self.mass)
     }
 
     /// Begins with the push that was expected, which the displacements have been given.
@@ -117,6 +145,7 @@ impl Press {
         let push = warm.impulse / self.mass;
         self.push = push.dot(self.normal);
         self.brake = push - self.normal * self.push;
+        self.began = push;
         self.was_expected = true;
         self
     }
@@ -204,9 +233,10 @@ impl HoldEdges<'_> {
         }
         // A body yields to a push as well as the place does.
         let arm = place.between(self.x) - motion.centre[0];
-        let mobility = mobility + self.mobility.map_or(0.0, |body| body.along(arm, normal));
-        let surface = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
-        let goes = (moved - surface).dot(normal);
+        let gives = self.mobility.map_or(0.0, |body| body.along(arm, normal));
+        let mobility = mobility + gives;
+        let planned = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
+        let goes = (moved - planned).dot(normal);
         let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
         // Next to an end that is held, the other would be thrown about.
         let share = shares.into_iter().fold(0.0, larger);
@@ -217,7 +247,8 @@ impl HoldEdges<'_> {
         // A push that moves the place by less is not to be made up for.
         let most = if is_held { larger(least - goes, 0.0) } else { f32::INFINITY };
         let mass = part / mobility;
-        let (push, brake, was_expected) = (0.0, Vec3::ZERO, false);
+        let yields = gives * mass;
+        let (push, brake, began, was_expected) = (0.0, Vec3::ZERO, Vec3::ZERO, false);
         Some(Press {
             place,
             bodies: [0; 3],
@@ -225,14 +256,17 @@ impl HoldEdges<'_> {
             mass,
             arm,
             normal,
-            surface,
+            planned,
+            surface: planned,
             from,
             depth,
             least,
             most,
             push,
             brake,
+            began,
             was_expected,
+            yields,
         })
     }
 
@@ -240,7 +274,7 @@ impl HoldEdges<'_> {
     /// it is then inside.
     pub(super) fn goes_through(&self, press: &Press, push: Vec3, bodies: &[Body]) -> bool {
         let motion = self.motion;
-        let left = press.depth(bodies, &Twist::default()) - push.dot(press.normal);
+        let left = press.depth(bodies) - push.dot(press.normal);
         let push = push + press.normal * larger(left, 0.0);
         press.corners().any(|(body, _, share)| {
             let (from, way) = (bodies[body].x, bodies[body].d + push * share);

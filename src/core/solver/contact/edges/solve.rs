@@ -20,6 +20,10 @@ const EXPECTED: f32 = 0.75;
 /// they are looked at.
 const LIMIT: f32 = 0.75;
 const STRAINED: f32 = 0.25;
+/// Part of all pushes up to which a collider may yield to them and be moved once a round, not by each in turn.
+const YIELDING: f32 = 0.25;
+/// Rounds that move it then: it goes hardly further by what others change.
+const ROUNDS_MOVED: usize = 2;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
 /// Inverse mass that stands for that of what is held \[1/kg\].
@@ -40,8 +44,6 @@ pub(super) struct Limited {
 #[derive(Clone, Debug, Default)]
 pub(super) struct System {
     pub presses: Vec<Press>,
-    /// How far the collider has yielded, where it is a body: a displacement of the substep.
-    yielded: Twist,
     bodies: Vec<Body>,
     limited: Vec<Limited>,
     /// Where a particle is among the bodies, by slot; [`NONE`] where it is not.
@@ -56,11 +58,27 @@ impl System {
     pub fn new(slots: usize, few: usize) -> Self {
         Self {
             presses: Vec::with_capacity(few),
-            yielded: Twist::default(),
             bodies: Vec::with_capacity(few),
             limited: Vec::with_capacity(few),
             place: vec![NONE; slots],
         }
+    }
+
+    /// How far the collider yields to all pushes together, as a part of them.
+    fn yields(&self) -> f32 {
+        self.presses.iter().map(|press| press.yields).sum()
+    }
+
+    /// Lets the collider yield by so much in the substep, up to now.
+    fn follow(&mut self, yielded: &Twist) {
+        for press in &mut self.presses {
+            press.follow(yielded);
+        }
+    }
+
+    /// What all pushes have given the collider about its centre, times the substep.
+    fn given(&self) -> Impulse {
+        self.presses.iter().map(Press::given).sum()
     }
 
     /// Holds a thread to its limit.
@@ -79,10 +97,10 @@ impl System {
 
     /// Moves what was pressed out as far as it is still inside, by `most_push` at most. It gets no speed by that.
     fn move_out(&mut self, most_push: f32) {
-        let Self { presses, yielded, bodies, .. } = self;
+        let Self { presses, bodies, .. } = self;
         for press in presses {
-            let depth = press.depth(bodies, yielded);
-            let leaves = larger(press.goes(bodies, yielded).dot(press.normal), 0.0);
+            let depth = press.depth(bodies);
+            let leaves = larger(press.goes(bodies).dot(press.normal), 0.0);
             let allowed = larger(most_push - leaves, 0.0);
             let by = press.normal * larger(if depth < allowed { depth } else { allowed }, 0.0);
             for (body, _, share) in press.corners() {
@@ -131,10 +149,11 @@ impl HoldEdges<'_> {
     pub(super) fn solve(&mut self, system: &mut System) -> EdgesHeld {
         let mut held = EdgesHeld::default();
         self.find_bodies(system);
-        system.yielded = Twist::default();
         // What is fast is met once, as what moves is looked at on its way.
         let rounds = if self.rule.is_slow { ROUNDS } else { 1 };
         let found = FOUND / self.settings.per_weight;
+        let yields_at_once = system.yields() < YIELDING;
+        let mut yielded = Twist::default();
         for round in 0..rounds {
             // What the first pushes stretch is among them.
             if round == 1 && self.limits {
@@ -145,17 +164,35 @@ impl HoldEdges<'_> {
             }
             let mut changed = 0.0;
             for press in &mut system.presses {
-                let by = self.push(press, &mut system.bodies, &system.yielded);
-                let given = Impulse::at(press.arm, by * -press.mass);
-                held.given += given;
-                if let Some(body) = &self.mobility {
-                    system.yielded.add(&body.motion(given));
+                match &self.mobility {
+                    Some(body) if !yields_at_once => {
+                        press.follow(&yielded);
+                        let by = self.push(press, &mut system.bodies);
+                        yielded.add(&body.motion(Impulse::at(press.arm, by * -press.mass)));
+                        changed = larger(by.abs().max_element(), changed);
+                    }
+                    _ => {
+                        let by = self.push(press, &mut system.bodies);
+                        changed = larger(by.abs().max_element(), changed);
+                    }
                 }
-                changed = larger(by.abs().max_element(), changed);
+            }
+            match &self.mobility {
+                Some(body) if yields_at_once && round < ROUNDS_MOVED => {
+                    yielded = body.motion(system.given());
+                    system.follow(&yielded);
+                }
+                _ => (),
             }
             if changed < found && system.limited.is_empty() {
                 break;
             }
+        }
+        if self.motion.measured {
+            held.given += system.given();
+        }
+        if !yields_at_once {
+            system.follow(&yielded);
         }
         system.move_out(self.settings.most_push);
         if self.rule.is_slow {
@@ -227,8 +264,9 @@ impl HoldEdges<'_> {
 
     /// Gives an edge or a face what it lacks of the push along the normal and of friction, or takes back what it has too much
     /// of. Returns the push.
-    fn push(&self, press: &mut Press, bodies: &mut [Body], yielded: &Twist) -> Vec3 {
-        let goes = press.goes(bodies, yielded);
+    #[inline(always)]
+    fn push(&self, press: &mut Press, bodies: &mut [Body]) -> Vec3 {
+        let goes = press.goes(bodies);
         let along = goes.dot(press.normal);
         let push = larger(press.push + press.least - along, 0.0);
         let push = if push < press.most { push } else { press.most };
