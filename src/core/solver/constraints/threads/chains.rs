@@ -162,7 +162,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
             let shift = &Block::load(&self.shifts.by, at);
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift };
             let next = last.next::<Self>(reach, &between, &rest, &factor, &mut excess);
-            pivots.set::<Self>(place - 1, &next);
+            pivots.set::<Self>(place - 1, &next.springs);
             w1.store(self.inverse_mass, place * LANES);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }

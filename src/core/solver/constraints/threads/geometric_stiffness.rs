@@ -49,28 +49,27 @@ pub(crate) fn ease(line: &mut Line, threads: &mut impl Threads) {
 }
 
 /// Works out tensions and corrections `c` anew, from the last place to the first, and eliminates
-/// `(1 + G) z = c` on the way: the factors take the place of the pivots, the right-hand sides that of the
+/// `(1 + G) z = c` on the way: the factors take the place of what is handed on, the right-hand sides that of the
 /// spans, each once it has served.
 #[inline(always)]
 fn eliminate(line: &mut Line, threads: &impl Threads) {
-    let mut pull = Block3::ZERO;
+    let (mut pull, mut handed_on) = (Block3::ZERO, Block::ZERO);
     let (mut after, mut factor, mut right) = (Block::ZERO, Block::ZERO, Block3::ZERO);
     for place in (0..threads.places()).rev() {
         let at = place * LANES;
         let w = threads.inverse_mass(place);
         let normals = threads.normals(place);
-        let after_pull = moving(&pull, &normals);
         let (mut pull_before, mut before) = (Block3::ZERO, Block::ZERO);
         if place > 0 {
             let spring = at - LANES;
             let span = Block3::load(&line.span, spring);
-            let inverse = Block::load(&line.inverse_pivot, spring);
-            let residual = Block::load(&line.residual, spring);
+            let own = Block::load(&line.own, spring);
+            let part = Block::load(&line.handed_on, spring);
             let length = Block::load(&line.length, spring);
             let (next, rest) = (threads.inverse_mass(place - 1), threads.rest(place - 1));
             for i in 0..LANES {
-                let beside = w.0[i] * span.at(i).dot(after_pull.at(i));
-                let tension = (residual.0[i] + beside) * inverse.0[i];
+                let tension = own.0[i] + handed_on.0[i];
+                handed_on.0[i] = part.0[i] * tension;
                 pull_before.set(i, span.at(i) * tension);
                 let pulled = tension * length.0[i] / rest.0[i];
                 let over = pulled - STEADY / larger(w.0[i], next.0[i]);
@@ -90,7 +89,7 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
             factor.0[i] = b * inverse;
             correction.set(i, c);
         }
-        factor.store(&mut line.inverse_pivot, at);
+        factor.store(&mut line.handed_on, at);
         right.store(&mut line.span, at);
         correction.store(&mut line.correction, at);
         (pull, after) = (pull_before, before);
@@ -103,7 +102,7 @@ fn substitute(line: &Line, threads: &mut impl Threads) {
     let mut z = Block3::ZERO;
     for place in 0..threads.places() {
         let at = place * LANES;
-        let factor = Block::load(&line.inverse_pivot, at);
+        let factor = Block::load(&line.handed_on, at);
         let right = Block3::load(&line.span, at);
         let c = Block3::load(&line.correction, at);
         let mut more = Block3::ZERO;

@@ -2,13 +2,14 @@
 
 use crate::solver::simd::soa::{Array, Soa};
 
-/// Spans and their lengths, inverse pivots and right-hand sides of threads solved side by side.
+/// Springs of threads that are solved side by side, as elimination leaves them.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
     pub span: Soa,
     pub length: Array,
-    pub inverse_pivot: Array,
-    pub residual: Array,
+    /// Their own tensions over their lengths, and the part of the whole that the springs before take over.
+    pub own: Array,
+    pub handed_on: Array,
     /// How far springs go along the normals at their second ends, where these lie on colliders.
     pub across: Array,
     /// Corrections of their particles, where threads are taut.
@@ -21,8 +22,8 @@ impl Line {
         Self {
             span: Soa::zeros(longest),
             length: Array::zeros(longest),
-            inverse_pivot: Array::zeros(longest),
-            residual: Array::zeros(longest),
+            own: Array::zeros(longest),
+            handed_on: Array::zeros(longest),
             across: Array::zeros(longest),
             correction: Soa::zeros(longest),
         }

@@ -257,7 +257,7 @@ trait Springs {
             let between =
                 Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift: &shift };
             let next = last.next::<E>(law, &between, &rest, &factor, excess);
-            pivots.set::<E>(place - 1, &next);
+            pivots.set::<E>(place - 1, &next.springs);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
     }

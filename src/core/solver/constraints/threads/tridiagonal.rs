@@ -80,21 +80,38 @@ pub(crate) struct Between<'a> {
 /// One step of the elimination.
 #[derive(Clone, Copy)]
 pub(crate) struct Pivot {
-    /// From one end of the springs to the other, and how long that is \[m\].
-    span: Block3,
-    length: Block,
+    pub springs: Eliminated,
     /// 1 / pivot \[kg/m2\].
     inverse: Block,
     /// Length times excess length, and what the springs before add to it \[m2\].
     residual: Block,
+}
+
+/// Springs as elimination leaves them: their tensions are their own ones and what they take over of those of the springs after.
+#[derive(Clone, Copy)]
+pub(crate) struct Eliminated {
+    /// From one end of the springs to the other, and how long that is \[m\].
+    span: Block3,
+    length: Block,
+    /// Their own tensions over their lengths \[kg\].
+    own: Block,
+    /// Part of their tensions that the springs before take over.
+    handed_on: Block,
     /// How far the springs go along the normals at their second ends \[m\].
     across: Block,
 }
 
-impl Default for Pivot {
+impl Default for Eliminated {
     fn default() -> Self {
         let none = Block::ZERO;
-        Self { span: Block3::ZERO, length: none, inverse: none, residual: none, across: none }
+        Self { span: Block3::ZERO, length: none, own: none, handed_on: none, across: none }
+    }
+}
+
+impl Default for Pivot {
+    fn default() -> Self {
+        let springs = Eliminated::default();
+        Self { springs, inverse: Block::ZERO, residual: Block::ZERO }
     }
 }
 
@@ -126,34 +143,39 @@ impl Pivot {
             let factor = if is_there { factor.0[i] } else { 0.0 };
             let (soft, over) = law.hold(length + shift.0[i], rest.0[i], factor, diagonal);
             let mut whole = square * (diagonal + soft);
-            let mut along = span.dot(self.span.at(i));
+            let mut along = span.dot(self.springs.span.at(i));
             if E::TOUCH {
                 let (n0, n1) = (normals[0].at(i), normals[1].at(i));
                 let (across0, across1) = (n0.dot(span), n1.dot(span));
                 let still = w[0].0[i] * (across0 * across0) + w[1].0[i] * (across1 * across1);
                 let all = square * diagonal;
                 whole = larger(all - still, all * LEAST_MOBILITY) + square * soft;
-                along -= across0 * self.across.0[i];
-                next.across.0[i] = across1;
+                along -= across0 * self.springs.across.0[i];
+                next.springs.across.0[i] = across1;
             }
             let beside = w[0].0[i] * along;
-            let carried = beside * self.inverse.0[i];
-            let pivot = larger(whole - beside * carried, LEAST_PIVOT);
-            next.span.set(i, span);
-            next.length.0[i] = length;
-            next.inverse.0[i] = 1.0 / pivot;
-            next.residual.0[i] = length * over + carried * self.residual.0[i];
+            // In this order little waits for the step before: a product, a difference, and a quotient.
+            let pivot = larger(whole - beside * beside * self.inverse.0[i], LEAST_PIVOT);
+            let inverse = 1.0 / pivot;
+            let handed_on = beside * self.inverse.0[i];
+            let residual = length * over + handed_on * self.residual.0[i];
+            next.springs.span.set(i, span);
+            next.springs.length.0[i] = length;
+            next.springs.own.0[i] = residual * inverse;
+            next.springs.handed_on.0[i] = handed_on;
+            next.inverse.0[i] = inverse;
+            next.residual.0[i] = residual;
         }
         next
     }
 }
 
-/// The steps of an elimination, spring by spring.
+/// What elimination leaves, spring by spring.
 pub(crate) struct Pivots<'a> {
     span: Blocks3Mut<'a>,
     length: BlocksMut<'a>,
-    inverse: BlocksMut<'a>,
-    residual: BlocksMut<'a>,
+    own: BlocksMut<'a>,
+    handed_on: BlocksMut<'a>,
     across: BlocksMut<'a>,
 }
 
@@ -164,31 +186,31 @@ impl<'a> Pivots<'a> {
         Self {
             span: Blocks3Mut::new(&mut line.span, 0, springs),
             length: BlocksMut::new(&mut line.length, 0, springs),
-            inverse: BlocksMut::new(&mut line.inverse_pivot, 0, springs),
-            residual: BlocksMut::new(&mut line.residual, 0, springs),
+            own: BlocksMut::new(&mut line.own, 0, springs),
+            handed_on: BlocksMut::new(&mut line.handed_on, 0, springs),
             across: BlocksMut::new(&mut line.across, 0, springs),
         }
     }
 
     #[inline(always)]
-    pub fn at<E: Ends>(&self, spring: usize) -> Pivot {
-        Pivot {
+    pub fn at<E: Ends>(&self, spring: usize) -> Eliminated {
+        Eliminated {
             span: self.span.at(spring),
             length: self.length.at(spring),
-            inverse: self.inverse.at(spring),
-            residual: self.residual.at(spring),
+            own: self.own.at(spring),
+            handed_on: self.handed_on.at(spring),
             across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
         }
     }
 
     #[inline(always)]
-    pub fn set<E: Ends>(&mut self, spring: usize, pivot: &Pivot) {
-        self.span.set(spring, pivot.span);
-        self.length.set(spring, pivot.length);
-        self.inverse.set(spring, pivot.inverse);
-        self.residual.set(spring, pivot.residual);
+    pub fn set<E: Ends>(&mut self, at: usize, springs: &Eliminated) {
+        self.span.set(at, springs.span);
+        self.length.set(at, springs.length);
+        self.own.set(at, springs.own);
+        self.handed_on.set(at, springs.handed_on);
         if E::TOUCH {
-            self.across.set(spring, pivot.across);
+            self.across.set(at, springs.across);
         }
     }
 }
@@ -197,6 +219,8 @@ impl<'a> Pivots<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Tension {
     pull: Block3,
+    /// What the springs before take over of their tensions.
+    handed_on: Block,
     /// Multipliers of the springs before the last place \[kg m\].
     pub multipliers: Block,
     /// Largest correction by one spring so far \[m\].
@@ -205,7 +229,8 @@ pub(crate) struct Tension {
 
 impl Default for Tension {
     fn default() -> Self {
-        Self { pull: Block3::ZERO, multipliers: Block::ZERO, most: Block::ZERO }
+        let none = Block::ZERO;
+        Self { pull: Block3::ZERO, handed_on: none, multipliers: none, most: none }
     }
 }
 
@@ -215,7 +240,7 @@ impl Tension {
     #[inline(always)]
     pub fn next<E: Ends>(
         &mut self,
-        pivot: &Pivot,
+        springs: &Eliminated,
         w: &Block,
         ends: &mut E,
         place: usize,
@@ -223,21 +248,17 @@ impl Tension {
         let normals = ends.normals(place);
         let (mut pull, mut correction, mut load) = (Block3::ZERO, Block3::ZERO, Block::ZERO);
         for i in 0..LANES {
-            let (span, after) = (pivot.span.at(i), self.pull.at(i));
-            let mut along = span.dot(after);
-            let (n, across) = (normals.at(i), pivot.across.0[i]);
-            if E::TOUCH {
-                load.0[i] = n.dot(after);
-                along -= across * load.0[i];
-            }
-            let tension = (pivot.residual.0[i] + w.0[i] * along) * pivot.inverse.0[i];
-            let multiplier = tension * pivot.length.0[i];
+            let (span, after) = (springs.span.at(i), self.pull.at(i));
+            let tension = springs.own.0[i] + self.handed_on.0[i];
+            self.handed_on.0[i] = springs.handed_on.0[i] * tension;
+            let multiplier = tension * springs.length.0[i];
             self.multipliers.0[i] = multiplier;
             self.most.0[i] = larger(multiplier * w.0[i], self.most.0[i]);
             pull.set(i, span * tension);
             let mut moves = after - pull.at(i);
             if E::TOUCH {
-                load.0[i] -= across * tension;
+                let n = normals.at(i);
+                load.0[i] = n.dot(after) - springs.across.0[i] * tension;
                 moves -= n * load.0[i];
             }
             correction.set(i, moves * w.0[i]);

@@ -9,7 +9,7 @@ use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::contact_point::Press;
 use crate::solver::contact::edges::{EdgesHeld, HoldEdges, WarmStart};
 use crate::solver::contact::impulse::Impulse;
-use crate::solver::contact::mobility::Twist;
+use crate::solver::contact::mobility::{Mobility, Twist};
 use crate::solver::simd::block::larger;
 
 /// Rounds of the solution.
@@ -162,21 +162,10 @@ impl HoldEdges<'_> {
             for i in 0..system.limited.len() {
                 system.limit(system.limited[i]);
             }
-            let mut changed = 0.0;
-            for press in &mut system.presses {
-                match &self.mobility {
-                    Some(body) if !yields_at_once => {
-                        press.follow(&yielded);
-                        let by = self.push(press, &mut system.bodies);
-                        yielded.add(&body.motion(Impulse::at(press.arm, by * -press.mass)));
-                        changed = larger(by.abs().max_element(), changed);
-                    }
-                    _ => {
-                        let by = self.push(press, &mut system.bodies);
-                        changed = larger(by.abs().max_element(), changed);
-                    }
-                }
-            }
+            let changed = match &self.mobility {
+                Some(body) if !yields_at_once => self.push_in_turn(system, body, &mut yielded),
+                _ => self.push_all(system),
+            };
             match &self.mobility {
                 Some(body) if yields_at_once && round < ROUNDS_MOVED => {
                     yielded = body.motion(system.given());
@@ -260,6 +249,27 @@ impl HoldEdges<'_> {
                 limited.push(Limited { ends: [i as u32, place[other]], longest });
             });
         }
+    }
+
+    /// Gives each in turn what it lacks. Returns the largest change of a push, along any axis \[m\].
+    fn push_all(&self, system: &mut System) -> f32 {
+        let mut changed = Vec3::ZERO;
+        for press in &mut system.presses {
+            changed = changed.max(self.push(press, &mut system.bodies).abs());
+        }
+        changed.max_element()
+    }
+
+    /// The same, for a body that yields to each.
+    fn push_in_turn(&self, system: &mut System, body: &Mobility, yielded: &mut Twist) -> f32 {
+        let mut changed = Vec3::ZERO;
+        for press in &mut system.presses {
+            press.follow(yielded);
+            let by = self.push(press, &mut system.bodies);
+            yielded.add(&body.motion(Impulse::at(press.arm, by * -press.mass)));
+            changed = changed.max(by.abs());
+        }
+        changed.max_element()
     }
 
     /// Gives an edge or a face what it lacks of the push along the normal and of friction, or takes back what it has too much
