@@ -4,7 +4,7 @@ use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::constraints::threads::shifts::Shifts;
 use crate::solver::constraints::threads::tridiagonal::{
-    Between, Ends, Pivot, Pivots, Reach, Tension,
+    Between, Eliminated, Ends, Pivot, Reach, Tension,
 };
 use crate::solver::simd::block::{Block, Block3};
 use crate::solver::simd::gather::PlacesMut;
@@ -30,8 +30,9 @@ pub(crate) struct ChainWorkspace {
 impl ChainWorkspace {
     /// Room for any bundle of some chains.
     pub fn new(chains: &Rounds<Chains>) -> Self {
-        let longest = chains.iter().map(|domain| domain.work.longest()).max().unwrap_or(0) * LANES;
-        let (inverse_mass, normals) = (Array::zeros(longest), Soa::zeros(longest));
+        let longest = chains.iter().map(|domain| domain.work.longest()).max().unwrap_or(0);
+        let slots = longest * LANES;
+        let (inverse_mass, normals) = (Array::zeros(slots), Soa::zeros(slots));
         Self { line: Line::new(longest), inverse_mass, normals }
     }
 }
@@ -92,10 +93,10 @@ fn solve<T: Transpose, const TOUCH: bool>(
     mut laid: Laid<'_, T, TOUCH>,
     line: &mut Line,
 ) -> bool {
-    let mut pivots = Pivots::new(line, laid.bundle.rows - 1);
-    let exceeds = laid.eliminate(reach, &mut pivots);
+    let springs = &mut line.springs[..laid.bundle.rows - 1];
+    let exceeds = laid.eliminate(reach, springs);
     // Keeps taut chains from trembling.
-    if laid.substitute(&pivots) > reach.steady {
+    if laid.substitute(springs) > reach.steady {
         ease(line, &mut laid);
     }
     exceeds
@@ -145,7 +146,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
     }
 
     #[inline(always)]
-    fn eliminate(&mut self, reach: &Reach, pivots: &mut Pivots<'_>) -> bool {
+    fn eliminate(&mut self, reach: &Reach, springs: &mut [Eliminated]) -> bool {
         let mut excess = Block::ZERO;
         let (mut x0, mut w0, mut n0) = self.gather(0);
         w0.store(self.inverse_mass, 0);
@@ -162,7 +163,7 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
             let shift = &Block::load(&self.shifts.by, at);
             let between = Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift };
             let next = last.next::<Self>(reach, &between, &rest, &factor, &mut excess);
-            pivots.set::<Self>(place - 1, &next.springs);
+            next.springs.put::<Self>(&mut springs[place - 1]);
             w1.store(self.inverse_mass, place * LANES);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
@@ -171,11 +172,11 @@ impl<T: Transpose, const TOUCH: bool> Laid<'_, T, TOUCH> {
 
     /// Corrects the particles, and tells what a spring moved one by at most \[m\].
     #[inline(always)]
-    fn substitute(&mut self, pivots: &Pivots<'_>) -> f32 {
+    fn substitute(&mut self, springs: &[Eliminated]) -> f32 {
         let mut tension = Tension::default();
         for place in (1..self.bundle.rows).rev() {
             let w = Block::load(self.inverse_mass, place * LANES);
-            let correction = tension.next(&pivots.at::<Self>(place - 1), &w, self, place);
+            let correction = tension.next(&springs[place - 1], &w, self, place);
             let at = self.entry(place);
             tension.multipliers.store(&mut self.shifts.multipliers, at);
             self.correct(place, correction);

@@ -12,6 +12,7 @@
 //! Momentum is kept, and what moves the thread as a whole.
 
 use crate::solver::constraints::threads::line::Line;
+use crate::solver::constraints::threads::tridiagonal::Eliminated;
 use crate::solver::contact::divide;
 use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
@@ -56,16 +57,11 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
     let (mut pull, mut handed_on) = (Block3::ZERO, Block::ZERO);
     let (mut after, mut factor, mut right) = (Block::ZERO, Block::ZERO, Block3::ZERO);
     for place in (0..threads.places()).rev() {
-        let at = place * LANES;
         let w = threads.inverse_mass(place);
         let normals = threads.normals(place);
         let (mut pull_before, mut before) = (Block3::ZERO, Block::ZERO);
         if place > 0 {
-            let spring = at - LANES;
-            let span = Block3::load(&line.span, spring);
-            let own = Block::load(&line.own, spring);
-            let part = Block::load(&line.handed_on, spring);
-            let length = Block::load(&line.length, spring);
+            let Eliminated { span, length, own, handed_on: part, .. } = &line.springs[place - 1];
             let (next, rest) = (threads.inverse_mass(place - 1), threads.rest(place - 1));
             for i in 0..LANES {
                 let tension = own.0[i] + handed_on.0[i];
@@ -89,9 +85,9 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
             factor.0[i] = b * inverse;
             correction.set(i, c);
         }
-        factor.store(&mut line.handed_on, at);
-        right.store(&mut line.span, at);
-        correction.store(&mut line.correction, at);
+        let served = &mut line.springs[place];
+        (served.handed_on, served.span) = (factor, right);
+        line.corrections[place] = correction;
         (pull, after) = (pull_before, before);
     }
 }
@@ -101,10 +97,8 @@ fn eliminate(line: &mut Line, threads: &impl Threads) {
 fn substitute(line: &Line, threads: &mut impl Threads) {
     let mut z = Block3::ZERO;
     for place in 0..threads.places() {
-        let at = place * LANES;
-        let factor = Block::load(&line.handed_on, at);
-        let right = Block3::load(&line.span, at);
-        let c = Block3::load(&line.correction, at);
+        let Eliminated { span: right, handed_on: factor, .. } = &line.springs[place];
+        let c = &line.corrections[place];
         let mut more = Block3::ZERO;
         for i in 0..LANES {
             z.set(i, right.at(i) + z.at(i) * factor.0[i]);

@@ -1,31 +1,22 @@
 //! The unknowns of threads that are solved side by side.
 
-use crate::solver::simd::soa::{Array, Soa};
+use crate::solver::constraints::threads::tridiagonal::Eliminated;
+use crate::solver::simd::block::Block3;
 
-/// Springs of threads that are solved side by side, as elimination leaves them.
+/// Springs of threads that are solved side by side, as elimination leaves them: an entry for those between two places.
 #[derive(Clone, Debug)]
 pub(crate) struct Line {
-    pub span: Soa,
-    pub length: Array,
-    /// Their own tensions over their lengths, and the part of the whole that the springs before take over.
-    pub own: Array,
-    pub handed_on: Array,
-    /// How far springs go along the normals at their second ends, where these lie on colliders.
-    pub across: Array,
+    pub springs: Vec<Eliminated>,
     /// Corrections of their particles, where threads are taut.
-    pub correction: Soa,
+    pub corrections: Vec<Block3>,
 }
 
 impl Line {
-    /// Room for threads of so many springs, times [`LANES`].
+    /// Room for threads of so many particles.
     pub fn new(longest: usize) -> Self {
         Self {
-            span: Soa::zeros(longest),
-            length: Array::zeros(longest),
-            own: Array::zeros(longest),
-            handed_on: Array::zeros(longest),
-            across: Array::zeros(longest),
-            correction: Soa::zeros(longest),
+            springs: vec![Eliminated::default(); longest],
+            corrections: vec![Block3::ZERO; longest],
         }
     }
 }

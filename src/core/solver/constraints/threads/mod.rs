@@ -26,7 +26,7 @@ use crate::solver::constraints::threads::geometric_stiffness::{Threads, ease};
 use crate::solver::constraints::threads::line::Line;
 use crate::solver::constraints::threads::shifts::{ShiftsMut, ShiftsOfBundle};
 use crate::solver::constraints::threads::tridiagonal::{
-    Between, Ends, Law, Pivot, Pivots, Reach, Tension,
+    Between, Eliminated, Ends, Law, Pivot, Reach, Tension,
 };
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, BlocksMut};
 use crate::solver::simd::lanes::LANES;
@@ -56,7 +56,7 @@ impl ThreadWorkspace {
             normals: Soa::zeros(strip),
             slip: Array::zeros(strip),
             load: Array::zeros(strip),
-            line: Line::new(layout.rows.max(layout.columns) * LANES),
+            line: Line::new(layout.rows.max(layout.columns)),
         }
     }
 }
@@ -227,9 +227,9 @@ trait Springs {
     ) where
         Self: Sized,
     {
-        let mut pivots = Pivots::new(line, self.places() - 1);
-        self.eliminate(law, ends, &mut pivots, excess, &shifts);
-        let most = self.substitute(&pivots, ends, &mut shifts);
+        let springs = &mut line.springs[..self.places() - 1];
+        self.eliminate(law, ends, springs, excess, &shifts);
+        let most = self.substitute(springs, ends, &mut shifts);
         // Keeps taut threads from trembling.
         if most > law.reach().steady {
             ease(line, &mut Woven { springs: self, ends });
@@ -242,7 +242,7 @@ trait Springs {
         &self,
         law: &impl Law,
         ends: &E,
-        pivots: &mut Pivots<'_>,
+        springs: &mut [Eliminated],
         excess: &mut Block,
         shifts: &impl ShiftsOfBundle,
     ) {
@@ -257,7 +257,7 @@ trait Springs {
             let between =
                 Between { x: [&x0, &x1], w: [&w0, &w1], normals: [&n0, &n1], shift: &shift };
             let next = last.next::<E>(law, &between, &rest, &factor, excess);
-            pivots.set::<E>(place - 1, &next.springs);
+            next.springs.put::<E>(&mut springs[place - 1]);
             (x0, w0, n0, last) = (x1, w1, n1, next);
         }
     }
@@ -267,14 +267,14 @@ trait Springs {
     #[inline(always)]
     fn substitute<E: Ends>(
         &self,
-        pivots: &Pivots<'_>,
+        springs: &[Eliminated],
         ends: &mut E,
         shifts: &mut impl ShiftsOfBundle,
     ) -> f32 {
         let mut tension = Tension::default();
         for place in (1..self.places()).rev() {
             let w = mobile(&self.inverse_mass(place), ends, place);
-            let correction = tension.next(&pivots.at::<E>(place - 1), &w, ends, place);
+            let correction = tension.next(&springs[place - 1], &w, ends, place);
             shifts.note(place - 1, &tension.multipliers);
             ends.correct(place, correction);
         }

@@ -2,9 +2,8 @@
 
 use bevy_math::Vec3;
 
-use crate::solver::constraints::threads::line::Line;
 use crate::solver::contact::{LEAST_MOBILITY, divide};
-use crate::solver::simd::block::{Block, Block3, Blocks3Mut, BlocksMut, larger};
+use crate::solver::simd::block::{Block, Block3, larger};
 use crate::solver::simd::lanes::LANES;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
@@ -88,15 +87,16 @@ pub(crate) struct Pivot {
 }
 
 /// Springs as elimination leaves them: their tensions are their own ones and what they take over of those of the springs after.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(crate) struct Eliminated {
     /// From one end of the springs to the other, and how long that is \[m\].
-    span: Block3,
-    length: Block,
+    pub span: Block3,
+    pub length: Block,
     /// Their own tensions over their lengths \[kg\].
-    own: Block,
+    pub own: Block,
     /// Part of their tensions that the springs before take over.
-    handed_on: Block,
+    pub handed_on: Block,
     /// How far the springs go along the normals at their second ends \[m\].
     across: Block,
 }
@@ -112,6 +112,21 @@ impl Default for Pivot {
     fn default() -> Self {
         let springs = Eliminated::default();
         Self { springs, inverse: Block::ZERO, residual: Block::ZERO }
+    }
+}
+
+impl Eliminated {
+    /// Takes the place of others.
+    #[inline(always)]
+    pub fn put<E: Ends>(&self, to: &mut Self) {
+        // One by one: what is put as a whole is made elsewhere, and copied.
+        to.span = self.span;
+        to.length = self.length;
+        to.own = self.own;
+        to.handed_on = self.handed_on;
+        if E::TOUCH {
+            to.across = self.across;
+        }
     }
 }
 
@@ -167,51 +182,6 @@ impl Pivot {
             next.residual.0[i] = residual;
         }
         next
-    }
-}
-
-/// What elimination leaves, spring by spring.
-pub(crate) struct Pivots<'a> {
-    span: Blocks3Mut<'a>,
-    length: BlocksMut<'a>,
-    own: BlocksMut<'a>,
-    handed_on: BlocksMut<'a>,
-    across: BlocksMut<'a>,
-}
-
-impl<'a> Pivots<'a> {
-    /// The pivots of so many springs.
-    #[inline(always)]
-    pub fn new(line: &'a mut Line, springs: usize) -> Self {
-        Self {
-            span: Blocks3Mut::new(&mut line.span, 0, springs),
-            length: BlocksMut::new(&mut line.length, 0, springs),
-            own: BlocksMut::new(&mut line.own, 0, springs),
-            handed_on: BlocksMut::new(&mut line.handed_on, 0, springs),
-            across: BlocksMut::new(&mut line.across, 0, springs),
-        }
-    }
-
-    #[inline(always)]
-    pub fn at<E: Ends>(&self, spring: usize) -> Eliminated {
-        Eliminated {
-            span: self.span.at(spring),
-            length: self.length.at(spring),
-            own: self.own.at(spring),
-            handed_on: self.handed_on.at(spring),
-            across: if E::TOUCH { self.across.at(spring) } else { Block::ZERO },
-        }
-    }
-
-    #[inline(always)]
-    pub fn set<E: Ends>(&mut self, at: usize, springs: &Eliminated) {
-        self.span.set(at, springs.span);
-        self.length.set(at, springs.length);
-        self.own.set(at, springs.own);
-        self.handed_on.set(at, springs.handed_on);
-        if E::TOUCH {
-            self.across.set(at, springs.across);
-        }
     }
 }
 
