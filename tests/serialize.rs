@@ -228,7 +228,9 @@ fn a_pile_comes_back() {
             let meets = ClothInterCollision { friction: 0.9, ..default() };
             let material = ClothMaterial { friction: 0.9, ..default() };
             let sheet = Cloth::sheet(Vec2::splat(0.5), UVec2::splat(16));
-            spawn(&mut app, (sheet, material, meets, place))
+            // The ground of the other app is new to it, and wakes what sleeps.
+            let awake = ClothSleepThreshold::NEVER;
+            spawn(&mut app, (sheet, material, meets, awake, place))
         });
         (app, cloths)
     };
