@@ -93,8 +93,8 @@ fn goes(part: f64, force: f64, friction: f64, budget: u32) -> f64 {
     f64::from(solver.position(middle).distance(from))
 }
 
-/// A strip that is about to slip neither creeps nor sticks: forces are as its weight, and three times that. With few substeps it creeps
-/// by up to 8 mm in four seconds where it is pulled at, as it was seen to do with ten forces around 0.2 N.
+/// A strip that is about to slip neither creeps nor sticks: forces are as its weight, and three times that. With few substeps, at 0.2 N, it
+/// creeps by up to 8 mm in four seconds, and slips by more than three times what it creeps.
 #[test]
 fn a_strip_slips_at_eulers_and_eytelweins_ratio() {
     for (force, friction, budget) in
@@ -105,6 +105,8 @@ fn a_strip_slips_at_eulers_and_eytelweins_ratio() {
         let creeps = if budget == 8 && force > 0.1 { 1e-2 } else { 1e-3 };
         check_at_most(&format!("{what}: at 0.95 goes [m]"), held, creeps);
         let slipped = goes(1.05, force, friction, budget);
-        check_at_most(&format!("{what}: at 1.05 lacks of 5 mm [m]"), 5e-3 - slipped, 0.0);
+        let least = (3.0 * held).max(5e-3);
+        println!("{what}: at 0.95 goes {held} m, at 1.05 {slipped}");
+        check_at_most(&format!("{what}: at 1.05 lacks [m]"), least - slipped, 0.0);
     }
 }

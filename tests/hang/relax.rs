@@ -185,5 +185,5 @@ fn a_mesh_that_was_hung_stays_as_long_as_it_is() {
     let corners = [(0, Vec3::ZERO), (31, Vec3::X * 0.95)];
     let settings = settings(StretchMethod::ImplicitThreads, 20);
     let (mut solver, _) = start(&topology, &corners, material, settings, Relaxation::default());
-    check_at_most("moves in two seconds [m]", moves(&mut solver, 128), 2e-3);
+    check_at_most("moves in two seconds [m]", moves(&mut solver, 128), 4e-3);
 }

@@ -125,8 +125,7 @@ fn spin(n: usize) -> Scene {
     Scene { ball: Some(0.15), turns: true, ground: -0.16, ..Scene::of(solver) }
 }
 
-/// A strip whose ends are turned against each other, by two turns in six seconds, and come nearer.
-/// Wound up by two turns in some seconds.
+/// A strip whose ends are turned against each other, by two turns in so many `seconds`, and come nearer.
 fn twist(seconds: f32) -> Scene {
     let (rows, columns) = (19, 64);
     let strip = sheet(Vec2::new(1.0, 0.3), rows, columns, MassLumping::Lumped).into();
@@ -206,21 +205,22 @@ fn what_a_turning_ball_winds_up_has_no_crossings() {
     stays_apart("spin", || spin(64), 150, 500.0);
 }
 
-/// It is left to chance how the strip wrinkles: of fifty, wound up a hundredth of a second faster or slower, ten had crossings, and one
-/// of them 21. So most of five have none.
+/// It is left to chance how the strip wrinkles: of fifty, each wound up a hundredth of a second more slowly than the one before, ten had
+/// crossings, and one of them 21. So most have none.
 #[test]
 fn most_strips_of_two_turns_have_no_crossings() {
     let [without, ..] = twist(6.0).run(400);
     assert!(without > 100.0, "{without}");
-    let crossings = [6.0, 6.1, 6.2, 6.3, 6.4].map(|seconds| {
-        let mut scene = twist(seconds);
+    let crossings = (0..9).map(|draw| {
+        let mut scene = twist(6.0 + 0.05 * draw as f32);
         scene.solver.set_self_collision(Some(SelfCollision::default())).unwrap();
         let [worst, ..] = scene.run(400);
         worst
     });
+    let crossings: Vec<_> = crossings.collect();
     let some = crossings.iter().filter(|&&crossings| crossings > 0.0).count();
-    check_at_most("twist: strips with crossings", some as f64, 2.0);
-    check_at_most("twist: crossings of five strips", crossings.iter().sum(), 40.0);
+    check_at_most("twist: strips of nine with crossings", some as f64, 4.0);
+    check_at_most("twist: crossings of nine strips", crossings.iter().sum(), 60.0);
 }
 
 /// Balls of half a spacing leave holes that a particle passes.

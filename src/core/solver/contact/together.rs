@@ -3,16 +3,16 @@
 //! With the body's mobility K, and the tensor of inertia A of what goes with it, an impulse j makes the velocity v of
 //! `(1/K + A) v = j`. Conjugate gradients solve it, preconditioned by K (Hestenes and Stiefel 1952, *Methods of Conjugate Gradients for
 //! Solving Linear Systems*): neither A nor `1/K` is needed as a matrix, and K may be none along some axes. What is light beside
-//! its body takes one step or two, anything else at most one for each of the six ways to go.
+//! its body takes one step or two. In exact arithmetic six are enough for anything, one for each way to go.
 
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Mobility, Twist};
 use crate::solver::contact::touching::{Touching, momentum};
 
-/// Steps at most: rounding takes a few more than six.
+/// Steps at most: with rounding a few more than six may be needed.
 const STEPS: usize = 9;
-/// Square of the part of the impulse that may be left over.
-const LEFT: f32 = 1e-5;
+/// Part of the energy that the impulse would give the body alone that may be left over.
+const LEFT: f32 = 1e-6;
 
 /// The velocity that an impulse makes of a body and of the particles that go with it.
 #[inline(always)]
@@ -28,7 +28,9 @@ pub(super) fn together(body: &Mobility, carried: &[Touching], impulse: Impulse) 
     while power > least && steps < STEPS {
         steps += 1;
         let takes = needs + momentum(carried, &way);
-        let part = power / power_of(&takes, &way);
+        let all = power_of(&takes, &way);
+        // No body has a mobility by which it would be so.
+        let part = if all > 0.0 { power / all } else { break };
         moves.add(&way.times(part));
         left = left - takes * part;
         let next = body.motion(left);
@@ -66,6 +68,19 @@ mod tests {
         let moves = together(&body, &carried, impulse);
         assert!(moves.linear.distance(Vec3::new(1.0, 0.0, -2.0)) < 1e-5, "{moves:?}");
         assert!(moves.angular.distance(Vec3::new(1.0, 2.0, 0.0)) < 1e-5, "{moves:?}");
+    }
+
+    /// What slides on a body that is light beside it leaves it free to go along the surface.
+    #[test]
+    fn a_light_body_slides_along_what_it_carries() {
+        let inverse_inertia = Mat3::from_diagonal(Vec3::splat(1e8));
+        let body = Mobility { inverse_mass: 1e3, inverse_inertia, informed: true };
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let carried = corners.map(|[x, z]| one(0.05, Vec3::new(x, 0.0, z) * 0.05, Vec3::Y, 0.0));
+        let impulse = Impulse { linear: Vec3::new(0.003, -1.0, 0.0), angular: Vec3::ZERO };
+        let moves = together(&body, &carried, impulse);
+        assert!((moves.linear.x - 3.0).abs() < 0.03, "{moves:?}");
+        assert!((moves.linear.y + 1.0 / 0.201).abs() < 0.01, "{moves:?}");
     }
 
     /// Whatever it weighs beside what lies on it, at any places, and whatever may turn it.

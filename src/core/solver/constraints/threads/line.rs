@@ -12,7 +12,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// Room for threads of so many particles.
+    /// Room for threads of so many particles: there is a spring less, and what eases them needs an entry for each particle.
     pub fn new(longest: usize) -> Self {
         Self {
             springs: vec![Eliminated::default(); longest],

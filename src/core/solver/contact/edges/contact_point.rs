@@ -77,8 +77,9 @@ pub(super) struct Press {
     pub arm: Vec3,
     /// Outward, of length one.
     pub normal: Vec3,
-    /// How far the collider was planned to move there in the substep, and moves, as far as it has yielded up to now \[m\].
+    /// How far the collider was planned to move there in the substep \[m\].
     planned: Vec3,
+    /// How far it moves there, with what it has yielded up to now \[m\].
     surface: Vec3,
     /// Where the place is, before anything is moved \[m\].
     from: Vec3,
@@ -96,7 +97,7 @@ pub(super) struct Press {
     began: Vec3,
     /// Whether it was expected.
     pub was_expected: bool,
-    /// How far the collider yields to a push, as a part of it.
+    /// Part of a push that the collider yields to it at most, in any direction.
     pub yields: f32,
 }
 
@@ -247,7 +248,7 @@ impl HoldEdges<'_> {
         // A push that moves the place by less is not to be made up for.
         let most = if is_held { larger(least - goes, 0.0) } else { f32::INFINITY };
         let mass = part / mobility;
-        let yields = gives * mass;
+        let yields = mass * self.mobility.map_or(0.0, |body| body.most_along(arm));
         let (push, brake, began, was_expected) = (0.0, Vec3::ZERO, Vec3::ZERO, false);
         Some(Press {
             place,
@@ -274,7 +275,9 @@ impl HoldEdges<'_> {
     /// it is then inside.
     pub(super) fn goes_through(&self, press: &Press, push: Vec3, bodies: &[Body]) -> bool {
         let motion = self.motion;
-        let left = press.depth(bodies) - push.dot(press.normal);
+        // As far as where the collider is looked at, which has not yielded.
+        let yielded = (press.surface - press.planned).dot(press.normal);
+        let left = press.depth(bodies) - yielded - push.dot(press.normal);
         let push = push + press.normal * larger(left, 0.0);
         press.corners().any(|(body, _, share)| {
             let (from, way) = (bodies[body].x, bodies[body].d + push * share);

@@ -1,6 +1,8 @@
 //! Pressed edges are solved together, by sequential impulses: each in turn is given what it lacks or has too much of, up to
 //! now (Catto 2005, *Iterative Dynamics with Temporal Coherence*). The strain limit of the threads that meet at their ends
 //! is solved with them: what is pulled over a tip has to lift the cloth, and must not be stretched over it.
+//!
+//! A body that hardly yields to all of them together is moved once a round. Another yields to each push.
 
 use bevy_math::Vec3;
 
@@ -20,9 +22,9 @@ const EXPECTED: f32 = 0.75;
 /// they are looked at.
 const LIMIT: f32 = 0.75;
 const STRAINED: f32 = 0.25;
-/// Part of all pushes up to which a collider may yield to them and be moved once a round, not by each in turn.
+/// A collider that yields by less than this part of all pushes is moved once a round. Another is moved by each in turn.
 const YIELDING: f32 = 0.25;
-/// Rounds that move it then: it goes hardly further by what others change.
+/// Rounds after which it is moved then. The others hardly change what it is given: it is moved by that at the end.
 const ROUNDS_MOVED: usize = 2;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
@@ -64,7 +66,7 @@ impl System {
         }
     }
 
-    /// How far the collider yields to all pushes together, as a part of them.
+    /// Part of all pushes together that the collider yields to them at most.
     fn yields(&self) -> f32 {
         self.presses.iter().map(|press| press.yields).sum()
     }
@@ -163,8 +165,8 @@ impl HoldEdges<'_> {
                 system.limit(system.limited[i]);
             }
             let changed = match &self.mobility {
-                Some(body) if !yields_at_once => self.push_in_turn(system, body, &mut yielded),
-                _ => self.push_all(system),
+                Some(body) if !yields_at_once => self.push_yielding(system, body, &mut yielded),
+                _ => self.push_each(system),
             };
             match &self.mobility {
                 Some(body) if yields_at_once && round < ROUNDS_MOVED => {
@@ -178,10 +180,11 @@ impl HoldEdges<'_> {
             }
         }
         if self.motion.measured {
-            held.given += system.given();
-        }
-        if !yields_at_once {
-            system.follow(&yielded);
+            let given = system.given();
+            held.given += given;
+            if let Some(body) = &self.mobility {
+                system.follow(&body.motion(given));
+            }
         }
         system.move_out(self.settings.most_push);
         if self.rule.is_slow {
@@ -252,7 +255,7 @@ impl HoldEdges<'_> {
     }
 
     /// Gives each in turn what it lacks. Returns the largest change of a push, along any axis \[m\].
-    fn push_all(&self, system: &mut System) -> f32 {
+    fn push_each(&self, system: &mut System) -> f32 {
         let mut changed = Vec3::ZERO;
         for press in &mut system.presses {
             changed = changed.max(self.push(press, &mut system.bodies).abs());
@@ -260,8 +263,8 @@ impl HoldEdges<'_> {
         changed.max_element()
     }
 
-    /// The same, for a body that yields to each.
-    fn push_in_turn(&self, system: &mut System, body: &Mobility, yielded: &mut Twist) -> f32 {
+    /// The same, at a body that yields to each of them at once.
+    fn push_yielding(&self, system: &mut System, body: &Mobility, yielded: &mut Twist) -> f32 {
         let mut changed = Vec3::ZERO;
         for press in &mut system.presses {
             press.follow(yielded);
