@@ -169,10 +169,9 @@ impl Pivot {
                 next.springs.across.0[i] = across1;
             }
             let beside = w[0].0[i] * along;
-            // In this order little waits for the step before: a product, a difference, and a quotient.
-            let pivot = larger(whole - beside * beside * self.inverse.0[i], LEAST_PIVOT);
-            let inverse = 1.0 / pivot;
             let handed_on = beside * self.inverse.0[i];
+            let pivot = larger(whole - beside * handed_on, LEAST_PIVOT);
+            let inverse = 1.0 / pivot;
             let residual = length * over + handed_on * self.residual.0[i];
             next.springs.span.set(i, span);
             next.springs.length.0[i] = length;
