@@ -169,9 +169,12 @@ impl Pivot {
                 next.springs.across.0[i] = across1;
             }
             let beside = w[0].0[i] * along;
-            let handed_on = beside * self.inverse.0[i];
-            let pivot = larger(whole - beside * handed_on, LEAST_PIVOT);
-            let inverse = 1.0 / pivot;
+            let (square_beside, handed_on) = (beside * beside, beside * self.inverse.0[i]);
+            // The square waits for nothing, but where particles are very light or springs very long it is no number.
+            let is_number = square_beside > LEAST_PIVOT && square_beside < f32::MAX;
+            let taken =
+                if is_number { square_beside * self.inverse.0[i] } else { beside * handed_on };
+            let inverse = 1.0 / larger(whole - taken, LEAST_PIVOT);
             let residual = length * over + handed_on * self.residual.0[i];
             next.springs.span.set(i, span);
             next.springs.length.0[i] = length;
