@@ -153,51 +153,21 @@ fn a_body_without_a_mass_is_told_of() {
 
 #[test]
 fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
-    let mut app = physics_app();
-    let ground = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0), ClothCollider::default());
-    spawn(&mut app, (ground, Transform::from_xyz(0.0, -0.5, 0.0)));
-    let mut boxes = Vec::new();
-    for i in 0..20 {
-        let (layer, at) = (i / 4, i % 4);
-        let at = Vec3::new(
-            (at % 2) as f32 * 0.22 - 0.11,
-            0.101 + 0.2 * layer as f32,
-            (at / 2) as f32 * 0.22 - 0.11,
-        );
-        let cube = (RigidBody::Dynamic, Collider::cuboid(0.2, 0.2, 0.2), Mass(0.5));
-        boxes.push(spawn(
-            &mut app,
-            (cube, ClothCollider::default(), Transform::from_translation(at)),
-        ));
-    }
-    let cloth = Cloth::sheet(Vec2::splat(1.6), UVec2::splat(48));
-    let cloth = spawn(&mut app, (cloth, Transform::from_xyz(0.0, 1.1, 0.0)));
-    let asleep = |app: &App| boxes.iter().filter(|&&it| sleeps(app, it)).count();
-    // The boxes, and then the cloth, whose corners hang free and swing for longer.
-    let fall_asleep = |app: &mut App| {
-        let (mut of_boxes, mut ticks) = (0, 0);
-        while !(asleep(app) == 20 && simulation(app, cloth).is_asleep()) && ticks < 40 * 64 {
-            app.update();
-            ticks += 1;
-            of_boxes = if asleep(app) == 20 { of_boxes } else { ticks };
-        }
-        [of_boxes, ticks].map(|ticks| ticks as f32 / 64.0)
+    let ground = |app: &mut App| {
+        let solid = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0));
+        spawn(app, (solid, ClothCollider::default(), Transform::from_xyz(0.0, -0.5, 0.0)));
     };
-    let [of_boxes, of_all] = fall_asleep(&mut app);
-    println!("boxes asleep after {of_boxes} s, the cloth after {of_all} s");
-    assert!(of_boxes < 5.0 && of_all < 8.0);
-    updates(&mut app, 64);
-    assert!(asleep(&app) == 20 && simulation(&app, cloth).is_asleep());
-    // The cloth is touched by what the boxes do not meet, and hands it on.
-    let touch = ball(&mut app, 2.0, Vec3::new(0.1, 1.3, 0.1));
-    insert(&mut app, touch, CollisionLayers::NONE);
-    updates(&mut app, 32);
-    println!("woken: {} boxes, cloth {}", 20 - asleep(&app), !simulation(&app, cloth).is_asleep());
-    assert!(asleep(&app) < 20 && !simulation(&app, cloth).is_asleep());
-    app.world_mut().despawn(touch);
-    let [of_boxes, of_all] = fall_asleep(&mut app);
-    println!("asleep again after {of_boxes} s, the cloth after {of_all} s");
-    assert!(of_boxes < 5.0 && of_all < 8.0);
+    let cube = |app: &mut App, at| {
+        let solid = Collider::cuboid(pile::SIDE, pile::SIDE, pile::SIDE);
+        let body = (RigidBody::Dynamic, solid, Mass(pile::MASS));
+        spawn(app, (body, ClothCollider::default(), Transform::from_translation(at)))
+    };
+    let touch = |app: &mut App, at| {
+        let ball = ball(app, 2.0, at);
+        insert(app, ball, CollisionLayers::NONE);
+        ball
+    };
+    pile::sleeps_and_wakes(physics_app(), ground, cube, touch, sleeps);
 }
 
 #[test]

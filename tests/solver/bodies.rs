@@ -629,7 +629,7 @@ fn what_strikes_or_weighs_nothing_makes_no_energy() {
 }
 
 /// Cubes so small that only edges hold them. They yield to an edge as far as the edge yields to them. The cloth sinks by 0.2 J meanwhile, and
-/// may hand that on. Moved once a round, and not by each edge in turn, six or seven of twelve come to more, to two joules; as it is, one or none.
+/// may hand that on. Were they to stand still while edges are solved, eleven of twelve would come to more; as it is, one or none.
 #[test]
 fn edges_do_not_throw_off_what_is_light() {
     const SIDE: f32 = 0.06;

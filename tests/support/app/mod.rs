@@ -1,6 +1,7 @@
 //! The app that the tests run, and how they look at it.
 
 mod meshes;
+pub mod pile;
 mod pools;
 pub mod saved_scene;
 

@@ -1,9 +1,9 @@
 //! The motion of a body and of what lies on it, as one.
 //!
-//! With the body's mobility K, and the tensor of inertia A of what goes with it, an impulse j makes the velocity v of
-//! `(1/K + A) v = j`. Conjugate gradients solve it, preconditioned by K (Hestenes and Stiefel 1952, *Methods of Conjugate Gradients for
-//! Solving Linear Systems*): neither A nor `1/K` is needed as a matrix, and K may be none along some axes. What is light beside
-//! its body takes one step or two. In exact arithmetic six are enough for anything, one for each way to go.
+//! An impulse j makes the velocity v of `(1/K + A) v = j`, with the body's mobility K and the tensor of inertia A of what goes
+//! with it. Conjugate gradients solve it, preconditioned by K (Hestenes and Stiefel 1952, *Methods of Conjugate Gradients for Solving
+//! Linear Systems*): neither A nor `1/K` is needed as a matrix, and K may be none along some axes. What is light beside its body
+//! takes one step or two. In exact arithmetic six are enough for anything, one for each way to go.
 
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Mobility, Twist};
@@ -70,7 +70,7 @@ mod tests {
         assert!(moves.angular.distance(Vec3::new(1.0, 2.0, 0.0)) < 1e-5, "{moves:?}");
     }
 
-    /// What slides on a body that is light beside it leaves it free to go along the surface.
+    /// A light body goes freely along the surface of heavy particles that slide on it.
     #[test]
     fn a_light_body_slides_along_what_it_carries() {
         let inverse_inertia = Mat3::from_diagonal(Vec3::splat(1e8));

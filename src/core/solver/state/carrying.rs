@@ -36,7 +36,7 @@ pub(crate) enum Load {
     None,
     /// Nothing at present: bodies that it has met may be in the air, and come back.
     Met,
-    /// The same as in the tick before: the heaviest body lies on it, and sleeps. One that sleeps is no body to it.
+    /// A load as in the tick before: the heaviest body lies on it, and sleeps. One that sleeps is no body to it.
     AsBefore,
     /// Colliders that are no bodies, and press on cloth that is held.
     Pressed,

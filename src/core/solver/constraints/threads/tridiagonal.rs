@@ -3,7 +3,7 @@
 use bevy_math::Vec3;
 
 use crate::solver::contact::{LEAST_MOBILITY, divide};
-use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::block::{Block, Block3, larger, smaller};
 use crate::solver::simd::lanes::LANES;
 
 /// Least compliance of a constraint, relative to the inverse masses of its ends. A straight line
@@ -169,11 +169,10 @@ impl Pivot {
                 next.springs.across.0[i] = across1;
             }
             let beside = w[0].0[i] * along;
-            let (square_beside, handed_on) = (beside * beside, beside * self.inverse.0[i]);
-            // The square waits for nothing, but where particles are very light or springs very long it is no number.
-            let is_number = square_beside > LEAST_PIVOT && square_beside < f32::MAX;
-            let taken =
-                if is_number { square_beside * self.inverse.0[i] } else { beside * handed_on };
+            let handed_on = beside * self.inverse.0[i];
+            // The square does not wait for the step before. One that overflows would be infinite; as the largest number it makes the springs
+            // softer.
+            let taken = smaller(beside * beside, f32::MAX) * self.inverse.0[i];
             let inverse = 1.0 / larger(whole - taken, LEAST_PIVOT);
             let residual = length * over + handed_on * self.residual.0[i];
             next.springs.span.set(i, span);
@@ -191,7 +190,7 @@ impl Pivot {
 #[derive(Clone, Copy)]
 pub(crate) struct Tension {
     pull: Block3,
-    /// What the springs before take over of their tensions.
+    /// The part of their tensions over their lengths that the springs before take over \[kg\].
     handed_on: Block,
     /// Multipliers of the springs before the last place \[kg m\].
     pub multipliers: Block,

@@ -97,8 +97,6 @@ pub(super) struct Press {
     began: Vec3,
     /// Whether it was expected.
     pub was_expected: bool,
-    /// Part of a push that the collider yields to it at most, in any direction.
-    pub yields: f32,
 }
 
 impl Press {
@@ -135,7 +133,7 @@ impl Press {
         self.depth - goes.dot(self.normal)
     }
 
-    /// What it has given the collider about its centre, times the substep.
+    /// The impulse that it has given the collider about its centre, times the substep.
     pub fn given(&self) -> Impulse {
         let by = self.began - self.normal * self.push - self.brake;
         Impulse::at(self.arm, by * self.mass)
@@ -234,8 +232,7 @@ impl HoldEdges<'_> {
         }
         // A body yields to a push as well as the place does.
         let arm = place.between(self.x) - motion.centre[0];
-        let gives = self.mobility.map_or(0.0, |body| body.along(arm, normal));
-        let mobility = mobility + gives;
+        let mobility = mobility + self.mobility.map_or(0.0, |body| body.along(arm, normal));
         let planned = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
         let goes = (moved - planned).dot(normal);
         let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
@@ -248,7 +245,6 @@ impl HoldEdges<'_> {
         // A push that moves the place by less is not to be made up for.
         let most = if is_held { larger(least - goes, 0.0) } else { f32::INFINITY };
         let mass = part / mobility;
-        let yields = mass * self.mobility.map_or(0.0, |body| body.most_along(arm));
         let (push, brake, began, was_expected) = (0.0, Vec3::ZERO, Vec3::ZERO, false);
         Some(Press {
             place,
@@ -267,7 +263,6 @@ impl HoldEdges<'_> {
             brake,
             began,
             was_expected,
-            yields,
         })
     }
 

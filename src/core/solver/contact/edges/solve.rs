@@ -2,7 +2,7 @@
 //! now (Catto 2005, *Iterative Dynamics with Temporal Coherence*). The strain limit of the threads that meet at their ends
 //! is solved with them: what is pulled over a tip has to lift the cloth, and must not be stretched over it.
 //!
-//! A body that hardly yields to all of them together is moved once a round. Another yields to each push.
+//! A body yields to each push. One that hardly yields to all of them together stands still until the end.
 
 use bevy_math::Vec3;
 
@@ -22,10 +22,8 @@ const EXPECTED: f32 = 0.75;
 /// they are looked at.
 const LIMIT: f32 = 0.75;
 const STRAINED: f32 = 0.25;
-/// A collider that yields by less than this part of all pushes is moved once a round. Another is moved by each in turn.
-const YIELDING: f32 = 0.25;
-/// Rounds after which it is moved then. The others hardly change what it is given: it is moved by that at the end.
-const ROUNDS_MOVED: usize = 2;
+/// Part of all pushes up to which a body may yield to them and stand still meanwhile.
+const STILL: f32 = 0.1;
 /// Part of Coulomb's limit up to which an edge is braked that turns about where it is held.
 const TURNING: f32 = 0.6;
 /// Inverse mass that stands for that of what is held \[1/kg\].
@@ -66,9 +64,9 @@ impl System {
         }
     }
 
-    /// Part of all pushes together that the collider yields to them at most.
-    fn yields(&self) -> f32 {
-        self.presses.iter().map(|press| press.yields).sum()
+    /// Part of all pushes together by which a body yields to them at most, in any direction.
+    fn yields(&self, body: &Mobility) -> f32 {
+        self.presses.iter().map(|press| press.mass * body.most_at(press.arm)).sum()
     }
 
     /// Lets the collider yield by so much in the substep, up to now.
@@ -78,7 +76,7 @@ impl System {
         }
     }
 
-    /// What all pushes have given the collider about its centre, times the substep.
+    /// The impulse that all pushes have given the collider about its centre, times the substep.
     fn given(&self) -> Impulse {
         self.presses.iter().map(Press::given).sum()
     }
@@ -154,7 +152,7 @@ impl HoldEdges<'_> {
         // What is fast is met once, as what moves is looked at on its way.
         let rounds = if self.rule.is_slow { ROUNDS } else { 1 };
         let found = FOUND / self.settings.per_weight;
-        let yields_at_once = system.yields() < YIELDING;
+        let yielding = self.mobility.filter(|body| system.yields(body) >= STILL);
         let mut yielded = Twist::default();
         for round in 0..rounds {
             // What the first pushes stretch is among them.
@@ -164,17 +162,10 @@ impl HoldEdges<'_> {
             for i in 0..system.limited.len() {
                 system.limit(system.limited[i]);
             }
-            let changed = match &self.mobility {
-                Some(body) if !yields_at_once => self.push_yielding(system, body, &mut yielded),
-                _ => self.push_each(system),
+            let changed = match &yielding {
+                Some(body) => self.push_yielding(system, body, &mut yielded),
+                None => self.push_each(system),
             };
-            match &self.mobility {
-                Some(body) if yields_at_once && round < ROUNDS_MOVED => {
-                    yielded = body.motion(system.given());
-                    system.follow(&yielded);
-                }
-                _ => (),
-            }
             if changed < found && system.limited.is_empty() {
                 break;
             }
@@ -254,7 +245,7 @@ impl HoldEdges<'_> {
         }
     }
 
-    /// Gives each in turn what it lacks. Returns the largest change of a push, along any axis \[m\].
+    /// Gives each in turn what it lacks, of a collider that stands still. Returns the largest change of a push, along any axis \[m\].
     fn push_each(&self, system: &mut System) -> f32 {
         let mut changed = Vec3::ZERO;
         for press in &mut system.presses {
@@ -263,7 +254,7 @@ impl HoldEdges<'_> {
         changed.max_element()
     }
 
-    /// The same, at a body that yields to each of them at once.
+    /// Gives each in turn what it lacks, as [`push_each`](Self::push_each) does, of a body that yields to each at once.
     fn push_yielding(&self, system: &mut System, body: &Mobility, yielded: &mut Twist) -> f32 {
         let mut changed = Vec3::ZERO;
         for press in &mut system.presses {
