@@ -26,6 +26,11 @@ pub struct Mobility {
 }
 
 impl Mobility {
+    /// Whether nothing moves the body.
+    pub(super) fn is_none(&self) -> bool {
+        self.inverse_mass == 0.0 && self.inverse_inertia == Mat3::ZERO
+    }
+
     /// The motion that an impulse makes.
     pub(super) fn motion(&self, impulse: Impulse) -> Twist {
         Twist {
