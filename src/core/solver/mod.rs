@@ -312,7 +312,7 @@ impl ClothSolver {
         self.workspace.broad_phase.begin_tick(low, high, epsilon, layers, input.colliders);
         let particle = self.topology.total_area() * self.material.area_density
             / self.topology.particle_count() as f32;
-        self.state.contacts.begin_tick(input.colliders, self.state.origin, particle);
+        self.state.contacts.begin_tick(input.colliders, self.state.origin, particle, input.dt);
         self.begin_carrying(input);
         self.begin_pulling(input);
         self.workspace.looked = None;

@@ -1,6 +1,6 @@
 //! The account of a collider that is measured, or is a body.
 
-use bevy_math::Vec3;
+use bevy_math::{Mat3, Vec3};
 
 use crate::solver::contact::coupling::Coupling;
 use crate::solver::contact::impulse::Impulse;
@@ -23,6 +23,8 @@ pub(super) struct Account {
     pub about: Vec3,
     /// What it moves by, where it is a body.
     pub mobility: Option<Mobility>,
+    /// Part of an angular impulse that its engine is given; `None` where that is all of it.
+    pub told_part: Option<Mat3>,
     /// How far that has moved it from where it was planned to be, up to the substep.
     pub deviation: Deviation,
     /// Where that is planned to be when the tick begins and when it ends.
@@ -50,6 +52,7 @@ impl Account {
             owed,
             about: Vec3::ZERO,
             mobility: None,
+            told_part: None,
             deviation: Deviation::NONE,
             ways: [Vec3::ZERO; 2],
             live: false,
@@ -76,6 +79,12 @@ impl Account {
         let up = -falls.normalize_or_zero();
         let borne = larger(smaller(expected.dot(up), weight), 0.0);
         self.late + way.cross(expected - up * (0.5 * borne))
+    }
+
+    /// An impulse as its engine is given it.
+    pub fn told(&self, impulse: Impulse) -> Impulse {
+        let Impulse { linear, angular } = impulse;
+        Impulse { linear, angular: self.told_part.map_or(angular, |part| part * angular) }
     }
 
     /// Whether nothing is left of what the cloth has done to it.

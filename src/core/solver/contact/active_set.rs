@@ -181,8 +181,14 @@ impl ActiveSet {
     }
 
     /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places. `particle` is the
-    /// mass of a particle in the mean \[kg\].
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, particle: f32) {
+    /// mass of a particle in the mean \[kg\]. The tick takes `dt` \[s\].
+    pub fn begin_tick(
+        &mut self,
+        colliders: &[Collider<'_>],
+        origin: Vec3,
+        particle: f32,
+        dt: f32,
+    ) {
         if self.keys.go_on(colliders) {
             let place = |collider| self.keys.place(collider);
             self.edges.renumber(place);
@@ -191,7 +197,7 @@ impl ActiveSet {
                 *holder = place(*holder as usize).unwrap_or(usize::MAX) as f32;
             }
         }
-        self.impulses.begin_tick(colliders, origin, LIGHTEST * particle);
+        self.impulses.begin_tick(colliders, origin, LIGHTEST * particle, dt);
         if colliders.iter().any(|collider| collider.mobility.is_some()) {
             self.answering.clear();
             self.answering.reserve(self.now.blocks.len());

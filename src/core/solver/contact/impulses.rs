@@ -10,6 +10,7 @@ use bevy_math::{Mat3, Vec3};
 use crate::solver::contact::account::Account;
 use crate::solver::contact::collider::Collider;
 use crate::solver::contact::coupling::Coupling;
+use crate::solver::contact::easy_turns::Tempered;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 use crate::solver::simd::block::larger;
@@ -64,8 +65,14 @@ impl Impulses {
     }
 
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
-    /// The cloth passes through a body of less than `least` \[kg\].
-    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, least: f32) {
+    /// The cloth passes through a body of less than `least` \[kg\]. The tick takes `dt` \[s\].
+    pub fn begin_tick(
+        &mut self,
+        colliders: &[Collider<'_>],
+        origin: Vec3,
+        least: f32,
+        dt: f32,
+    ) {
         let is_asked = |collider: &Collider<'_>| collider.measured || collider.mobility.is_some();
         let is_light = |mobility: &Mobility| mobility.inverse_mass * least > 1.0;
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
@@ -91,10 +98,12 @@ impl Impulses {
                 self.live.push(place);
             }
             let ways = [0.0, 1.0].map(|part| collider.centre_at(part) - origin);
-            let mobility = collider.mobility;
+            let tempered = collider.mobility.map(|mobility| Tempered::new(mobility, dt));
+            let mobility = tempered.map(|it| it.mobility);
+            let told_part = tempered.and_then(|it| it.told);
             let known = Account::owing(owed, coupling);
             let passed = mobility.as_ref().is_some_and(is_light);
-            let known = Account { passed, ..known };
+            let known = Account { passed, told_part, ..known };
             *account = Some(Account { about: ways[0], ways, mobility, live, ..known });
         }
     }
@@ -156,7 +165,7 @@ impl Impulses {
                     let is_pinned = account.pins > 0;
                     let coupling = &mut account.coupling;
                     let answer = coupling.end_tick(given, &deviation, inverse_mass, is_pinned);
-                    Impulse { angular: answer.angular + lacking, ..answer }
+                    account.told(Impulse { angular: answer.angular + lacking, ..answer })
                 }
                 None => given,
             };
@@ -367,6 +376,6 @@ impl Impulses {
     /// What it is to be given in a tick that the cloth does not take, as it sleeps: as much as in the last one.
     pub fn expected(&self, collider: usize) -> Impulse {
         let account = self.account(collider).filter(|_| self.first(collider) == collider);
-        account.map_or(Impulse::ZERO, |account| account.coupling.expected)
+        account.map_or(Impulse::ZERO, |account| account.told(account.coupling.expected))
     }
 }

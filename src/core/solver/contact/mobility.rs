@@ -53,9 +53,17 @@ impl Mobility {
         self.inverse_mass + turn.dot(self.inverse_inertia * turn)
     }
 
+    /// [`along`](Self::along) a direction, and the most that an impulse of one moves it by at an arm across it \[1/kg\].
+    pub(super) fn along_and_across(&self, arm: Vec3, n: Vec3) -> [f32; 2] {
+        let along = self.along(arm, n);
+        [along, self.most_along(arm) - (along - self.inverse_mass)]
+    }
+
     /// Most that an impulse of one may move it by at an arm, in any direction \[1/kg\].
     pub(super) fn most_along(&self, arm: Vec3) -> f32 {
-        Vec3::AXES.map(|axis| self.along(arm, axis)).iter().sum::<f32>() - 2.0 * self.inverse_mass
+        let inertia = self.inverse_inertia;
+        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+        self.inverse_mass + trace * arm.length_squared() - arm.dot(inertia * arm)
     }
 
     /// Whether every number can be used.

@@ -26,6 +26,7 @@
 //! | `let_go` | after contact: particles of the active set that touch nothing any more |
 //! | `impulse`, `impulses`, `account`, `ledger` | momentum given to the colliders that are measured |
 //! | `mobility` | bodies that the cloth moves, and how far they are from their planned way |
+//! | `easy_turns` | bodies that turn easily about an axis, as a cloth takes them |
 //! | `coupling` | what is remembered of such a body from tick to tick, and what its engine is given |
 //! | `answer`, `touching`, `together` | after contact: a body and the particles that lie on it go on together |
 //! | `edges` | edges and faces: near a rim or tip (`candidates`), nearest place (`search`), solved together (`solve`) |
@@ -41,6 +42,7 @@ mod broad_phase;
 mod calm;
 mod collider;
 mod coupling;
+mod easy_turns;
 mod edges;
 mod found;
 mod friction;

@@ -66,7 +66,7 @@ impl System {
 
     /// Part of all pushes together by which a body yields to them at most, in any direction.
     fn yields(&self, body: &Mobility) -> f32 {
-        self.presses.iter().map(|press| press.mass * body.most_at(press.arm)).sum()
+        self.presses.iter().map(|press| press.mass * body.most_along(press.arm)).sum()
     }
 
     /// Lets the collider yield by so much in the substep, up to now.
@@ -277,7 +277,7 @@ impl HoldEdges<'_> {
         let push = larger(press.push + press.least - along, 0.0);
         let push = if push < press.most { push } else { press.most };
         let most = self.motion.friction * push;
-        let brake = press.brake - (goes - press.normal * along);
+        let brake = press.brake - (goes - press.normal * along) * press.grip;
         let square = brake.dot(brake);
         let slides = square > most * most;
         let brake = if slides { brake * (most / square.sqrt()) } else { brake };
