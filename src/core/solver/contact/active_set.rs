@@ -182,13 +182,7 @@ impl ActiveSet {
 
     /// Begins a tick with these colliders: what is known of those of the last one goes with them to their places. `particle` is the
     /// mass of a particle in the mean \[kg\]. The tick takes `dt` \[s\].
-    pub fn begin_tick(
-        &mut self,
-        colliders: &[Collider<'_>],
-        origin: Vec3,
-        particle: f32,
-        dt: f32,
-    ) {
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, particle: f32, dt: f32) {
         if self.keys.go_on(colliders) {
             let place = |collider| self.keys.place(collider);
             self.edges.renumber(place);

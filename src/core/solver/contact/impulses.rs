@@ -66,13 +66,7 @@ impl Impulses {
 
     /// Begins a tick with these colliders, which are those of the last one as far as they are at the same places.
     /// The cloth passes through a body of less than `least` \[kg\]. The tick takes `dt` \[s\].
-    pub fn begin_tick(
-        &mut self,
-        colliders: &[Collider<'_>],
-        origin: Vec3,
-        least: f32,
-        dt: f32,
-    ) {
+    pub fn begin_tick(&mut self, colliders: &[Collider<'_>], origin: Vec3, least: f32, dt: f32) {
         let is_asked = |collider: &Collider<'_>| collider.measured || collider.mobility.is_some();
         let is_light = |mobility: &Mobility| mobility.inverse_mass * least > 1.0;
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
