@@ -130,7 +130,7 @@ fn done<'a>(
         let turn = |impulse| cloth.frame.impulse_in_world(impulse);
         let expected = cloth.solver.expected_impulse(key);
         if cloth.tick.ran() {
-            done.given += turn(cloth.solver.impulse(place));
+            done.given += turn(cloth.solver.impulse_taken(place));
             done.expected += turn(expected);
             done.ran += 1;
             body.memory.held_by.retain(|held| held.cloth != entity);

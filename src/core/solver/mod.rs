@@ -327,8 +327,14 @@ impl ClothSolver {
         self.state.contacts.impulses.of_whole(collider)
     }
 
+    /// [`impulse`](Self::impulse) as a body that the cloth moves took it. A light rod that turns very easily about its length is taken to turn
+    /// less easily: less of the angular momentum about that is its own.
+    pub fn impulse_taken(&self, collider: usize) -> Impulse {
+        self.state.contacts.impulses.of_whole_as_told(collider)
+    }
+
     /// The impulse that whatever moves a body is to give it after the last tick, by its place in the input, for the cloth to carry it
-    /// (see [`Mobility`]). Over time it sums up to [`impulse`](Self::impulse); it is a tick ahead, as far as the cloth is expected
+    /// (see [`Mobility`]). Over time it sums up to [`impulse_taken`](Self::impulse_taken); it is a tick ahead, as far as the cloth is expected
     /// to go on as it does. The angular part makes up for how far the body has gone since.
     pub fn body_impulse(&self, collider: usize) -> Impulse {
         self.state.contacts.impulses.answer(collider)

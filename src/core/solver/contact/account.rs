@@ -82,7 +82,7 @@ impl Account {
     }
 
     /// An impulse as its engine is given it.
-    pub fn told(&self, impulse: Impulse) -> Impulse {
+    pub fn as_told(&self, impulse: Impulse) -> Impulse {
         let Impulse { linear, angular } = impulse;
         Impulse { linear, angular: self.told_part.map_or(angular, |part| part * angular) }
     }

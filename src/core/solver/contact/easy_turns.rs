@@ -4,7 +4,7 @@
 //! engine does not know of. The angular momentum, which both agree on, then lies along other axes of the engine's body than of the
 //! cloth's. Of a rod that turns 35 times as easily about its length as across it, that makes up to 35 times the energy: it is thrown off,
 //! spinning at hundreds of turns a second. So a cloth takes a body to turn about no axis more easily than what has a least radius of
-//! gyration, but about the axis about which it turns the hardest. The engine is given the velocity that this makes, not the
+//! gyration, or than it turns about its hardest axis. The engine is given the velocity that this makes, not the
 //! momentum: a thin rod rolls on a cloth as one that is heavier inside.
 
 use bevy_math::{Mat3, Vec3};
@@ -33,7 +33,7 @@ impl Tempered {
         let inverse = mobility.inverse_inertia;
         // No value is more than the sum of all. Of what nothing shifts, the mass is not known.
         let sum = inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z;
-        if sum <= most || mobility.inverse_mass == 0.0 || !most.is_finite() {
+        if sum <= most || mobility.inverse_mass == 0.0 || !(most.is_finite() && sum.is_finite()) {
             return as_it_is;
         }
         let (values, axes) = eigen(inverse);

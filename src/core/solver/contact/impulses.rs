@@ -159,7 +159,7 @@ impl Impulses {
                     let is_pinned = account.pins > 0;
                     let coupling = &mut account.coupling;
                     let answer = coupling.end_tick(given, &deviation, inverse_mass, is_pinned);
-                    account.told(Impulse { angular: answer.angular + lacking, ..answer })
+                    account.as_told(Impulse { angular: answer.angular + lacking, ..answer })
                 }
                 None => given,
             };
@@ -361,6 +361,12 @@ impl Impulses {
         if self.first(collider) == collider { self.of(collider) } else { Impulse::ZERO }
     }
 
+    /// [`of_whole`](Self::of_whole) as the engine of a body is to be given it.
+    pub fn of_whole_as_told(&self, collider: usize) -> Impulse {
+        let told = |account: &Account| account.as_told(self.of_whole(collider));
+        self.account(collider).map_or(Impulse::ZERO, told)
+    }
+
     /// What the engine of a body is to be given of the last tick. The first collider of the body has it, the others have none.
     pub fn answer(&self, collider: usize) -> Impulse {
         let account = self.account(collider).filter(|_| self.first(collider) == collider);
@@ -370,6 +376,6 @@ impl Impulses {
     /// What it is to be given in a tick that the cloth does not take, as it sleeps: as much as in the last one.
     pub fn expected(&self, collider: usize) -> Impulse {
         let account = self.account(collider).filter(|_| self.first(collider) == collider);
-        account.map_or(Impulse::ZERO, |account| account.told(account.coupling.expected))
+        account.map_or(Impulse::ZERO, |account| account.as_told(account.coupling.expected))
     }
 }

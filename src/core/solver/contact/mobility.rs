@@ -27,7 +27,7 @@ pub struct Mobility {
 
 impl Mobility {
     /// Whether nothing moves the body.
-    pub(super) fn is_none(&self) -> bool {
+    pub(super) fn is_immovable(&self) -> bool {
         self.inverse_mass == 0.0 && self.inverse_inertia == Mat3::ZERO
     }
 

@@ -237,6 +237,8 @@ impl HoldEdges<'_> {
         let yields = self.mobility.map_or([0.0; 2], |body| body.along_and_across(arm, normal));
         let across = mobility + yields[1];
         let mobility = mobility + yields[0];
+        // An arm that overflows is braked by nothing.
+        let grip = if across.is_finite() { mobility / across } else { 0.0 };
         let planned = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
         let goes = (moved - planned).dot(normal);
         let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
@@ -255,7 +257,7 @@ impl HoldEdges<'_> {
             bodies: [0; 3],
             shares,
             mass,
-            grip: mobility / across,
+            grip,
             arm,
             normal,
             planned,

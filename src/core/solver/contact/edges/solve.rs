@@ -111,7 +111,7 @@ impl System {
 
     /// Brakes the turning of what is pressed about where it is held, which nothing else stops: half of what each corner goes
     /// beside the others, as far as `friction` does it. Returns what the collider is given by that about its `centre`, times the
-    /// substep: it takes over the turning. A body must not: what is braked beside nothing turns one that rolls ever faster.
+    /// substep: it takes over the turning.
     fn brake_turning(&mut self, friction: f32, centre: Vec3) -> Impulse {
         let Self { presses, bodies, .. } = self;
         let mut given = Impulse::ZERO;
@@ -179,7 +179,8 @@ impl HoldEdges<'_> {
         }
         system.move_out(self.settings.most_push);
         if self.rule.is_slow {
-            if self.mobility.is_none_or(|body| body.is_none()) {
+            // Braked beside nothing, they would turn a body that rolls ever faster.
+            if self.mobility.is_none_or(|body| body.is_immovable()) {
                 held.given += system.brake_turning(self.motion.friction, self.motion.centre[0]);
             }
             for press in &system.presses {
