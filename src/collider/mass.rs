@@ -122,8 +122,8 @@ impl ColliderMass {
 /// The impulse that a body with a [`ColliderMass`] is to be given in this tick, after
 /// [`ClothSystems::Finish`](crate::ClothSystems::Finish), in world axes.
 ///
-/// Over time it sums up to what cloths gave; of a light rod, to less about its length. It is ahead of that by what they are expected to give in the next tick, as they do in this
-/// one: the body then falls no further into a cloth that carries it, its engine finds it at rest, and it can fall asleep.
+/// Over time it sums up to what cloths gave; of a light rod, to less about its length. It is ahead of that by what they are expected to
+/// give in the next tick, as they do in this one: the body then falls no further into a cloth that carries it, its engine finds it at rest, and it can fall asleep.
 /// The angular part also makes up for how far the body has gone between being pushed and being told, so that both keep their angular
 /// momentum.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]

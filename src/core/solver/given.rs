@@ -1,4 +1,4 @@
-//! What the cloth gave the colliders that are measured, and the bodies that it moves.
+//! Impulses that the cloth gave the colliders that are measured, and the bodies that it moves.
 
 use crate::solver::ClothSolver;
 use crate::solver::contact::Impulse;
@@ -6,7 +6,7 @@ use crate::solver::contact::Impulse;
 use crate::solver::{Collider, Mobility};
 
 impl ClothSolver {
-    /// What the cloth gave a collider in the last tick, by the collider's place in the input: momentum, and angular momentum
+    /// The impulse that the cloth gave a collider in the last tick, by the collider's place in the input: momentum, and angular momentum
     /// about its [`centre`](Collider::centre). Of colliders of one [`body`](Collider::body) the first has it all. Zero where it was
     /// not asked to be [`measured`](Collider::measured), and after a tick that was undone.
     pub fn impulse(&self, collider: usize) -> Impulse {

@@ -3,6 +3,7 @@
 use bevy_math::{Mat3, Vec3};
 
 use crate::solver::contact::coupling::Coupling;
+use crate::solver::contact::easy_turns::Tempered;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 use crate::solver::simd::block::{larger, smaller};
@@ -61,6 +62,15 @@ impl Account {
             passed: false,
             coupling,
             answer: Impulse::ZERO,
+        }
+    }
+
+    /// Begins to be among those that are live, in a tick of `dt` \[s\].
+    pub fn come_alive(&mut self, dt: f32) {
+        self.live = true;
+        if let Some(mobility) = self.mobility {
+            let Tempered { mobility, told_part } = Tempered::new(mobility, dt);
+            (self.mobility, self.told_part) = (Some(mobility), told_part);
         }
     }
 

@@ -10,7 +10,6 @@ use bevy_math::{Mat3, Vec3};
 use crate::solver::contact::account::Account;
 use crate::solver::contact::collider::Collider;
 use crate::solver::contact::coupling::Coupling;
-use crate::solver::contact::easy_turns::Tempered;
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 use crate::solver::simd::block::larger;
@@ -26,6 +25,8 @@ pub(crate) struct Impulses {
     by_body: Vec<(u64, usize)>,
     /// Colliders in whose accounts anything is, or comes to be. There may be many more that are far away.
     live: Vec<usize>,
+    /// Length of the tick \[s\].
+    dt: f32,
     /// Where cloth and bodies are to keep their angular momentum: the velocity that bodies fall by in a tick, as their engine has it
     /// \[m/s\]. `None` where pins hold the cloth, and take of it what they like; what made up for the rest would be a spin from nothing.
     pub falls: Option<Vec3>,
@@ -72,6 +73,7 @@ impl Impulses {
         let count = if colliders.iter().any(is_asked) { colliders.len() } else { 0 };
         self.colliders.resize(count, None);
         self.join_bodies(colliders);
+        self.dt = dt;
         self.live.clear();
         self.live.reserve(count);
         for (place, collider) in colliders.iter().enumerate().take(count) {
@@ -92,13 +94,14 @@ impl Impulses {
                 self.live.push(place);
             }
             let ways = [0.0, 1.0].map(|part| collider.centre_at(part) - origin);
-            let tempered = collider.mobility.map(|mobility| Tempered::new(mobility, dt));
-            let mobility = tempered.map(|it| it.mobility);
-            let told_part = tempered.and_then(|it| it.told);
+            let mobility = collider.mobility;
             let known = Account::owing(owed, coupling);
             let passed = mobility.as_ref().is_some_and(is_light);
-            let known = Account { passed, told_part, ..known };
-            *account = Some(Account { about: ways[0], ways, mobility, live, ..known });
+            let known = Account { passed, ..known };
+            let account = account.insert(Account { about: ways[0], ways, mobility, ..known });
+            if live {
+                account.come_alive(dt);
+            }
         }
     }
 
@@ -233,7 +236,7 @@ impl Impulses {
         account.met = true;
         if !account.live {
             account.about = colliders[first].centre_at(from) - origin;
-            account.live = true;
+            account.come_alive(self.dt);
             self.live.push(first);
         }
     }
@@ -318,7 +321,7 @@ impl Impulses {
         let first = self.first(collider);
         let account = self.colliders.get_mut(first)?.as_mut()?;
         if !account.live {
-            account.live = true;
+            account.come_alive(self.dt);
             self.live.push(first);
         }
         Some(account)
@@ -329,6 +332,7 @@ impl Impulses {
         for account in self.colliders.iter_mut().flatten() {
             account.owed = account.owed.turned(turn);
             account.coupling.expected = account.coupling.expected.turned(turn);
+            account.told_part = account.told_part.map(|part| turn * part * turn.transpose());
             account.coupling.ahead.shift = turn * account.coupling.ahead.shift;
         }
     }

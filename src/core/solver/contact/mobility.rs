@@ -39,11 +39,15 @@ impl Mobility {
         }
     }
 
-    /// Most that an impulse of one at an arm may move it there \[1/kg\].
+    /// Bound of [`most_along`](Self::most_along) that does not depend on the direction of the arm \[1/kg\].
     pub(super) fn most_at(&self, arm: Vec3) -> f32 {
+        self.inverse_mass + self.trace() * arm.length_squared()
+    }
+
+    /// Sum of the inverse moments of inertia.
+    pub(super) fn trace(&self) -> f32 {
         let inertia = self.inverse_inertia;
-        let largest = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-        self.inverse_mass + largest * arm.length_squared()
+        inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z
     }
 
     /// What an impulse of one along `n` at an arm moves it by there, along `n` \[1/kg\].
@@ -61,9 +65,7 @@ impl Mobility {
 
     /// Most that an impulse of one may move it by at an arm, in any direction \[1/kg\].
     pub(super) fn most_along(&self, arm: Vec3) -> f32 {
-        let inertia = self.inverse_inertia;
-        let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-        self.inverse_mass + trace * arm.length_squared() - arm.dot(inertia * arm)
+        self.most_at(arm) - arm.dot(self.inverse_inertia * arm)
     }
 
     /// Whether every number can be used.
