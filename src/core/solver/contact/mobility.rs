@@ -57,12 +57,6 @@ impl Mobility {
         self.inverse_mass + turn.dot(self.inverse_inertia * turn)
     }
 
-    /// [`along`](Self::along) a direction, and the most that an impulse of one moves it by at an arm across it \[1/kg\].
-    pub(super) fn along_and_across(&self, arm: Vec3, n: Vec3) -> [f32; 2] {
-        let along = self.along(arm, n);
-        [along, self.most_along(arm) - (along - self.inverse_mass)]
-    }
-
     /// Most that an impulse of one may move it by at an arm, in any direction \[1/kg\].
     pub(super) fn most_along(&self, arm: Vec3) -> f32 {
         self.most_at(arm) - arm.dot(self.inverse_inertia * arm)

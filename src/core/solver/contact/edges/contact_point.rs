@@ -73,8 +73,6 @@ pub(super) struct Press {
     shares: [f32; 3],
     /// Impulse for a push of one \[kg\].
     pub mass: f32,
-    /// Push along the surface that moves the place by one there, or by less. A body turns as well, and yields further along it.
-    pub grip: f32,
     /// How far the place is from the collider's centre, as the substep begins \[m\].
     pub arm: Vec3,
     /// Outward, of length one.
@@ -234,11 +232,7 @@ impl HoldEdges<'_> {
         }
         // A body yields to a push as well as the place does.
         let arm = place.between(self.x) - motion.centre[0];
-        let yields = self.mobility.map_or([0.0; 2], |body| body.along_and_across(arm, normal));
-        let across = mobility + yields[1];
-        let mobility = mobility + yields[0];
-        // An arm that overflows is braked by nothing.
-        let grip = if across.is_finite() { mobility / across } else { 0.0 };
+        let mobility = mobility + self.mobility.map_or(0.0, |body| body.along(arm, normal));
         let planned = if motion.moves { from - motion.before.to_world(local) } else { Vec3::ZERO };
         let goes = (moved - planned).dot(normal);
         let shares: [f32; 3] = core::array::from_fn(|i| parts[i] * w[i] / mobility);
@@ -257,7 +251,6 @@ impl HoldEdges<'_> {
             bodies: [0; 3],
             shares,
             mass,
-            grip,
             arm,
             normal,
             planned,

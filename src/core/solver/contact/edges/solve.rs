@@ -278,7 +278,7 @@ impl HoldEdges<'_> {
         let push = larger(press.push + press.least - along, 0.0);
         let push = if push < press.most { push } else { press.most };
         let most = self.motion.friction * push;
-        let brake = press.brake - (goes - press.normal * along) * press.grip;
+        let brake = press.brake - (goes - press.normal * along);
         let square = brake.dot(brake);
         let slides = square > most * most;
         let brake = if slides { brake * (most / square.sqrt()) } else { brake };
