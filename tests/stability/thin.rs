@@ -1,14 +1,17 @@
 //! Solids that are thinner than the particles are apart. Truth: the cloth hangs on them, or has slid off as a whole, and
 //! what struck it does not stay hooked in it.
 
-use crate::support::{kinds::*, solver::*};
+use crate::support::{dice::Dice, kinds::*, sheets::lattice_and_mesh, solver::*};
 use bevy::math::{
     Quat, Vec2, Vec3,
-    primitives::{Cone, Cuboid, Cylinder, InfinitePlane3d},
+    primitives::{Capsule3d, Cone, Cuboid, Cylinder, InfinitePlane3d},
 };
 use bevy_drape::{
     sdf::SignedDistance,
-    solver::{ClothSolver, Collider, MassLumping, PinMotion, Pose, Settings, StepInput, Substeps},
+    solver::{
+        ClothSolver, Collider, MassLumping, PinMotion, Pose, Settings, StepInput, Substeps,
+        Topology,
+    },
 };
 
 const N: usize = 32;
@@ -144,5 +147,80 @@ fn a_box_that_moves_into_a_curtain_does_not_stay_hooked_in_it() {
                 check_at_most(&what, strain, most);
             }
         }
+    }
+}
+
+/// A square metre held at its first row, by particles so many apart, and the middle of it.
+fn hung(topology: Topology, every: usize) -> (ClothSolver, Vec<PinMotion>, Vec3) {
+    let rest: Vec<_> =
+        topology.rest_positions().iter().map(|p| Vec3::new(p.x, -p.z, 0.0)).collect();
+    let settings = Settings { substeps: Substeps::Fixed(20), ..Settings::default() };
+    let mut solver = ClothSolver::new(topology, &rest, usual(), settings).unwrap();
+    let is_top = |&i: &u32| rest[i as usize].y == rest[0].y;
+    let top: Vec<_> = (0..rest.len() as u32).filter(is_top).step_by(every).collect();
+    solver.set_pins(&top).unwrap();
+    let (pins, middle) = (still(&solver), rest.iter().sum::<Vec3>() / rest.len() as f32);
+    (solver, pins, middle)
+}
+
+/// The largest strain while a solid goes its way, and at the end of it.
+fn strains_while(
+    (mut solver, pins, _): (ClothSolver, Vec<PinMotion>, Vec3),
+    solid: &dyn SignedDistance,
+    ticks: usize,
+    pose: impl Fn(f32) -> Pose,
+) -> [f64; 2] {
+    let mut peak = 0.0;
+    for tick in 0..ticks {
+        let [from, to] = [tick, tick + 1].map(|tick| pose(tick as f32 * TICK));
+        let colliders = [Collider::new(solid, from).moving_to(to)];
+        let input = StepInput {
+            dt: TICK,
+            gravity: GRAVITY,
+            pins: &pins,
+            colliders: &colliders,
+            ..StepInput::default()
+        };
+        solver.tick(&input).unwrap();
+        peak = solver.strain().max.max(peak);
+    }
+    [peak.into(), solver.strain().max.into()]
+}
+
+/// Threads that are hooked in it pass through it also while it is fast, and it takes none of them along.
+#[test]
+fn what_flies_through_a_curtain_takes_no_thread_along() {
+    let capsule = Capsule3d::new(0.022, 0.054);
+    for (name, topology) in lattice_and_mesh(1.0, 24) {
+        let mut dice = Dice(5);
+        for throw in 0..16 {
+            let start = hung(topology.clone(), 1);
+            let to = start.2 + Vec3::new(0.4 * dice.roll(), 0.4 * dice.roll(), 0.0);
+            let velocity =
+                Vec3::new(2.0 * dice.roll(), 2.0 * dice.roll(), -9.0 + 3.0 * dice.roll());
+            let (axis, turn) = (dice.direction().as_vec3(), Quat::from_rotation_x(dice.roll()));
+            let strains = strains_while(start, &capsule, SECOND, |t| Pose {
+                rotation: Quat::from_axis_angle(axis, 8.0 * t) * turn,
+                ..Pose::from_translation(to + velocity * (t - 0.05))
+            });
+            let what = format!("{name}, throw {throw}");
+            check_at_most(&format!("{what}: largest strain"), strains[0], 2.0);
+            check_at_most(&format!("{what}: strain at the end"), strains[1], 0.12);
+        }
+    }
+}
+
+/// A thread through it is never deep inside. Where the disc stays in a fold of the mesh, a spring is at 28 %.
+#[test]
+fn a_thin_disc_that_comes_down_on_a_hem_does_not_stay_hooked_in_it() {
+    let disc = Cylinder::new(0.28, 0.012);
+    for (name, topology) in lattice_and_mesh(1.0, 48) {
+        let start = hung(topology, 47);
+        let middle = start.2;
+        let strains = strains_while(start, &disc, 4 * SECOND, |t| Pose {
+            rotation: Quat::from_rotation_z(0.3),
+            ..Pose::from_translation(middle + Vec3::new(0.0, 0.9 - t.min(1.0), 0.0))
+        });
+        check_at_most(&format!("{name}: strain at the end"), strains[1], 0.35);
     }
 }

@@ -226,7 +226,8 @@ impl HoldEdges<'_> {
         // An end beyond the solid would be moved into it.
         let faces = |slot: usize| self.nearby.normal.get(slot).dot(normal);
         let is_beyond = slots.iter().any(|&slot| faces(slot) < -BEYOND);
-        let is_hooked = edge.is_some_and(|edge| self.is_hooked(edge, depth, (b - a).length()));
+        let length = (b - a).length();
+        let is_hooked = edge.is_some_and(|edge| self.is_hooked(edge, depth, length, is_beyond));
         if is_hooked || passes || is_beyond {
             return None;
         }

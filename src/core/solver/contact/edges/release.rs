@@ -2,21 +2,29 @@
 //!
 //! Where a fast collider has pierced the cloth, no particle is inside it: a thread spans it from side to side, each end is
 //! held outside on its own side, and nothing would ever undo that. So the ends of such an edge pass through the
-//! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again, or short for
-//! so long that nothing pulls them out. What their threads are still long to, and what touches the collider there, passes with them.
+//! collider, and the thread pulls them to one side. They pass until they are outside and none of their long threads can reach into
+//! the collider, or the threads are short for so long that nothing pulls them out. What their threads are still long to, and what
+//! touches the collider there, passes with them.
 
 use bevy_math::Vec3;
 
 use crate::solver::contact::LEAST_SLIDING;
-use crate::solver::contact::edges::{EdgeMemory, Freed, HoldEdges};
+use crate::solver::contact::edges::{EdgeMemory, Freed, HELD, HoldEdges};
 use crate::solver::contact::impulse::Impulse;
 use crate::solver::simd::block::larger;
 
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
-/// Multiple of that length at which a thread is hooked in a body that the cloth moves.
-const CARRYING: f32 = 2.5;
+/// The same of an edge whose ends are on opposite sides of the solid.
+const THROUGH_STRAIN: f32 = 0.2;
+const THROUGH_LIMITS: f32 = 2.0;
+/// Multiple of the first's length at which an edge is hooked for certain: in what may stretch it as far for a moment, which
+/// is a fast collider and a body that the cloth carries, and in what is too thin for it to be deep inside.
+const CERTAIN: f32 = 2.5;
+/// Speed of a collider up to which threads that are hooked in it are found while it moves \[m/s\]. What is faster is past before
+/// they matter.
+const HOOKING_SPEED: f32 = 25.0;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
 const PASSING_LIMITS: f32 = 1.05;
@@ -44,7 +52,10 @@ impl HoldEdges<'_> {
             self.edges.visit_threads(slot as usize, |other, rest| {
                 let way = self.x.get(other) + self.d.get(other) - here;
                 let bound = longest * rest;
-                if way.dot(way) <= bound * bound {
+                let square = way.dot(way);
+                // A thread that is shorter than the gaps of its ends are together does not reach the collider.
+                let gaps = larger(gap + self.nearby.gap[other], 0.0);
+                if square <= bound * bound || square <= gaps * gaps {
                     return;
                 }
                 is_pulled = true;
@@ -75,7 +86,8 @@ impl HoldEdges<'_> {
     }
 
     /// Slows a particle that passes through a collider to the speed of what is pushed out of one: the threads that were
-    /// stretched by that would make it a shot. Returns by how much its displacement changes \[m\].
+    /// stretched by that would make it a shot. It may be as much faster as the collider is: one that moves on must not take it
+    /// along. Returns by how much its displacement changes \[m\].
     fn slow_down(&mut self, slot: usize) -> Vec3 {
         let motion = self.motion;
         let d = self.d.get(slot);
@@ -84,19 +96,39 @@ impl HoldEdges<'_> {
         let surface = if motion.moves { moved } else { Vec3::ZERO };
         let relative = d - surface;
         let way = larger(relative.length(), LEAST_SLIDING);
-        let by = -relative * larger(1.0 - self.settings.most_push / way, 0.0);
+        let most = self.settings.most_push + surface.length();
+        let by = -relative * larger(1.0 - most / way, 0.0);
         self.displace(slot, by);
         by
     }
 
-    /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on.
-    pub(super) fn is_hooked(&mut self, edge: u32, depth: f32, length: f32) -> bool {
-        let longest = 1.0 + (HOOKED_LIMITS * self.max_strain).max(HOOKED_STRAIN);
-        // A body that a cloth carries may stretch threads as far, and goes where they pull it.
-        let longest = if self.motion.yields { CARRYING * longest } else { longest };
-        let hooked = self.rule.is_slow
-            && depth > HOOKED_DEPTH * self.settings.epsilon
-            && length > longest * self.edges.rest(edge);
+    /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on. One
+    /// that `is_beyond` lies through the solid from side to side.
+    pub(super) fn is_hooked(
+        &mut self,
+        edge: u32,
+        depth: f32,
+        length: f32,
+        is_beyond: bool,
+    ) -> bool {
+        let HoldEdges { settings, motion, rule, max_strain, .. } = self;
+        if depth <= HELD * settings.epsilon {
+            return false;
+        }
+        let strained = 1.0 + (HOOKED_LIMITS * *max_strain).max(HOOKED_STRAIN);
+        let through = 1.0 + (THROUGH_LIMITS * *max_strain).max(THROUGH_STRAIN);
+        let is_past = motion.reach > HOOKING_SPEED * settings.step;
+        let is_deep = depth > HOOKED_DEPTH * settings.epsilon;
+        let longest = match (rule.is_slow, is_beyond) {
+            _ if motion.yields => CERTAIN * strained,
+            (true, true) => through,
+            (true, false) if is_deep => strained,
+            (true, false) => CERTAIN * strained,
+            // Only what was so long before: a blow must not let it through.
+            (false, _) if rule.stretch > CERTAIN * strained && !is_past => CERTAIN * strained,
+            (false, _) => f32::INFINITY,
+        };
+        let hooked = length > longest * self.edges.rest(edge);
         if hooked {
             let collider = self.collider as u32;
             let freed = |slot| Freed { slot: slot as u32, collider, left: PASSING_TIME };
