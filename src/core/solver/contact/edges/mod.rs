@@ -70,8 +70,6 @@ pub(super) struct Rule {
     alike: f32,
     /// Whether faces are searched too.
     has_faces: bool,
-    /// Multiple of its length at rest that the longest edge had at the end of the last tick, or may have by the strain limit.
-    stretch: f32,
 }
 
 impl Rule {
@@ -106,7 +104,6 @@ impl Rule {
             inside: -INSIDE * larger(settings.epsilon, LEAST_INSIDE * edges.longest) - motion.reach,
             alike: 1.0 - 0.5 * angle * angle,
             has_faces,
-            stretch,
         })
     }
 }

@@ -19,12 +19,9 @@ const HOOKED_LIMITS: f32 = 4.0;
 /// The same of an edge whose ends are on opposite sides of the solid.
 const THROUGH_STRAIN: f32 = 0.2;
 const THROUGH_LIMITS: f32 = 2.0;
-/// Multiple of the first's length at which an edge is hooked for certain: in what may stretch it as far for a moment, which
-/// is a fast collider and a body that the cloth carries, and in what is too thin for it to be deep inside.
+/// Multiple of the first's length at which an edge is hooked in a body that the cloth carries, which may stretch it as far and goes
+/// where it is pulled, or in what is too thin for the edge to be deep inside.
 const CERTAIN: f32 = 2.5;
-/// Speed of a collider up to which threads that are hooked in it are found while it moves \[m/s\]. What is faster is past before
-/// they matter.
-const HOOKING_SPEED: f32 = 25.0;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
 const PASSING_LIMITS: f32 = 1.05;
@@ -111,22 +108,18 @@ impl HoldEdges<'_> {
         length: f32,
         is_beyond: bool,
     ) -> bool {
-        let HoldEdges { settings, motion, rule, max_strain, .. } = self;
-        if depth <= HELD * settings.epsilon {
+        let HoldEdges { settings, motion, max_strain, .. } = self;
+        if !self.rule.is_slow || depth <= HELD * settings.epsilon {
             return false;
         }
         let strained = 1.0 + (HOOKED_LIMITS * *max_strain).max(HOOKED_STRAIN);
-        let through = 1.0 + (THROUGH_LIMITS * *max_strain).max(THROUGH_STRAIN);
-        let is_past = motion.reach > HOOKING_SPEED * settings.step;
         let is_deep = depth > HOOKED_DEPTH * settings.epsilon;
-        let longest = match (rule.is_slow, is_beyond) {
-            _ if motion.yields => CERTAIN * strained,
-            (true, true) => through,
-            (true, false) if is_deep => strained,
-            (true, false) => CERTAIN * strained,
-            // Only what was so long before: a blow must not let it through.
-            (false, _) if rule.stretch > CERTAIN * strained && !is_past => CERTAIN * strained,
-            (false, _) => f32::INFINITY,
+        let longest = if is_beyond && !motion.yields {
+            1.0 + (THROUGH_LIMITS * *max_strain).max(THROUGH_STRAIN)
+        } else if is_deep && !motion.yields {
+            strained
+        } else {
+            CERTAIN * strained
         };
         let hooked = length > longest * self.edges.rest(edge);
         if hooked {
