@@ -187,7 +187,7 @@ fn strains_while(
     [peak.into(), solver.strain().max.into()]
 }
 
-/// Threads that are hooked in it pass through it, and it takes none of them along.
+/// Threads that are hooked in a capsule pass through it, and it takes none of them along: a spring was ten times too long.
 #[test]
 fn what_flies_through_a_curtain_takes_no_thread_along() {
     let capsule = Capsule3d::new(0.022, 0.054);
@@ -204,13 +204,13 @@ fn what_flies_through_a_curtain_takes_no_thread_along() {
                 ..Pose::from_translation(to + velocity * (t - 0.05))
             });
             let what = format!("{name}, throw {throw}");
-            check_at_most(&format!("{what}: largest strain"), strains[0], 3.0);
+            check_at_most(&format!("{what}: largest strain"), strains[0], 2.0);
             check_at_most(&format!("{what}: strain at the end"), strains[1], 0.12);
         }
     }
 }
 
-/// A thread through it is never deep inside. Where the disc stays in a fold of the mesh, a spring is at 28 %.
+/// A thread through a thin disc is never deep inside it. Where the disc stays in a fold, a spring is at 8 to 28 %.
 #[test]
 fn a_thin_disc_that_comes_down_on_a_hem_does_not_stay_hooked_in_it() {
     let disc = Cylinder::new(0.28, 0.012);

@@ -124,6 +124,14 @@ impl Edges {
         }
     }
 
+    /// Whether one is a thread, and no diagonal of a lattice: those get long by shear alone.
+    pub fn is_thread(&self, edge: u32) -> bool {
+        match &self.joined {
+            Joined::Neighbours { .. } => (edge as usize % FAN).is_multiple_of(2),
+            Joined::Pairs(_) => true,
+        }
+    }
+
     /// Visits the threads that meet at a slot: the slots of their other ends, and their lengths at rest \[m\]. Diagonals of a
     /// lattice are none.
     pub fn visit_threads(&self, slot: usize, mut visit: impl FnMut(usize, f32)) {

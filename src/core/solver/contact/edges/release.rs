@@ -2,9 +2,9 @@
 //!
 //! Where a fast collider has pierced the cloth, no particle is inside it: a thread spans it from side to side, each end is
 //! held outside on its own side, and nothing would ever undo that. So the ends of such an edge pass through the
-//! collider, and the thread pulls them to one side. They pass until they are outside and none of their long threads can reach into
-//! the collider, or the threads are short for so long that nothing pulls them out. What their threads are still long to, and what
-//! touches the collider there, passes with them.
+//! collider, and the thread pulls them to one side. They pass until they are outside and none of their long threads reaches the
+//! collider, or these are short for so long that nothing pulls them out. What their threads are still long to, and what touches the
+//! collider there, passes with them.
 
 use bevy_math::Vec3;
 
@@ -16,11 +16,12 @@ use crate::solver::simd::block::larger;
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
-/// The same of an edge whose ends are on opposite sides of the solid.
+/// Strain beyond which an edge is hooked that would be moved further in at one end, and how many times the strain limit it is at
+/// least.
 const THROUGH_STRAIN: f32 = 0.2;
 const THROUGH_LIMITS: f32 = 2.0;
-/// Multiple of the first's length at which an edge is hooked in a body that the cloth carries, which may stretch it as far and goes
-/// where it is pulled, or in what is too thin for the edge to be deep inside.
+/// Multiple of a hooked edge's length that an edge has which is hooked in a body that the cloth carries, or in what is too thin for
+/// it to be deep inside. A body may stretch it as far, and goes where it is pulled.
 const CERTAIN: f32 = 2.5;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
@@ -51,8 +52,8 @@ impl HoldEdges<'_> {
                 let bound = longest * rest;
                 let square = way.dot(way);
                 // A thread that is shorter than the gaps of its ends are together does not reach the collider.
-                let gaps = larger(gap + self.nearby.gap[other], 0.0);
-                if square <= bound * bound || square <= gaps * gaps {
+                let gaps = gap + self.nearby.gap[other] - 2.0 * self.motion.overestimate;
+                if square <= bound * bound || (gaps > 0.0 && square <= gaps * gaps) {
                     return;
                 }
                 is_pulled = true;
@@ -83,8 +84,8 @@ impl HoldEdges<'_> {
     }
 
     /// Slows a particle that passes through a collider to the speed of what is pushed out of one: the threads that were
-    /// stretched by that would make it a shot. It may be as much faster as the collider is: one that moves on must not take it
-    /// along. Returns by how much its displacement changes \[m\].
+    /// stretched by that would make it a shot. Beside a collider that moves it may be faster by the collider's own speed, which
+    /// lets it stay behind. Returns by how much its displacement changes \[m\].
     fn slow_down(&mut self, slot: usize) -> Vec3 {
         let motion = self.motion;
         let d = self.d.get(slot);
@@ -93,14 +94,15 @@ impl HoldEdges<'_> {
         let surface = if motion.moves { moved } else { Vec3::ZERO };
         let relative = d - surface;
         let way = larger(relative.length(), LEAST_SLIDING);
-        let most = self.settings.most_push + surface.length();
+        // What turns is faster far away than anywhere on its surface.
+        let most = self.settings.most_push + surface.length().min(motion.reach);
         let by = -relative * larger(1.0 - most / way, 0.0);
         self.displace(slot, by);
         by
     }
 
     /// Whether an edge is hooked that is so deep inside the collider and so long: its ends pass from the next substep on. One
-    /// that `is_beyond` lies through the solid from side to side.
+    /// that `is_beyond` has an end that the way out of the collider would lead further in.
     pub(super) fn is_hooked(
         &mut self,
         edge: u32,
@@ -109,12 +111,13 @@ impl HoldEdges<'_> {
         is_beyond: bool,
     ) -> bool {
         let HoldEdges { settings, motion, max_strain, .. } = self;
-        if !self.rule.is_slow || depth <= HELD * settings.epsilon {
+        let is_deep = depth > HOOKED_DEPTH * settings.epsilon;
+        let is_inside = if motion.yields { is_deep } else { depth > HELD * settings.epsilon };
+        if !self.rule.is_slow || !is_inside {
             return false;
         }
         let strained = 1.0 + (HOOKED_LIMITS * *max_strain).max(HOOKED_STRAIN);
-        let is_deep = depth > HOOKED_DEPTH * settings.epsilon;
-        let longest = if is_beyond && !motion.yields {
+        let longest = if is_beyond && self.edges.is_thread(edge) && !motion.yields {
             1.0 + (THROUGH_LIMITS * *max_strain).max(THROUGH_STRAIN)
         } else if is_deep && !motion.yields {
             strained
