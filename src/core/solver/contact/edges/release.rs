@@ -2,9 +2,8 @@
 //!
 //! Where a fast collider has pierced the cloth, no particle is inside it: a thread spans it from side to side, each end is
 //! held outside on its own side, and nothing would ever undo that. So the ends of such an edge pass through the
-//! collider, and the thread pulls them to one side. They pass until they are outside and none of their long threads reaches the
-//! collider, or these are short for so long that nothing pulls them out. What their threads are still long to, and what touches the
-//! collider there, passes with them.
+//! collider, and the thread pulls them to one side. They pass until they are outside and their threads are short again, or short for
+//! so long that nothing pulls them out. What their threads are still long to, and what touches the collider there, passes with them.
 
 use bevy_math::Vec3;
 
@@ -16,13 +15,12 @@ use crate::solver::simd::block::larger;
 /// Strain beyond which an edge inside a collider is hooked in it, and how many times the strain limit it is at least.
 const HOOKED_STRAIN: f32 = 1.0;
 const HOOKED_LIMITS: f32 = 4.0;
-/// Strain beyond which an edge is hooked that would be moved further in at one end, and how many times the strain limit it is at
-/// least.
+/// Strain beyond which a thread is hooked that would be moved further in at one end, however thin the collider is, and how many
+/// times the strain limit it is at least.
 const THROUGH_STRAIN: f32 = 0.2;
 const THROUGH_LIMITS: f32 = 2.0;
-/// Multiple of a hooked edge's length that an edge has which is hooked in a body that the cloth carries, or in what is too thin for
-/// it to be deep inside. A body may stretch it as far, and goes where it is pulled.
-const CERTAIN: f32 = 2.5;
+/// Multiple of that length at which a thread is hooked in a body that the cloth moves.
+const CARRYING: f32 = 2.5;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
 const PASSING_LIMITS: f32 = 1.05;
@@ -50,10 +48,7 @@ impl HoldEdges<'_> {
             self.edges.visit_threads(slot as usize, |other, rest| {
                 let way = self.x.get(other) + self.d.get(other) - here;
                 let bound = longest * rest;
-                let square = way.dot(way);
-                // A thread that is shorter than the gaps of its ends are together does not reach the collider.
-                let gaps = gap + self.nearby.gap[other] - 2.0 * self.motion.overestimate;
-                if square <= bound * bound || (gaps > 0.0 && square <= gaps * gaps) {
+                if way.dot(way) <= bound * bound {
                     return;
                 }
                 is_pulled = true;
@@ -94,8 +89,7 @@ impl HoldEdges<'_> {
         let surface = if motion.moves { moved } else { Vec3::ZERO };
         let relative = d - surface;
         let way = larger(relative.length(), LEAST_SLIDING);
-        // What turns is faster far away than anywhere on its surface.
-        let most = self.settings.most_push + surface.length().min(motion.reach);
+        let most = self.settings.most_push + surface.length();
         let by = -relative * larger(1.0 - most / way, 0.0);
         self.displace(slot, by);
         by
@@ -110,21 +104,18 @@ impl HoldEdges<'_> {
         length: f32,
         is_beyond: bool,
     ) -> bool {
-        let HoldEdges { settings, motion, max_strain, .. } = self;
-        let is_deep = depth > HOOKED_DEPTH * settings.epsilon;
-        let is_inside = if motion.yields { is_deep } else { depth > HELD * settings.epsilon };
-        if !self.rule.is_slow || !is_inside {
-            return false;
-        }
-        let strained = 1.0 + (HOOKED_LIMITS * *max_strain).max(HOOKED_STRAIN);
-        let longest = if is_beyond && self.edges.is_thread(edge) && !motion.yields {
-            1.0 + (THROUGH_LIMITS * *max_strain).max(THROUGH_STRAIN)
-        } else if is_deep && !motion.yields {
-            strained
+        let yields = self.motion.yields;
+        let (least, strain, limits) = if is_beyond && !yields && self.edges.is_thread(edge) {
+            (HELD, THROUGH_STRAIN, THROUGH_LIMITS)
         } else {
-            CERTAIN * strained
+            (HOOKED_DEPTH, HOOKED_STRAIN, HOOKED_LIMITS)
         };
-        let hooked = length > longest * self.edges.rest(edge);
+        let longest = 1.0 + (limits * self.max_strain).max(strain);
+        // A body that a cloth carries may stretch threads as far, and goes where they pull it.
+        let longest = if yields { CARRYING * longest } else { longest };
+        let hooked = self.rule.is_slow
+            && depth > least * self.settings.epsilon
+            && length > longest * self.edges.rest(edge);
         if hooked {
             let collider = self.collider as u32;
             let freed = |slot| Freed { slot: slot as u32, collider, left: PASSING_TIME };
