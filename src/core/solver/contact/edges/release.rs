@@ -19,7 +19,7 @@ const HOOKED_LIMITS: f32 = 4.0;
 /// times the strain limit it is at least.
 const THROUGH_STRAIN: f32 = 0.2;
 const THROUGH_LIMITS: f32 = 2.0;
-/// Multiple of that length at which a thread is hooked in a body that the cloth moves.
+/// Multiple of the length of a hooked edge from which on one is hooked in a body that the cloth moves.
 const CARRYING: f32 = 2.5;
 /// Strain of a thread from which on its ends pass on, and how many times the strain limit it is at least.
 const PASSING_STRAIN: f32 = 0.1;
