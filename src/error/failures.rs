@@ -78,6 +78,32 @@ impl Blame {
             Self::Bake | Self::Body | Self::Engine | Self::EngineMass => false,
         }
     }
+
+    /// Whether it keeps a cloth from being set up until a component changes.
+    fn is_of_set_up(self) -> bool {
+        match self {
+            Self::Component(component) => {
+                matches!(component, ClothComponent::ClothMaterial | ClothComponent::ClothSettings)
+            }
+            Self::Shape | Self::Proxy | Self::Weights | Self::Skin => true,
+            // The first three can mend without a change.
+            Self::Pose
+            | Self::Unseen
+            | Self::Joints
+            | Self::Drawing
+            | Self::Pins
+            | Self::Motion
+            | Self::Schedule
+            | Self::Push
+            | Self::Forces
+            | Self::Grab
+            | Self::Snapshot
+            | Self::Bake
+            | Self::Body
+            | Self::Engine
+            | Self::EngineMass => false,
+        }
+    }
 }
 
 /// Puts errors on entities, and takes them off.
@@ -139,8 +165,7 @@ impl Failures<'_, '_> {
     }
 
     fn clear_where(&mut self, entity: Entity, is_gone: impl Fn(Blame) -> bool + Send + 'static) {
-        let is_known = |known: &ClothFailure| known.errors().any(|e| is_gone(e.kind.blame()));
-        if !self.known.get(entity).is_ok_and(is_known) {
+        if !self.has_any(entity, &is_gone) {
             return;
         }
         self.commands.entity(entity).queue_silenced(move |mut entity: EntityWorldMut| {
@@ -152,15 +177,19 @@ impl Failures<'_, '_> {
         });
     }
 
-    /// Whether the entity's error is this component's.
+    /// Whether the entity has an error of this component.
     pub fn blames(&self, entity: Entity, blame: Blame) -> bool {
-        let is_to_blame = |known: &ClothFailure| known.errors().any(|e| e.kind.blame() == blame);
-        self.known.get(entity).is_ok_and(is_to_blame)
+        self.has_any(entity, |known| known == blame)
     }
 
-    /// Whether the entity has an error.
-    pub fn has(&self, entity: Entity) -> bool {
-        self.known.contains(entity)
+    /// Whether the entity has an error for which it cannot be set up before a component of it changes.
+    pub fn keep_from_set_up(&self, entity: Entity) -> bool {
+        self.has_any(entity, Blame::is_of_set_up)
+    }
+
+    fn has_any(&self, entity: Entity, is_meant: impl Fn(Blame) -> bool) -> bool {
+        let is_known = |known: &ClothFailure| known.errors().any(|e| is_meant(e.kind.blame()));
+        self.known.get(entity).is_ok_and(is_known)
     }
 }
 

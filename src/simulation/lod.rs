@@ -72,9 +72,19 @@ impl Lod {
         core::mem::take(&mut self.changed)
     }
 
+    /// The level that a cloth is given before it is set up; all of it where none is.
+    pub fn given(asked: Option<&ClothLod>) -> Self {
+        let mut lod = Self::default();
+        if let Some(asked) = asked.filter(|asked| asked.validate().is_ok()) {
+            lod.set(asked);
+            lod.go_to_given();
+        }
+        lod
+    }
+
     /// The same level for a cloth that is made anew.
     pub fn anew(&self) -> Self {
-        Self { changed: true, ..self.clone() }
+        Self { changed: self.in_force.is_some(), ..self.clone() }
     }
 
     /// The level by a distance, with the present one in mind.
@@ -111,6 +121,12 @@ impl Lod {
         same.min_by_key(|level| level.abs_diff(wanted)).unwrap_or(self.level)
     }
 
+    fn go_to_given(&mut self) {
+        if let Some(ClothLod { given: Some(given), levels }) = &self.in_force {
+            self.go_to((*given as usize).min(levels.len()));
+        }
+    }
+
     fn go_to(&mut self, level: usize) {
         self.changed |= level != self.level;
         self.level = level;
@@ -131,10 +147,7 @@ pub(crate) fn take_levels(
         };
         let outcome = asked.validate().map(|()| cloth.lod.set(asked));
         failures.tell_numbers(entity, ClothComponent::ClothLod, outcome);
-        if let Some(ClothLod { given: Some(given), levels }) = &cloth.lod.in_force {
-            let level = (*given as usize).min(levels.len());
-            cloth.lod.go_to(level);
-        }
+        cloth.lod.go_to_given();
     }
 }
 

@@ -33,21 +33,21 @@ pub(crate) fn apply_pins(
         if !(fresh || found || changed) {
             continue;
         }
+        let are_same = !fresh && !anew && cloth.in_force.pins == *pins;
         if fresh {
             cloth.held.attachments = Attachments::default();
-        } else if cloth.in_force.pins == *pins
-            && !anew
-            && !found
-            && !failures.blames(entity, Blame::Pins)
-        {
+        } else if are_same && !found && !failures.blames(entity, Blame::Pins) {
             continue;
         }
         cloth.in_force.pins.clone_from(pins);
         let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
-        if let Some(skin) = &mut cloth.skin {
-            skin.state.pinned = on_skin;
+        // What failed is tried again, and wakes the cloth once it holds.
+        if !(are_same && attachments == cloth.held.attachments) {
+            if let Some(skin) = &mut cloth.skin {
+                skin.state.pinned = on_skin;
+            }
+            hold(&mut cloth, attachments);
         }
-        hold(&mut cloth, attachments);
         match problem {
             None => {
                 failures.clear(entity, Blame::Pins);

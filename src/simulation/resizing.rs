@@ -21,26 +21,43 @@ pub(crate) fn follow_scales(
     mut failures: Failures,
 ) {
     for (entity, mut cloth) in &mut cloths {
-        let has_begun = cloth.progress.tick_count > 0 || cloth.start.has_begun();
-        if !has_begun || cloth.is_hanging() || cloth.skin.is_some() || cloth.is_culled() {
-            continue;
+        if let Some(scale) = other_scale(entity, &cloth, &transforms) {
+            follow_scale(entity, &mut cloth, scale, &transforms, &mut cache, &mut failures);
         }
-        // A scale that cannot be used is told in the tick, and the cloth keeps its size.
-        let Ok(pose) = pose_now(&transforms, entity) else { continue };
-        let ratio = pose.scale / cloth.in_force.placed.scale;
-        if (ratio - 1.0).abs() <= OTHER_SIZE {
-            continue;
+    }
+}
+
+/// The scale of an entity, where its cloth is to follow that and does not have it.
+pub(crate) fn other_scale(
+    entity: Entity,
+    cloth: &ClothSimulation,
+    transforms: &TransformHelper,
+) -> Option<f32> {
+    let has_begun = cloth.progress.tick_count > 0 || cloth.start.has_begun();
+    if !has_begun || cloth.is_hanging() || cloth.skin.is_some() || cloth.is_culled() {
+        return None;
+    }
+    // One that cannot be used is told in the tick, and the cloth keeps its size.
+    let scale = pose_now(transforms, entity).ok()?.scale;
+    ((scale / cloth.in_force.placed.scale - 1.0).abs() > OTHER_SIZE).then_some(scale)
+}
+
+/// Gives a cloth another scale, and its anchors their places.
+pub(crate) fn follow_scale(
+    entity: Entity,
+    cloth: &mut ClothSimulation,
+    scale: f32,
+    transforms: &TransformHelper,
+    cache: &mut RestCache,
+    failures: &mut Failures,
+) {
+    let ratio = scale / cloth.in_force.placed.scale;
+    match resize(cloth, scale, cache) {
+        Ok(about) => {
+            scale_anchors(&mut cloth.held.attachments, transforms, about, ratio);
+            ask_for_layers_again(entity, failures);
         }
-        let cloth = &mut *cloth;
-        let about = match resize(cloth, pose.scale, &mut cache) {
-            Ok(about) => about,
-            Err(problem) => {
-                failures.report(entity, problem);
-                continue;
-            }
-        };
-        scale_anchors(&mut cloth.held.attachments, &transforms, about, ratio);
-        ask_for_layers_again(entity, &mut failures);
+        Err(problem) => failures.report(entity, problem),
     }
 }
 

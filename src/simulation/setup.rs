@@ -5,6 +5,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
+use crate::cloth::lod::ClothLod;
 use crate::cloth::material::ClothMaterial;
 use crate::cloth::pins::ClothPins;
 use crate::cloth::proxy::ClothProxy;
@@ -47,7 +48,7 @@ type Ingredients = (
     Option<Ref<'static, ClothMaterial>>,
     Option<Ref<'static, ClothSettings>>,
     Option<Ref<'static, ClothWeights>>,
-    Option<Ref<'static, ClothProxy>>,
+    (Option<Ref<'static, ClothProxy>>, Option<&'static ClothLod>),
     Option<Ref<'static, Mesh3d>>,
     Skinned,
     (Option<&'static ClothMesh>, Option<&'static ClothSource>),
@@ -82,7 +83,7 @@ pub(crate) fn set_up_cloths(
         material,
         settings,
         weights,
-        proxy,
+        (proxy, levels),
         mesh3d,
         skinned,
         meshes_of,
@@ -94,10 +95,16 @@ pub(crate) fn set_up_cloths(
         let copied = copied.and_then(|kept| kept.of_copy(mesh3d.as_deref()));
         let source = copied.unwrap_or_else(|| source_of(mesh3d.as_deref(), own));
         let (worn, skinned, has_bounds, taken) = skinned;
-        let asked = match simulation {
-            Some(running) => running.lod.proxy(proxy.as_deref()),
-            None => proxy.as_deref(),
+        // A level that is given is in force from the first tick on.
+        let given;
+        let lod = match simulation {
+            Some(running) => &running.lod,
+            None => {
+                given = Lod::given(levels);
+                &given
+            }
         };
+        let asked = lod.proxy(proxy.as_deref());
         let other_proxy =
             |running: &ClothSimulation| running.in_force.asked_proxy.as_ref() != asked;
         if let Some(running) = simulation
@@ -143,8 +150,6 @@ pub(crate) fn set_up_cloths(
         // unseen.
         let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
         let unseen = unseen.map(|blame| failures.blames(entity, blame));
-        // What cannot be drawn has run, and was taken away.
-        let is_taken = simulation.is_none() && failures.blames(entity, Blame::Drawing);
         // Of a proxy that was taken away, or given by another level, nothing else tells.
         let told = failures.blames(entity, Blame::Proxy);
         let is_gone = asked.is_none() && told;
@@ -152,7 +157,9 @@ pub(crate) fn set_up_cloths(
         if is_gone {
             failures.clear(entity, Blame::Proxy);
         }
-        if failures.has(entity) && !changed && !is_other && !is_taken && unseen == [false; 3] {
+        // One that has moved before its first tick is set up there, whatever is told of it.
+        let is_told = failures.keep_from_set_up(entity) && !changed && !is_other;
+        if is_told && same.is_none() && unseen == [false; 3] {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
@@ -171,9 +178,7 @@ pub(crate) fn set_up_cloths(
                 outdated.remove(&entity);
                 // Only elsewhere.
                 made.start.told_ready = same.is_some_and(|running| running.start.told_ready);
-                if let Some(running) = simulation {
-                    made.lod = running.lod.anew();
-                }
+                made.lod = lod.anew();
                 let before = simulation.filter(|before| made.can_go_on_from(before));
                 if let Some(before) = before
                     && let Err(problem) = made.go_on_from(before)

@@ -13,7 +13,7 @@ use crate::simulation::in_force::InForce;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
-use crate::simulation::resizing::in_size;
+use crate::simulation::resizing::{follow_scale, in_size, other_scale};
 use crate::simulation::skin::SkinState;
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::tick_state::TickState;
@@ -32,7 +32,7 @@ use crate::solver::{ClothSolver, Pose, SolverState, StateError};
 /// their entities, so that those of a loaded scene are to be spawned in that order. Time, wind and gravity are
 /// the game's. Anchors are entities: in another world, map them ([`MapEntities`]; Bevy's scenes do).
 ///
-/// A cloth that was saved in another scale than its entity has now takes that of its entity in the next tick.
+/// A cloth that was saved in another scale than its entity has now takes that of its entity.
 ///
 /// A cloth that is still being hung in the background is hung anew where its state is put back.
 ///
@@ -211,6 +211,7 @@ impl Content {
 /// Puts states back, where cloths are set up by now.
 pub(crate) fn restore_cloths(
     mut cloths: Query<(Entity, &ClothSnapshot, &mut ClothSimulation)>,
+    transforms: TransformHelper,
     mut cache: ResMut<RestCache>,
     mut commands: Commands,
     mut failures: Failures,
@@ -221,6 +222,9 @@ pub(crate) fn restore_cloths(
             Ok(()) => {
                 for blame in [Blame::Snapshot, Blame::Motion] {
                     failures.clear(entity, blame);
+                }
+                if let Some(scale) = other_scale(entity, &cloth, &transforms) {
+                    follow_scale(entity, &mut cloth, scale, &transforms, &mut cache, &mut failures);
                 }
             }
             Err(error) => failures.report(entity, error),

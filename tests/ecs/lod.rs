@@ -3,7 +3,7 @@
 //! moves nothing; and that what is refused is told.
 
 use crate::support::app::*;
-use bevy::{camera::CameraPlugin, prelude::*};
+use bevy::{camera::CameraPlugin, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothBudget, ClothComponent, ClothErrorKind, ClothLevel, ClothLod, ClothProxy, ClothSettings,
     PinSelection, prelude::*, solver::Substeps,
@@ -125,6 +125,24 @@ fn a_change_of_level_is_not_seen() {
         let drawn = drawn_positions(&app, cloth);
         assert!(farthest(&drawn[..8], &before[..8]) < 1e-5);
     }
+}
+
+#[test]
+fn a_given_level_is_in_force_from_the_first_tick_on() {
+    let first_tick = |frames_before: usize| {
+        let mut app = app();
+        let lod = ClothLod { given: Some(2), ..levels() };
+        let cloth = spawn(&mut app, (sheet(), lod, pins(), Transform::default()));
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
+        updates(&mut app, frames_before);
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        app.update();
+        assert_eq!((level(&app, cloth), substeps(&app, cloth)), (2, 4));
+        assert_eq!(simulation(&app, cloth).tick_count(), 1);
+        bits(&app, cloth)
+    };
+    // Without a frame before, it is set up in the tick itself.
+    assert_eq!(first_tick(0), first_tick(2));
 }
 
 #[test]

@@ -172,6 +172,22 @@ fn removing_the_simulation_starts_a_mesh_anew_from_the_original() {
 }
 
 #[test]
+fn what_else_is_wrong_with_an_entity_keeps_no_cloth_from_being_set_up() {
+    let mut app = app();
+    let bad = SdfCollider::new(Sphere::new(0.1)).with_friction(f32::NAN);
+    let entity = spawn(&mut app, (sheet(), bad, ClothPaused::default(), Transform::default()));
+    updates(&mut app, 2);
+    assert!(failure(&app, entity).is_some());
+    // Before its first tick it is set up where its entity is.
+    transform(&mut app, entity).translation.x = 5.0;
+    app.update();
+    assert!(positions(&app, entity).iter().all(|place| place.x > 4.0));
+    app.world_mut().entity_mut(entity).remove::<ClothSimulation>();
+    app.update();
+    assert_eq!(simulation(&app, entity).particle_count(), 64);
+}
+
+#[test]
 fn other_masses_keep_place_and_motion() {
     let mut app = app();
     let entity = spawn(&mut app, sheet());

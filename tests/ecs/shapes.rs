@@ -228,6 +228,15 @@ fn a_large_mesh_is_set_up_in_the_background() {
 }
 
 #[test]
+fn a_large_mesh_is_set_up_whatever_else_is_wrong_with_its_entity() {
+    let mut app = app();
+    let bad = SdfCollider::new(Sphere::new(0.1)).with_friction(f32::NAN);
+    let entity = spawn_mesh(&mut app, &irregular_disc(58), (bad, Transform::default()));
+    wait(&mut app, |app| app.world().get::<ClothSimulation>(entity).is_some());
+    assert!(failure(&app, entity).is_some());
+}
+
+#[test]
 fn a_large_mesh_that_is_no_cloth_is_refused_all_the_same() {
     let mut mesh = irregular_disc(58);
     let mut positions = attribute(&mesh, Mesh::ATTRIBUTE_POSITION);

@@ -235,6 +235,23 @@ fn sleep_does_not_depend_on_the_frame_rate() {
 }
 
 #[test]
+fn a_pin_that_holds_nothing_wakes_a_cloth_once_whatever_the_frame_rate() {
+    let sleeps_after = |frames: u32| {
+        let mut app = app();
+        let at_once = ClothSleepThreshold { distance: 0.1, time: 0.0 };
+        let cloth = (sheet(), ClothPins::vertices([]), at_once, Transform::default());
+        let cloth = spawn(&mut app, cloth);
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
+        updates(&mut app, frames as usize);
+        app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        updates(&mut app, 5);
+        assert!(failure(&app, cloth).is_some() && asleep(&app, cloth));
+        simulation(&app, cloth).tick_count()
+    };
+    assert_eq!([0, 1, 2].map(sleeps_after), [1; 3]);
+}
+
+#[test]
 fn a_cloth_that_is_never_to_sleep_does_not() {
     let mut scene = scene();
     scene.app.world_mut().entity_mut(scene.cloth).insert(ClothSleepThreshold::NEVER);

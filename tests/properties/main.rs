@@ -9,6 +9,7 @@ mod choices;
 mod corpus;
 mod decode;
 mod field;
+mod games;
 mod meshes;
 mod solvers;
 mod soup;
