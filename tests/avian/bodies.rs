@@ -171,6 +171,21 @@ fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
 }
 
 #[test]
+fn what_leans_in_a_cloth_falls_asleep() {
+    let rough = || Friction::new(leaning::FRICTION);
+    let ground = |app: &mut App| {
+        let solid = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0), rough());
+        spawn(app, (solid, Transform::from_xyz(0.0, -0.5, 0.0)));
+    };
+    let board = |app: &mut App, place| {
+        let Vec3 { x, y, z } = leaning::SIZE;
+        let solid = (RigidBody::Dynamic, Collider::cuboid(x, y, z), Mass(leaning::MASS), rough());
+        spawn(app, (solid, ClothCollider::default(), place))
+    };
+    leaning::falls_asleep(physics_app(), ground, board, sleeps);
+}
+
+#[test]
 fn a_crate_lies_on_a_cloth_on_the_ground() {
     let mut app = physics_app();
     let ground = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0), ClothCollider::default());

@@ -148,6 +148,22 @@ fn bodies_with_a_velocity_of_their_own_are_carried_and_fall_asleep() {
 }
 
 #[test]
+fn what_leans_in_a_cloth_falls_asleep() {
+    let rough = || Friction::coefficient(leaning::FRICTION);
+    let ground = |app: &mut App| {
+        let solid = (RigidBody::Fixed, Collider::cuboid(5.0, 0.5, 5.0), rough());
+        spawn(app, (solid, Transform::from_xyz(0.0, -0.5, 0.0)));
+    };
+    let board = |app: &mut App, place| {
+        let Vec3 { x, y, z } = 0.5 * leaning::SIZE;
+        let mass = ColliderMassProperties::Mass(leaning::MASS);
+        let solid = (RigidBody::Dynamic, Collider::cuboid(x, y, z), mass, rough());
+        spawn(app, (solid, ClothCollider::default(), Sleeping::default(), place))
+    };
+    leaning::falls_asleep(physics_app(), ground, board, sleeps);
+}
+
+#[test]
 fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
     let ground = |app: &mut App| {
         let solid = (RigidBody::Fixed, Collider::cuboid(5.0, 0.5, 5.0));

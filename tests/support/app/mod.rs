@@ -1,5 +1,6 @@
 //! The app that the tests run, and how they look at it.
 
+pub mod leaning;
 mod meshes;
 pub mod pile;
 mod pools;
