@@ -1,5 +1,6 @@
 //! Avian's colliders.
 
+use avian3d::dynamics::integrator::CustomVelocityIntegration;
 use avian3d::parry;
 use avian3d::prelude as engine;
 use avian3d::prelude::{PhysicsTime, WriteRigidBodyForces};
@@ -148,32 +149,45 @@ fn weigh(
     }
 }
 
-/// What cloths have to do with a body.
-type Given =
-    (Entity, engine::Forces, &'static BodyImpulse, &'static BodyMemory, &'static ColliderMass);
+/// A body, and what cloths have to do with it.
+type Given = (
+    (Entity, &'static engine::RigidBody, Has<engine::RigidBodyDisabled>),
+    Has<CustomVelocityIntegration>,
+    engine::Forces,
+    &'static BodyImpulse,
+    &'static BodyMemory,
+    &'static ColliderMass,
+);
 
 /// Gives bodies their impulses. One that sleeps goes on sleeping, unless something has changed for it.
 ///
-/// What is expected to turn a body in the next step does so all through it, as its weight does. By one blow at its start, what leans in
-/// a cloth would turn to and fro within each step, by a radian a second at its end, and never sleep. A force through the step in place of
-/// the linear impulse would be felt half a step later, and light balls would swing in a hammock for ever.
+/// The angular impulse that is expected of the next step is given all through it, as weight acts, and not by a blow at its start: what
+/// leans in a cloth would turn to and fro within each step, by a radian a second at its end, and never sleep. The linear one is given by
+/// a blow: all through the step it would come half a step later, and light balls would swing in a hammock for ever.
 fn give(
     mut bodies: Query<Given, With<BodyOf<Avian>>>,
     time: Option<Res<Time<engine::Physics>>>,
     mut commands: Commands,
 ) {
     let step = time.map_or(0.0, |time| time.delta_secs());
-    for (entity, mut forces, impulse, memory, mass) in &mut bodies {
+    for ((entity, body, is_disabled), is_custom, mut forces, impulse, memory, mass) in &mut bodies {
         if impulse.wakes {
             Avian::wake(entity, &mut commands);
         }
-        if mass.sleeps || step == 0.0 {
+        if mass.sleeps {
             continue;
         }
         let mut forces = forces.non_waking();
         forces.apply_linear_impulse(impulse.linear);
-        let expected = memory.ahead.angular;
-        forces.apply_torque(expected / step);
-        forces.apply_angular_impulse(impulse.angular - expected);
+        // What has ceased to be moved has not been turned by the last step, and gives nothing back.
+        if !body.is_dynamic() || is_disabled {
+            continue;
+        }
+        // Avian turns no body of its user's own integration by torques.
+        let through = if step > 0.0 && !is_custom { memory.ahead.angular } else { Vec3::ZERO };
+        if through != Vec3::ZERO {
+            forces.apply_torque(through / step);
+        }
+        forces.apply_angular_impulse(impulse.angular - through);
     }
 }

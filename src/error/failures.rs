@@ -79,20 +79,17 @@ impl Blame {
         }
     }
 
-    /// Whether it keeps a cloth from being set up until a component changes.
+    /// Whether it keeps a cloth from being set up.
     fn is_of_set_up(self) -> bool {
         match self {
             Self::Component(component) => {
                 matches!(component, ClothComponent::ClothMaterial | ClothComponent::ClothSettings)
             }
             Self::Shape | Self::Proxy | Self::Weights | Self::Skin => true,
-            // The first three can mend without a change.
-            Self::Pose
-            | Self::Unseen
-            | Self::Joints
-            | Self::Drawing
-            | Self::Pins
+            Self::Pose | Self::Unseen | Self::Joints => self.mends_unseen(),
+            Self::Pins
             | Self::Motion
+            | Self::Drawing
             | Self::Schedule
             | Self::Push
             | Self::Forces
@@ -103,6 +100,11 @@ impl Blame {
             | Self::Engine
             | Self::EngineMass => false,
         }
+    }
+
+    /// Whether it can mend without a change of the entity's components.
+    fn mends_unseen(self) -> bool {
+        matches!(self, Self::Pose | Self::Unseen | Self::Joints)
     }
 }
 
@@ -164,6 +166,11 @@ impl Failures<'_, '_> {
         self.clear_where(entity, Blame::is_of_cloth);
     }
 
+    /// Forgets the errors that kept a cloth from being set up.
+    pub fn clear_those_of_set_up(&mut self, entity: Entity) {
+        self.clear_where(entity, Blame::is_of_set_up);
+    }
+
     fn clear_where(&mut self, entity: Entity, is_gone: impl Fn(Blame) -> bool + Send + 'static) {
         if !self.has_any(entity, &is_gone) {
             return;
@@ -184,7 +191,7 @@ impl Failures<'_, '_> {
 
     /// Whether the entity has an error for which it cannot be set up before a component of it changes.
     pub fn keep_from_set_up(&self, entity: Entity) -> bool {
-        self.has_any(entity, Blame::is_of_set_up)
+        self.has_any(entity, Blame::is_of_set_up) && !self.has_any(entity, Blame::mends_unseen)
     }
 
     fn has_any(&self, entity: Entity, is_meant: impl Fn(Blame) -> bool) -> bool {

@@ -42,7 +42,9 @@ pub(crate) fn apply_pins(
         cloth.in_force.pins.clone_from(pins);
         let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         // What failed is tried again, and wakes the cloth once it holds.
-        if !(are_same && attachments == cloth.held.attachments) {
+        let pinned = cloth.skin.as_ref().map_or(&[][..], |skin| &skin.state.pinned);
+        let is_held = attachments == cloth.held.attachments && *pinned == *on_skin;
+        if !(are_same && is_held) {
             if let Some(skin) = &mut cloth.skin {
                 skin.state.pinned = on_skin;
             }

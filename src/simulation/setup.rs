@@ -13,10 +13,10 @@ use crate::cloth::settings::ClothSettings;
 use crate::cloth::skin::ClothSkin;
 use crate::cloth::weights::ClothWeights;
 use crate::cloth::{Cloth, ClothShape};
-use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::MeshProblem;
 use crate::error::skin::SkinProblem;
+use crate::error::{ClothComponent, ClothErrorKind};
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
@@ -48,7 +48,7 @@ type Ingredients = (
     Option<Ref<'static, ClothMaterial>>,
     Option<Ref<'static, ClothSettings>>,
     Option<Ref<'static, ClothWeights>>,
-    (Option<Ref<'static, ClothProxy>>, Option<&'static ClothLod>),
+    (Option<Ref<'static, ClothProxy>>, Option<Ref<'static, ClothLod>>),
     Option<Ref<'static, Mesh3d>>,
     Skinned,
     (Option<&'static ClothMesh>, Option<&'static ClothSource>),
@@ -100,7 +100,7 @@ pub(crate) fn set_up_cloths(
         let lod = match simulation {
             Some(running) => &running.lod,
             None => {
-                given = Lod::given(levels);
+                given = Lod::given(levels.as_deref());
                 &given
             }
         };
@@ -141,25 +141,28 @@ pub(crate) fn set_up_cloths(
             || is_changed(&settings)
             || is_changed(&weights)
             || is_changed(&proxy)
+            || is_changed(&levels)
             || is_changed(&mesh3d)
             || is_changed(&worn)
             || is_changed(&skinned)
             || meshes.has_changed(source)
             || meshes.has_changed(asked.and_then(ClothProxy::own_mesh));
-        // What failed is tried again only after a change, but a parent's transform may change
-        // unseen.
-        let unseen = [Blame::Pose, Blame::Unseen, Blame::Joints];
-        let unseen = unseen.map(|blame| failures.blames(entity, blame));
-        // Of a proxy that was taken away, or given by another level, nothing else tells.
+        // Of a component or a proxy that was taken away, or a proxy that another level has given, nothing else tells.
+        let is_gone = [
+            (asked.is_none(), Blame::Proxy),
+            (material.is_none(), Blame::Component(ClothComponent::ClothMaterial)),
+            (settings.is_none(), Blame::Component(ClothComponent::ClothSettings)),
+            (weights.is_none(), Blame::Weights),
+            (worn.is_none(), Blame::Skin),
+        ];
+        let is_gone = is_gone.map(|(is_none, blame)| is_none && failures.blames(entity, blame));
         let told = failures.blames(entity, Blame::Proxy);
-        let is_gone = asked.is_none() && told;
-        let is_other = is_gone || simulation.is_some_and(other_proxy) && !told;
-        if is_gone {
+        let is_other = is_gone != [false; 5] || simulation.is_some_and(other_proxy) && !told;
+        if is_gone[0] {
             failures.clear(entity, Blame::Proxy);
         }
-        // One that has moved before its first tick is set up there, whatever is told of it.
-        let is_told = failures.keep_from_set_up(entity) && !changed && !is_other;
-        if is_told && same.is_none() && unseen == [false; 3] {
+        // What failed is tried again only after a change, but a parent's transform may change unseen.
+        if failures.keep_from_set_up(entity) && !changed && !is_other {
             continue;
         }
         let told = simulation.and_then(ClothSimulation::intake);
@@ -189,7 +192,11 @@ pub(crate) fn set_up_cloths(
                 // Where the mesh stays, another cloth was drawn into it.
                 let drawn = own.and_then(|own| own.drawn);
                 made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
-                failures.clear_those_of_cloths(entity);
+                match same {
+                    // Only elsewhere.
+                    Some(_) => failures.clear_those_of_set_up(entity),
+                    None => failures.clear_those_of_cloths(entity),
+                }
                 let mut target = commands.entity(entity);
                 if made.intake() != told {
                     tell_skipped(entity, &made);

@@ -170,8 +170,8 @@ fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
     pile::sleeps_and_wakes(physics_app(), ground, cube, touch, sleeps);
 }
 
-#[test]
-fn what_leans_in_a_cloth_falls_asleep() {
+/// A board that leans in a cloth.
+fn leaning_board(app: &mut App) -> (Entity, Entity) {
     let rough = || Friction::new(leaning::FRICTION);
     let ground = |app: &mut App| {
         let solid = (RigidBody::Static, Collider::cuboid(10.0, 1.0, 10.0), rough());
@@ -182,7 +182,24 @@ fn what_leans_in_a_cloth_falls_asleep() {
         let solid = (RigidBody::Dynamic, Collider::cuboid(x, y, z), Mass(leaning::MASS), rough());
         spawn(app, (solid, ClothCollider::default(), place))
     };
-    leaning::falls_asleep(physics_app(), ground, board, sleeps);
+    leaning::set_up(app, ground, board)
+}
+
+#[test]
+fn what_leans_in_a_cloth_falls_asleep() {
+    let mut app = physics_app();
+    let both = leaning_board(&mut app);
+    leaning::fall_asleep(&mut app, both, sleeps);
+}
+
+#[test]
+fn what_becomes_kinematic_in_a_cloth_does_not_turn() {
+    let mut app = physics_app();
+    let (_, board) = leaning_board(&mut app);
+    updates(&mut app, 64);
+    insert(&mut app, board, (RigidBody::Kinematic, AngularVelocity::ZERO));
+    updates(&mut app, 64);
+    assert_eq!(app.world().get::<AngularVelocity>(board).unwrap().0, Vec3::ZERO);
 }
 
 #[test]

@@ -146,6 +146,20 @@ fn a_given_level_is_in_force_from_the_first_tick_on() {
 }
 
 #[test]
+fn a_refused_level_is_tried_again_when_it_is_another() {
+    let mut app = app();
+    let level = |columns| ClothLevel::at(1.0).proxy(ClothProxy::grid(columns, 4));
+    let lod = |columns| ClothLod { levels: vec![level(columns)], given: Some(1) };
+    let cloth = spawn(&mut app, (sheet(), lod(0), Transform::default()));
+    updates(&mut app, 2);
+    assert!(failure(&app, cloth).is_some());
+    app.world_mut().entity_mut(cloth).insert(lod(4));
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, cloth), None);
+    assert_eq!(simulation(&app, cloth).particle_count(), 16);
+}
+
+#[test]
 fn given_levels_have_the_same_bits_at_every_frame_rate() {
     #[derive(Resource)]
     struct Rule(Entity);

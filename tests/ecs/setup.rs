@@ -188,6 +188,19 @@ fn what_else_is_wrong_with_an_entity_keeps_no_cloth_from_being_set_up() {
 }
 
 #[test]
+fn a_refused_component_that_is_taken_off_is_no_reason_any_more() {
+    let mut app = app();
+    let bad = ClothMaterial { drag: f32::NAN, ..default() };
+    let entity = spawn(&mut app, (sheet(), bad, Transform::default()));
+    updates(&mut app, 2);
+    assert!(failure(&app, entity).is_some());
+    app.world_mut().entity_mut(entity).remove::<ClothMaterial>();
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    assert_eq!(simulation(&app, entity).particle_count(), 64);
+}
+
+#[test]
 fn other_masses_keep_place_and_motion() {
     let mut app = app();
     let entity = spawn(&mut app, sheet());

@@ -160,7 +160,9 @@ fn what_leans_in_a_cloth_falls_asleep() {
         let solid = (RigidBody::Dynamic, Collider::cuboid(x, y, z), mass, rough());
         spawn(app, (solid, ClothCollider::default(), Sleeping::default(), place))
     };
-    leaning::falls_asleep(physics_app(), ground, board, sleeps);
+    let mut app = physics_app();
+    let both = leaning::set_up(&mut app, ground, board);
+    leaning::fall_asleep(&mut app, both, sleeps);
 }
 
 #[test]
