@@ -10,7 +10,8 @@ use crate::error::{ClothComponent, ClothErrorKind};
 use crate::mesh::rest_cache::RestCache;
 use crate::simulation::ClothSimulation;
 use crate::simulation::complaints::solver_error;
-use crate::simulation::setup::{in_force, topology};
+use crate::simulation::setup::in_force;
+use crate::simulation::shaping::topology;
 use crate::solver::{ClothSolver, SolverError};
 
 /// Applies changed materials, settings and weights. Numbers out of range are refused, the last good

@@ -10,7 +10,7 @@ use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Attachments;
 use crate::simulation::complaints::{scale_at_fault, solver_error};
 use crate::simulation::in_force::OTHER_SIZE;
-use crate::simulation::setup::topology;
+use crate::simulation::shaping::topology;
 use crate::solver::ClothSolver;
 
 /// Gives cloths the size that the scale of their entities asks for. Worn ones have that of their skeleton.

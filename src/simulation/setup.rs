@@ -18,7 +18,6 @@ use crate::error::problems::MeshProblem;
 use crate::error::skin::SkinProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::mesh::drawn::ClothMesh;
-use crate::mesh::factors::Factors;
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
 use crate::mesh::source::{ClothSource, MeshSource, source_of};
@@ -33,13 +32,13 @@ use crate::simulation::lod::Lod;
 use crate::simulation::progress::Progress;
 use crate::simulation::pushing::Pushing;
 use crate::simulation::reference_frame::ReferenceFrame;
-use crate::simulation::shaping::Shapes;
+use crate::simulation::shaping::{Shapes, factors};
 use crate::simulation::skin::make::{Skins, put_on};
 use crate::simulation::skin::taken::{TakenSkin, take};
 use crate::simulation::sleeping::SleepState;
 use crate::simulation::start::Start;
 use crate::simulation::tick_state::TickState;
-use crate::solver::{ClothSolver, MassLumping, Pose, SolverError, Topology};
+use crate::solver::{ClothSolver, Pose, SolverError, Topology};
 
 /// The components that a cloth is set up from, and what runs of it already.
 type Ingredients = (
@@ -305,28 +304,6 @@ fn set_up(
         put_on(&mut simulation, worn, skin, mesh, skins)?;
     }
     Ok(Some(simulation))
-}
-
-/// The rest shape as the solver has it.
-pub(crate) fn topology(
-    rest: &RestShape,
-    scale: f32,
-    masses: MassLumping,
-    weights: Option<&ClothWeights>,
-    cache: &mut RestCache,
-) -> Result<Topology, ClothErrorKind> {
-    let factors = factors(rest, weights)?;
-    cache.topology(rest, scale, masses, factors.as_ref()).map_err(solver_error)
-}
-
-fn factors(
-    rest: &RestShape,
-    weights: Option<&ClothWeights>,
-) -> Result<Option<Factors>, ClothErrorKind> {
-    match weights {
-        Some(weights) => weights.factors(rest).map_err(ClothErrorKind::Weights),
-        None => Ok(None),
-    }
 }
 
 /// Whether a running cloth no longer is what its components say.

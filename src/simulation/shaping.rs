@@ -8,10 +8,12 @@ use bevy::prelude::*;
 use bevy_drape_core::surface::Placing;
 
 use crate::cloth::proxy::ClothProxy;
+use crate::cloth::weights::ClothWeights;
 use crate::cloth::{Cloth, ClothShape};
 use crate::error::ClothErrorKind;
 use crate::error::proxy::ProxyProblem;
 use crate::mesh::faces::Faces;
+use crate::mesh::factors::Factors;
 use crate::mesh::proxy::{Coarse, Proxy};
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::rest_shape::RestShape;
@@ -19,9 +21,10 @@ use crate::mesh::source::MeshSource;
 use crate::pose::skeleton::Skeleton;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
+use crate::simulation::complaints::solver_error;
 use crate::simulation::in_force::OTHER_SIZE;
 use crate::simulation::start::Start;
-use crate::solver::{Lattice, SolverError};
+use crate::solver::{Lattice, MassLumping, SolverError, Topology};
 
 /// The shapes of a cloth at rest, in its entity's frame.
 pub(crate) struct Shapes {
@@ -162,5 +165,28 @@ impl ClothSimulation {
         }
         self.progress = before.progress.clone();
         Ok(())
+    }
+}
+
+/// The rest shape as the solver has it.
+pub(crate) fn topology(
+    rest: &RestShape,
+    scale: f32,
+    masses: MassLumping,
+    weights: Option<&ClothWeights>,
+    cache: &mut RestCache,
+) -> Result<Topology, ClothErrorKind> {
+    let factors = factors(rest, weights)?;
+    cache.topology(rest, scale, masses, factors.as_ref()).map_err(solver_error)
+}
+
+/// What the weights of a cloth come to at the particles of its rest shape.
+pub(crate) fn factors(
+    rest: &RestShape,
+    weights: Option<&ClothWeights>,
+) -> Result<Option<Factors>, ClothErrorKind> {
+    match weights {
+        Some(weights) => weights.factors(rest).map_err(ClothErrorKind::Weights),
+        None => Ok(None),
     }
 }
