@@ -106,9 +106,9 @@ impl Engine for Avian {
     }
 }
 
-/// What Avian knows of a body's mass.
+/// What Avian knows of a body's mass, and whether it moves it.
 type Weight = (
-    Entity,
+    (Entity, &'static engine::RigidBody, Has<engine::RigidBodyDisabled>),
     &'static engine::ComputedMass,
     Ref<'static, engine::ComputedAngularInertia>,
     &'static engine::ComputedCenterOfMass,
@@ -126,7 +126,11 @@ fn weigh(
     mut failures: Failures,
 ) {
     let stands = time.is_none_or(|time| time.is_paused() || time.relative_speed() == 0.0);
-    for (entity, mass, inertia, center, place, locked, sleeps, known) in &mut bodies {
+    for ((entity, body, is_disabled), mass, inertia, center, place, locked, sleeps, known) in
+        &mut bodies
+    {
+        // One that has become kinematic has the velocity that its game gives it, and none from cloths.
+        let stands = stands || is_disabled || !body.is_dynamic();
         let locked = locked.copied().unwrap_or_default();
         let turns = !locked.is_rotation_locked();
         // Axes are dear to find.
@@ -151,7 +155,7 @@ fn weigh(
 
 /// A body, and what cloths have to do with it.
 type Given = (
-    (Entity, &'static engine::RigidBody, Has<engine::RigidBodyDisabled>),
+    Entity,
     Has<CustomVelocityIntegration>,
     engine::Forces,
     &'static BodyImpulse,
@@ -170,7 +174,7 @@ fn give(
     mut commands: Commands,
 ) {
     let step = time.map_or(0.0, |time| time.delta_secs());
-    for ((entity, body, is_disabled), is_custom, mut forces, impulse, memory, mass) in &mut bodies {
+    for (entity, is_custom, mut forces, impulse, memory, mass) in &mut bodies {
         if impulse.wakes {
             Avian::wake(entity, &mut commands);
         }
@@ -179,10 +183,6 @@ fn give(
         }
         let mut forces = forces.non_waking();
         forces.apply_linear_impulse(impulse.linear);
-        // What has ceased to be moved has not been turned by the last step, and gives nothing back.
-        if !body.is_dynamic() || is_disabled {
-            continue;
-        }
         // Avian turns no body of its user's own integration by torques.
         let through = if step > 0.0 && !is_custom { memory.ahead.angular } else { Vec3::ZERO };
         if through != Vec3::ZERO {

@@ -193,13 +193,28 @@ fn what_leans_in_a_cloth_falls_asleep() {
 }
 
 #[test]
-fn what_becomes_kinematic_in_a_cloth_does_not_turn() {
-    let mut app = physics_app();
-    let (_, board) = leaning_board(&mut app);
-    updates(&mut app, 64);
-    insert(&mut app, board, (RigidBody::Kinematic, AngularVelocity::ZERO));
-    updates(&mut app, 64);
-    assert_eq!(app.world().get::<AngularVelocity>(board).unwrap().0, Vec3::ZERO);
+fn what_becomes_kinematic_in_a_cloth_stays_where_it_is() {
+    let carried = |app: &mut App| {
+        hammock(app, 24);
+        ball(app, 1.0, Vec3::Y * 0.2)
+    };
+    for set_up in [carried, |app: &mut App| leaning_board(app).1] {
+        let mut app = physics_app();
+        let body = set_up(&mut app);
+        updates(&mut app, 128);
+        assert!(app.world().get::<ColliderMass>(body).is_some());
+        insert(&mut app, body, (RigidBody::Kinematic, LinearVelocity::ZERO, AngularVelocity::ZERO));
+        let at = place(&app, body);
+        updates(&mut app, 64);
+        assert_eq!(place(&app, body), at);
+        assert_eq!(app.world().get::<AngularVelocity>(body).unwrap().0, Vec3::ZERO);
+        assert!(app.world().get::<ColliderMass>(body).is_none());
+        // Moved by cloth again.
+        insert(&mut app, body, RigidBody::Dynamic);
+        updates(&mut app, 64);
+        assert!(app.world().get::<ColliderMass>(body).is_some());
+        assert!(place(&app, body).distance(at) < 0.1, "{}", place(&app, body));
+    }
 }
 
 #[test]
