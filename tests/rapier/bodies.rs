@@ -166,6 +166,22 @@ fn what_leans_in_a_cloth_falls_asleep() {
 }
 
 #[test]
+fn what_becomes_kinematic_in_a_cloth_stays_where_it_is() {
+    for kind in [RigidBody::KinematicPositionBased, RigidBody::KinematicVelocityBased] {
+        let mut app = physics_app();
+        hammock(&mut app, 24);
+        let body = ball(&mut app, 1.0, Vec3::Y * 0.2);
+        updates(&mut app, 128);
+        assert!(app.world().get::<ColliderMass>(body).is_some());
+        insert(&mut app, body, (kind, Velocity::zero()));
+        let at = place(&app, body);
+        updates(&mut app, 64);
+        assert!(place(&app, body).distance(at) < 1e-4, "{} {at}", place(&app, body));
+        assert!(app.world().get::<ColliderMass>(body).is_none());
+    }
+}
+
+#[test]
 fn a_pile_of_boxes_under_a_cloth_falls_asleep_and_wakes() {
     let ground = |app: &mut App| {
         let solid = (RigidBody::Fixed, Collider::cuboid(5.0, 0.5, 5.0));
