@@ -106,9 +106,9 @@ impl Engine for Avian {
     }
 }
 
-/// What Avian knows of a body's mass, and whether it moves it.
+/// What Avian knows of a body's mass.
 type Weight = (
-    (Entity, &'static engine::RigidBody, Has<engine::RigidBodyDisabled>),
+    Entity,
     &'static engine::ComputedMass,
     Ref<'static, engine::ComputedAngularInertia>,
     &'static engine::ComputedCenterOfMass,
@@ -126,11 +126,7 @@ fn weigh(
     mut failures: Failures,
 ) {
     let stands = time.is_none_or(|time| time.is_paused() || time.relative_speed() == 0.0);
-    for ((entity, body, is_disabled), mass, inertia, center, place, locked, sleeps, known) in
-        &mut bodies
-    {
-        // One that has become kinematic has the velocity that its game gives it, and none from cloths.
-        let stands = stands || is_disabled || !body.is_dynamic();
+    for (entity, mass, inertia, center, place, locked, sleeps, known) in &mut bodies {
         let locked = locked.copied().unwrap_or_default();
         let turns = !locked.is_rotation_locked();
         // Axes are dear to find.

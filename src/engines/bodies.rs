@@ -84,8 +84,10 @@ pub(crate) fn couple<E: Engine>(
         if known.engine != E::NAME || wanted.binary_search(&entity).is_ok() {
             continue;
         }
-        // It is told first that what it was given ahead of time is taken back.
-        let is_done = memory.is_none_or(|it| !it.informed || it.ahead == Impulse::ZERO);
+        // It is told first that what it was given ahead of time is taken back. What has become kinematic has the velocity that its game
+        // gives it.
+        let moves = bodies.dynamic(entity) == Some(entity);
+        let is_done = !moves || memory.is_none_or(|it| !it.informed || it.ahead == Impulse::ZERO);
         if !is_done {
             *is_unfinished = true;
         } else {

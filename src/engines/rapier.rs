@@ -147,8 +147,6 @@ fn weigh(
             center_of_mass: properties.local_com / place.scale,
             sleeps: body.is_sleeping()
                 || !settings.physics_pipeline_active
-                // One that has become kinematic goes where its game moves it.
-                || !(body.is_dynamic() && body.is_enabled())
                 || locked.contains(LockedAxes::TRANSLATION_LOCKED),
         };
         set_mass(entity, found, known, &mut commands, &mut failures);

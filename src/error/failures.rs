@@ -40,14 +40,26 @@ pub(crate) enum Blame {
     Snapshot,
 }
 
+/// When an error stands in a cloth's way, and is gone.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// The cloth is not set up before one of its components changes.
+    SetUp,
+    /// The cloth is not set up, and this can mend without such a change.
+    SetUpUnseen,
+    /// The cloth runs all the same. It is gone with the cloth.
+    Running,
+    /// It is not about a cloth.
+    Apart,
+}
+
 impl Blame {
-    /// Whether it is gone with the cloth. Each is named, so that none can be forgotten.
-    fn is_of_cloth(self) -> bool {
+    /// Each is named, so that none can be forgotten.
+    fn stage(self) -> Stage {
         match self {
             Self::Component(component) => match component {
-                ClothComponent::ClothMaterial
-                | ClothComponent::ClothSettings
-                | ClothComponent::ClothAir
+                ClothComponent::ClothMaterial | ClothComponent::ClothSettings => Stage::SetUp,
+                ClothComponent::ClothAir
                 | ClothComponent::ClothSelfCollision
                 | ClothComponent::ClothInterCollision
                 | ClothComponent::ClothTeleport
@@ -55,38 +67,13 @@ impl Blame {
                 | ClothComponent::ClothCulling
                 | ClothComponent::ClothLod
                 | ClothComponent::ClothSleepThreshold
-                | ClothComponent::HangOnStart => true,
+                | ClothComponent::HangOnStart => Stage::Running,
                 ClothComponent::SdfCollider
                 | ClothComponent::ColliderMass
-                | ClothComponent::WindZone => false,
+                | ClothComponent::WindZone => Stage::Apart,
             },
-            Self::Shape
-            | Self::Proxy
-            | Self::Weights
-            | Self::Skin
-            | Self::Joints
-            | Self::Pins
-            | Self::Pose
-            | Self::Unseen
-            | Self::Motion
-            | Self::Drawing
-            | Self::Schedule
-            | Self::Push
-            | Self::Forces
-            | Self::Grab
-            | Self::Snapshot => true,
-            Self::Bake | Self::Body | Self::Engine | Self::EngineMass => false,
-        }
-    }
-
-    /// Whether it keeps a cloth from being set up.
-    fn is_of_set_up(self) -> bool {
-        match self {
-            Self::Component(component) => {
-                matches!(component, ClothComponent::ClothMaterial | ClothComponent::ClothSettings)
-            }
-            Self::Shape | Self::Proxy | Self::Weights | Self::Skin => true,
-            Self::Pose | Self::Unseen | Self::Joints => self.mends_unseen(),
+            Self::Shape | Self::Proxy | Self::Weights | Self::Skin => Stage::SetUp,
+            Self::Joints | Self::Pose | Self::Unseen => Stage::SetUpUnseen,
             Self::Pins
             | Self::Motion
             | Self::Drawing
@@ -94,17 +81,9 @@ impl Blame {
             | Self::Push
             | Self::Forces
             | Self::Grab
-            | Self::Snapshot
-            | Self::Bake
-            | Self::Body
-            | Self::Engine
-            | Self::EngineMass => false,
+            | Self::Snapshot => Stage::Running,
+            Self::Bake | Self::Body | Self::Engine | Self::EngineMass => Stage::Apart,
         }
-    }
-
-    /// Whether it can mend without a change of the entity's components.
-    fn mends_unseen(self) -> bool {
-        matches!(self, Self::Pose | Self::Unseen | Self::Joints)
     }
 }
 
@@ -163,12 +142,13 @@ impl Failures<'_, '_> {
 
     /// Forgets the errors of an entity that is no cloth any more.
     pub fn clear_those_of_cloths(&mut self, entity: Entity) {
-        self.clear_where(entity, Blame::is_of_cloth);
+        self.clear_where(entity, |blame| blame.stage() != Stage::Apart);
     }
 
     /// Forgets the errors that kept a cloth from being set up.
     pub fn clear_those_of_set_up(&mut self, entity: Entity) {
-        self.clear_where(entity, Blame::is_of_set_up);
+        let is_of_set_up = |stage| matches!(stage, Stage::SetUp | Stage::SetUpUnseen);
+        self.clear_where(entity, move |blame| is_of_set_up(blame.stage()));
     }
 
     fn clear_where(&mut self, entity: Entity, is_gone: impl Fn(Blame) -> bool + Send + 'static) {
@@ -191,7 +171,8 @@ impl Failures<'_, '_> {
 
     /// Whether the entity has an error for which it cannot be set up before a component of it changes.
     pub fn keep_from_set_up(&self, entity: Entity) -> bool {
-        self.has_any(entity, Blame::is_of_set_up) && !self.has_any(entity, Blame::mends_unseen)
+        let at = |stage| self.has_any(entity, |blame| blame.stage() == stage);
+        at(Stage::SetUp) && !at(Stage::SetUpUnseen)
     }
 
     fn has_any(&self, entity: Entity, is_meant: impl Fn(Blame) -> bool) -> bool {

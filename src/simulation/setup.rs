@@ -146,18 +146,16 @@ pub(crate) fn set_up_cloths(
             || is_changed(&skinned)
             || meshes.has_changed(source)
             || meshes.has_changed(asked.and_then(ClothProxy::own_mesh));
-        // Of a component or a proxy that was taken away, or a proxy that another level has given, nothing else tells.
-        let is_gone = [
-            (asked.is_none(), Blame::Proxy),
-            (material.is_none(), Blame::Component(ClothComponent::ClothMaterial)),
-            (settings.is_none(), Blame::Component(ClothComponent::ClothSettings)),
-            (weights.is_none(), Blame::Weights),
-            (worn.is_none(), Blame::Skin),
-        ];
-        let is_gone = is_gone.map(|(is_none, blame)| is_none && failures.blames(entity, blame));
-        let told = failures.blames(entity, Blame::Proxy);
-        let is_other = is_gone != [false; 5] || simulation.is_some_and(other_proxy) && !told;
-        if is_gone[0] {
+        // Nothing else tells of a component that was taken away, nor of a proxy that another level has given.
+        let is_gone = |is_none: bool, blame| is_none && failures.blames(entity, blame);
+        let has_no_proxy = is_gone(asked.is_none(), Blame::Proxy);
+        let is_other = has_no_proxy
+            || is_gone(material.is_none(), Blame::Component(ClothComponent::ClothMaterial))
+            || is_gone(settings.is_none(), Blame::Component(ClothComponent::ClothSettings))
+            || is_gone(weights.is_none(), Blame::Weights)
+            || is_gone(worn.is_none(), Blame::Skin)
+            || simulation.is_some_and(other_proxy) && !failures.blames(entity, Blame::Proxy);
+        if has_no_proxy {
             failures.clear(entity, Blame::Proxy);
         }
         // What failed is tried again only after a change, but a parent's transform may change unseen.
@@ -191,8 +189,8 @@ pub(crate) fn set_up_cloths(
                 // Where the mesh stays, another cloth was drawn into it.
                 let drawn = own.and_then(|own| own.drawn);
                 made.shape_version = drawn.map_or(0, |drawn| drawn.version + 1);
+                // What is wrong with a cloth that is the same, only elsewhere, is still wrong.
                 match same {
-                    // Only elsewhere.
                     Some(_) => failures.clear_those_of_set_up(entity),
                     None => failures.clear_those_of_cloths(entity),
                 }

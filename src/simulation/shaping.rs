@@ -180,7 +180,7 @@ pub(crate) fn topology(
     cache.topology(rest, scale, masses, factors.as_ref()).map_err(solver_error)
 }
 
-/// What the weights of a cloth come to at the particles of its rest shape.
+/// The factors that a cloth's weights give the particles of its rest shape; none without weights.
 pub(crate) fn factors(
     rest: &RestShape,
     weights: Option<&ClothWeights>,

@@ -1,5 +1,6 @@
 //! Whole games: anything is done to entities in any order. Truth: nothing panics, what runs and what is drawn stays a number, what does
-//! not run says why, and a cloth far away has the bits that it has alone.
+//! not run says why, a cloth far away has the bits that it has alone, and all have the same bits in both forms of the step and at other
+//! frame rates.
 
 mod play;
 mod script;
@@ -25,7 +26,7 @@ fn play(frames: &[Frame]) -> TestCaseResult {
     game.heal()
 }
 
-/// The same games in both forms of the step, and in more frames.
+/// Plays a game in both forms of the step, and in twice as many frames.
 fn play_alike(frames: &[Frame]) -> TestCaseResult {
     let mut game = Game::new();
     let mut others = [Game::new(), Game::new()];

@@ -45,6 +45,10 @@ fn is_about_set_up(failure: &ClothFailure) -> bool {
     })
 }
 
+fn take<T: Component>(entity: &mut EntityWorldMut<'_>) {
+    entity.remove::<T>();
+}
+
 impl MeshKind {
     fn mesh(self) -> Mesh {
         match self {
@@ -262,19 +266,12 @@ impl Game {
     /// Takes the component of this number off an entity, of those that it has. Returns whether there was one.
     fn remove(&mut self, slot: Slot, which: usize) -> bool {
         let Some(mut entity) = self.entity(slot) else { return false };
-        let mut left = which;
-        macro_rules! remove {
-            ($($part:ty),*) => { $(
-                if entity.contains::<$part>() {
-                    if left == 0 {
-                        entity.remove::<$part>();
-                        return true;
-                    }
-                    left -= 1;
-                }
-            )* };
+        macro_rules! parts {
+            ($($part:ty),*) => {
+                [$((entity.contains::<$part>(), take::<$part> as fn(&mut EntityWorldMut<'_>))),*]
+            };
         }
-        remove!(
+        let parts = parts!(
             Cloth,
             ClothSimulation,
             ClothMaterial,
@@ -310,11 +307,14 @@ impl Game {
             ChildOf,
             ClothSnapshot
         );
-        let _ = left;
-        false
+        let Some((_, take)) = parts.into_iter().filter(|(is_there, _)| *is_there).nth(which) else {
+            return false;
+        };
+        take(&mut entity);
+        true
     }
 
-    /// What runs and what is drawn is a number; what does not run says why.
+    /// Looks that what runs and what is drawn is a number, and that what does not run says why.
     pub fn check(&mut self) -> TestCaseResult {
         for slot in 0..SLOTS {
             let Some(entity) = self.entities[slot] else {

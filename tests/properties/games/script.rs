@@ -1,4 +1,4 @@
-//! What a game may do to its entities: spawn them, put any component on any of them, take it off, move them, trigger events.
+//! Scripts of what a game may do to its entities: spawn them, put any component on any of them, take it off, move them, trigger events.
 
 use bevy::math::{
     Quat, UVec2, Vec2, Vec3,
@@ -25,7 +25,7 @@ pub const SLOTS: usize = 6;
 /// One of the entities, whether it is there or not.
 pub type Slot = usize;
 
-/// What is put on an entity.
+/// A component that is put on an entity.
 #[derive(Clone, Debug)]
 pub enum Part {
     Cloth(Cloth),
@@ -323,7 +323,7 @@ fn deed() -> impl Strategy<Value = Deed> {
     ]
 }
 
-/// What is done before a frame, and how many ticks it takes.
+/// A frame: the deeds before it, and how many ticks it takes.
 #[derive(Clone, Debug)]
 pub struct Frame {
     pub deeds: Vec<Deed>,
