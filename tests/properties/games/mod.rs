@@ -23,6 +23,7 @@ fn play(frames: &[Frame]) -> TestCaseResult {
         prop_assert!(!bits.is_empty(), "the cloth far away does not run");
         prop_assert_eq!(bits, alone.witness_bits());
     }
+    game.start_anew()?;
     game.heal()
 }
 

@@ -242,6 +242,19 @@ impl Game {
         );
     }
 
+    /// Takes what runs off all entities. It runs again, or says why not.
+    pub fn start_anew(&mut self) -> TestCaseResult {
+        for slot in 0..SLOTS {
+            if let Some(mut entity) = self.entity(slot) {
+                entity.remove::<ClothSimulation>();
+            }
+        }
+        (0..4).try_for_each(|_| {
+            self.frame(1);
+            self.check()
+        })
+    }
+
     /// Takes everything of a script off its entities, and makes each a sheet at the origin. All run within some frames, and nothing is
     /// wrong with them any more.
     pub fn heal(&mut self) -> TestCaseResult {
