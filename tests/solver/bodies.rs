@@ -13,25 +13,25 @@ use bevy_drape::solver::{
 
 use crate::support::{sheets::mesh, solver::*};
 
-const GRAVITY: f32 = 9.81;
+pub(crate) const GRAVITY: f32 = 9.81;
 const RADIUS: f32 = 0.15;
 
 /// A rigid body in an engine of the simplest kind: velocities, then places, once a tick.
 #[derive(Clone, Copy)]
-struct Body {
-    mass: f32,
+pub(crate) struct Body {
+    pub mass: f32,
     /// Moments of inertia about the axes of its own frame.
-    inertia: Vec3,
-    place: Vec3,
-    turn: Quat,
-    velocity: Vec3,
-    spin: Vec3,
+    pub inertia: Vec3,
+    pub place: Vec3,
+    pub turn: Quat,
+    pub velocity: Vec3,
+    pub spin: Vec3,
     /// Whether it answers to the cloth within the tick, or only afterwards.
-    is_in_substeps: bool,
+    pub is_in_substeps: bool,
 }
 
 impl Body {
-    fn ball(mass: f32, place: Vec3) -> Self {
+    pub fn ball(mass: f32, place: Vec3) -> Self {
         Self {
             mass,
             inertia: Vec3::splat(0.4 * mass * RADIUS * RADIUS),
@@ -48,7 +48,7 @@ impl Body {
     }
 
     /// One tick: the engine moves the body, then the cloth is stepped, then the engine is told.
-    fn tick(&mut self, cloth: &mut ClothSolver, shape: &dyn SignedDistance, input: &StepInput) {
+    pub fn tick(&mut self, cloth: &mut ClothSolver, shape: &dyn SignedDistance, input: &StepInput) {
         let (from, dt) = (self.pose(), input.dt);
         self.velocity += input.gravity * dt;
         self.place += self.velocity * dt;
@@ -117,7 +117,11 @@ fn mesh_hammock() -> (ClothSolver, Vec<PinMotion>) {
     hung_by_corners(mesh(32, 32, 1.0 / 31.0, 0.3).into(), 32, Vec3::new(-0.5, 0.0, -0.5))
 }
 
-fn hung_by_corners(topology: Topology, side: u32, by: Vec3) -> (ClothSolver, Vec<PinMotion>) {
+pub(crate) fn hung_by_corners(
+    topology: Topology,
+    side: u32,
+    by: Vec3,
+) -> (ClothSolver, Vec<PinMotion>) {
     let rest: Vec<_> = topology.rest_positions().iter().map(|&p| p + by).collect();
     let material = bevy_drape::solver::Material { area_density: 0.2, ..Default::default() };
     let mut solver = ClothSolver::new(topology, &rest, material, Settings::default()).unwrap();

@@ -36,6 +36,7 @@ mod skin;
 mod soft;
 mod spring;
 mod stability;
+mod strikes;
 // Each test crate uses a part of it.
 #[allow(dead_code, unused_imports)]
 #[path = "../support/mod.rs"]

@@ -139,7 +139,7 @@ impl Island {
             } else if let Err(error) = checked {
                 member.refuse(error);
             } else {
-                most = most.max(member.solver.plan_tick(member.input.dt, true));
+                most = most.max(member.solver.plan_tick(&member.input, true));
             }
         }
         for (_, member) in moving(members) {

@@ -254,7 +254,7 @@ impl ClothSolver {
     pub fn begin_tick(&mut self, input: &StepInput<'_>) -> Result<u32, SolverError> {
         self.check_input(input)?;
         self.lockstep = 0;
-        self.plan_tick(input.dt, false);
+        self.plan_tick(input, false);
         Ok(self.begin_planned_tick(input))
     }
 
@@ -270,7 +270,7 @@ impl ClothSolver {
     }
 
     /// Plans a tick, alone or in the company of cloths that it may touch. Tells how many substeps it takes where it is alone.
-    fn plan_tick(&mut self, dt: f32, is_in_company: bool) -> u32 {
+    fn plan_tick(&mut self, input: &StepInput<'_>, is_in_company: bool) -> u32 {
         if let Some(own) = &mut self.self_contact {
             own.begin_tick();
         }
@@ -278,8 +278,9 @@ impl ClothSolver {
             others.begin_tick(is_in_company);
         }
         self.touching_others = 0;
-        if dt != self.plan.tick || self.planned_cloth() != self.plan.cloth {
-            self.plan_ticks(dt);
+        self.look_out(input);
+        if input.dt != self.plan.tick || self.planned_cloth() != self.plan.cloth {
+            self.plan_ticks(input.dt);
         }
         self.plan.alone
     }
@@ -337,6 +338,7 @@ impl ClothSolver {
         }
         self.survey = survey;
         self.shift_springs();
+        self.state.striking.has_met = self.state.contacts.impulses.meet_bodies();
         self.state.contacts.impulses.end_tick();
         Ok(TickReport {
             substeps: self.plan.substeps,

@@ -13,6 +13,7 @@ use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::carrying::Carrying;
+use crate::solver::state::striking::Striking;
 
 /// A rotation about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,6 +211,7 @@ impl ClothSolver {
         self.stop_filtering();
         self.model.stages_mut().set_shifts(&[]);
         self.state.carrying = Carrying::NOTHING;
+        self.state.striking = Striking::NONE;
         self.scale_mass();
         self.stop();
     }

@@ -58,7 +58,7 @@ impl ClothSolver {
         let edges = Edges::new(&topology);
         let mut solver = Self {
             plan: {
-                let cloth = PlannedCloth { hung: pins.hung, layers: 0, at_least: 0 };
+                let cloth = PlannedCloth { hung: pins.hung, layers: 0, bodies: 0, at_least: 0 };
                 Plan::new(&bound, &material, &settings, cloth, USUAL_TICK)
             },
             workspace: Workspace::new(topology.layout(), settings.edges.then_some(&edges)),
@@ -361,7 +361,12 @@ impl ClothSolver {
     pub(crate) fn planned_cloth(&self) -> PlannedCloth {
         let own = self.self_contact.as_ref().map_or(0, |own| own.substeps());
         let others = self.others_contact.as_ref().map_or(0, |others| others.substeps());
-        PlannedCloth { hung: self.pins.hung, layers: own.max(others), at_least: self.lockstep }
+        PlannedCloth {
+            hung: self.pins.hung,
+            layers: own.max(others),
+            bodies: self.state.striking.substeps,
+            at_least: self.lockstep,
+        }
     }
 }
 

@@ -174,7 +174,7 @@ impl BroadPhase {
 
 /// Distance between two boxes along the axis where they are furthest apart: not more than their
 /// distance.
-fn box_gap(low: Vec3, high: Vec3, other: &Aabb3d) -> f32 {
+pub(crate) fn box_gap(low: Vec3, high: Vec3, other: &Aabb3d) -> f32 {
     let (min, max) = (Vec3::from(other.min), Vec3::from(other.max));
     (min - high).max(low - max).max_element()
 }

@@ -125,6 +125,11 @@ impl<'a> Collider<'a> {
         self.motion.start.interpolate(&self.motion.end, part).apply(self.centre)
     }
 
+    /// How far its centre of mass is planned to go in the tick \[m\].
+    pub(crate) fn way(&self) -> Vec3 {
+        self.centre_at(1.0) - self.centre_at(0.0)
+    }
+
     /// Whether every number can be used.
     pub(crate) fn is_usable(&self) -> bool {
         self.motion.valid

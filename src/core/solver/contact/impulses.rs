@@ -181,6 +181,19 @@ impl Impulses {
         })
     }
 
+    /// Finds the bodies that the cloth has changed the speed of by more than `least` \[m/s\] in the direction `up`, up to now in the tick, each
+    /// with the direction that it is pushed to.
+    pub fn borne(&self, up: Vec3, least: f32) -> impl Iterator<Item = (CarriedBody, Vec3)> {
+        self.live.iter().filter_map(move |&collider| {
+            let account = self.colliders[collider].as_ref()?;
+            let Mobility { inverse_mass, .. } = account.mobility?;
+            let given = account.given.linear;
+            let is_borne = given.dot(up) * inverse_mass > least && !account.passed;
+            let body = CarriedBody { collider, mass: 1.0 / f64::from(inverse_mass) };
+            is_borne.then(|| (body, given.normalize_or_zero()))
+        })
+    }
+
     /// Whether the cloth has come near any body that it can move.
     pub fn meet_bodies(&self) -> bool {
         let is_body = |account: &Account| {

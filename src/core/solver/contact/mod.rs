@@ -75,7 +75,7 @@ pub(super) use crate::solver::contact::impulses::Share;
 pub(super) use crate::solver::contact::active_set::{
     ActiveSet, Contacts, LEAST_MOBILITY, Normals, divide,
 };
-pub(super) use crate::solver::contact::broad_phase::BroadPhase;
+pub(super) use crate::solver::contact::broad_phase::{BroadPhase, box_gap};
 pub(super) use crate::solver::contact::edges::{EdgeMemory, Edges, Freed, WarmStart};
 pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 pub(super) use crate::solver::contact::response::FurthestWay;

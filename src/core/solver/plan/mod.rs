@@ -66,6 +66,8 @@ pub struct Plan {
     /// Substeps that the layers of a cloth need which collides with itself or others; more where they touch. An automatic number of substeps
     /// is not below it.
     pub layers: u32,
+    /// Substeps that bodies need which come to a pinned cloth fast, until it has caught them. An automatic number of substeps is not below it.
+    pub bodies: u32,
     /// Constant of the threads in use \[N/m\].
     pub thread_stiffness: f32,
     /// Constant of the shear springs in use \[N/m\].
@@ -94,6 +96,8 @@ pub(crate) struct PlannedCloth {
     pub hung: f32,
     /// Substeps in 1/60 s that its layers need, where it touches itself or others.
     pub layers: u32,
+    /// Substeps in 1/60 s that bodies need which come to it fast.
+    pub bodies: u32,
     /// Substeps of the tick at least, where it is stepped together with others.
     pub at_least: u32,
 }
@@ -116,6 +120,9 @@ impl fmt::Display for Plan {
         write!(f, ", stability {:.2} of 1", self.margin)?;
         if self.layers > 0 {
             write!(f, ", layers need {}", self.layers)?;
+        }
+        if self.bodies > 0 {
+            write!(f, ", bodies need {}", self.bodies)?;
         }
         let Clamped { thread, shear, bending, damping } = self.clamped;
         for (clamped, name) in
@@ -148,8 +155,9 @@ impl Plan {
             bend,
             flexion,
         };
+        let contact = cloth.layers.max(cloth.bodies);
         let budget = match settings.substeps {
-            Substeps::Automatic { budget } => in_proportion(budget.max(cloth.layers) as f32, tick),
+            Substeps::Automatic { budget } => in_proportion(budget.max(contact) as f32, tick),
             Substeps::Fixed(count) => count,
         };
         let needed = substeps_for(bound.rate(&asked), tick);
@@ -170,17 +178,17 @@ impl Plan {
         let substeps = match (settings.substeps, stretching) {
             // What Provot's correction leaves of the excess goes by the square of the substep.
             (Substeps::Automatic { .. }, Stretching::ExplicitSprings) if !gives => {
-                needed.max(in_proportion(FEWEST.max(cloth.layers) as f32, tick)).min(budget)
+                needed.max(in_proportion(FEWEST.max(contact) as f32, tick)).min(budget)
             }
             _ => budget,
         };
         let alone = substeps;
         let substeps = substeps.max(cloth.at_least);
-        let layers = in_proportion(cloth.layers as f32, tick);
-        let layers = if cloth.layers > 0 { layers } else { 0 };
+        let of_tick = |needed: u32| if needed > 0 { in_proportion(needed as f32, tick) } else { 0 };
         Self {
             gives,
-            layers,
+            layers: of_tick(cloth.layers),
+            bodies: of_tick(cloth.bodies),
             alone,
             cloth,
             ..Self::with(bound, material, asked, stretching, reason, substeps, tick)
@@ -245,9 +253,10 @@ impl Plan {
             damping,
             gives: false,
             layers: 0,
+            bodies: 0,
             alone: substeps,
             tick,
-            cloth: PlannedCloth { hung: 0.0, layers: 0, at_least: 0 },
+            cloth: PlannedCloth { hung: 0.0, layers: 0, bodies: 0, at_least: 0 },
             explicit: used,
             demand: Demand {
                 asked: explicit,

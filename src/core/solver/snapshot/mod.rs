@@ -22,6 +22,7 @@ use crate::solver::snapshot::contacts::SavedContacts;
 use crate::solver::snapshot::layers::SavedLayers;
 use crate::solver::state::State;
 use crate::solver::state::carrying::Carrying;
+use crate::solver::state::striking::Striking;
 use crate::solver::topology::Topology;
 
 /// The state of a solver between two ticks: places, velocities, pins, and whatever else its later bits depend
@@ -40,6 +41,7 @@ pub struct SolverState {
     last_step: f32,
     response: f32,
     carrying: Carrying,
+    striking: Striking,
     /// Pulls that are carried on, where any are.
     pull: Option<Vec<Vec3>>,
     /// Shifts of springs \[m\], where any are shifted.
@@ -131,6 +133,7 @@ impl SolverState {
         good((0.0..=1.0).contains(&self.last_step), "last substep")?;
         good((0.0..=1.0).contains(&self.response), "response")?;
         good(self.carrying.is_good(), "mass that it carries")?;
+        good(self.striking.is_good(), "bodies that strike it")?;
         good(self.tick > 0.0 && self.tick <= 1.0, "tick")?;
         good(self.pins.is_sorted_by(|a, b| a < b), "pins")?;
         good(self.soft.is_sorted_by(|(a, _), (b, _)| a.particle < b.particle), "soft pins")?;
@@ -199,6 +202,7 @@ impl ClothSolver {
             last_step,
             response,
             carrying,
+            striking,
             contacts,
         } = state;
         let Mark { origin: mark_origin, x: mark } = mark;
@@ -213,6 +217,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             carrying: *carrying,
+            striking: *striking,
             pull: carries.then(|| by_particle(pull)),
             shifts: model.stages().shifts(),
             contacts: SavedContacts::of(topology, contacts),
@@ -257,6 +262,7 @@ impl ClothSolver {
             last_step,
             response,
             carrying,
+            striking,
             pull,
             shifts,
             contacts,
@@ -302,6 +308,7 @@ impl ClothSolver {
             last_step: *last_step,
             response: *response,
             carrying: *carrying,
+            striking: *striking,
             contacts: ActiveSet::new(topology.layout().len()),
         };
         if let Some(contacts) = contacts {

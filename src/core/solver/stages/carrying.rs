@@ -17,15 +17,50 @@ impl ClothSolver {
     /// Finds what the cloth carries in a tick that begins, and has it move as if it had the mass for that.
     pub(crate) fn begin_carrying(&mut self, input: &StepInput<'_>) {
         let (load, [hangs, pulls]) = (self.load(input), self.pinned(input));
-        let is_stretched = self.survey.max_strain > self.material.max_strain + MOST_BEYOND;
+        let is_stretched = self.is_overstretched();
         self.workspace.bears_sleeper = load == Load::AsBefore;
         self.state.carrying.follow(load, hangs && !pulls, is_stretched, input.dt);
         self.state.contacts.impulses.falls = (!hangs).then_some(input.gravity * input.dt);
         let scale = self.state.carrying.mass_scale;
         if scale > self.pins.mass_scale {
-            self.take_up_mass(self.pins.mass_scale / scale, input);
+            self.slow_down(self.pins.mass_scale / scale, input);
         }
         self.scale_mass();
+    }
+
+    /// Has the cloth take up mass for bodies that it has come to bear within the tick, in the substep that ends: a body at some metres a second
+    /// stretches it far before the tick ends.
+    pub(crate) fn go_on_carrying(&mut self, input: &StepInput<'_>) {
+        let [hangs, pulls] = self.pinned(input);
+        if !self.state.contacts.impulses.meet_bodies() || !hangs || pulls || self.is_overstretched()
+        {
+            return;
+        }
+        let up = -input.gravity.normalize_or_zero();
+        let rest = self.mean_way_of_pins(input);
+        let own = f64::from(self.topology.total_area() * self.material.area_density);
+        let borne = self.state.contacts.impulses.borne(up, LEAST_ACCELERATION * input.dt);
+        let mass = borne.map(|(body, along)| {
+            let speed = (rest - input.colliders[body.collider].way()).dot(along) / input.dt;
+            body.mass * Carrying::part_of(speed)
+        });
+        let mass = mass.sum::<f64>() / own;
+        let part = self.state.carrying.take_up(mass);
+        if part < 1.0 {
+            self.slow_down(part, input);
+            self.scale_mass();
+        }
+    }
+
+    /// Whether its threads are stretched far beyond their limit.
+    fn is_overstretched(&self) -> bool {
+        self.survey.max_strain > self.material.max_strain + MOST_BEYOND
+    }
+
+    /// How far the pins go in the tick, in the mean \[m\].
+    pub(crate) fn mean_way_of_pins(&self, input: &StepInput<'_>) -> Vec3 {
+        let way: Vec3 = input.pins.iter().map(|pin| pin.end - pin.start).sum();
+        way / (input.pins.len() as f32).max(1.0)
     }
 
     /// Has particles move as if they had the mass that what the cloth carries asks for.
@@ -38,10 +73,8 @@ impl ClothSolver {
 
     /// Slows the cloth, which keeps `part` of its velocity as it takes up mass that was at rest between its pins. So its momentum
     /// stays, and its energy does not grow.
-    fn take_up_mass(&mut self, part: f32, input: &StepInput<'_>) {
-        let way: Vec3 = input.pins.iter().map(|pin| pin.end - pin.start).sum();
-        let ways = input.pins.len() as f32 * input.dt;
-        let rest = way * (self.state.unit / ways.max(f32::MIN_POSITIVE));
+    fn slow_down(&mut self, part: f32, input: &StepInput<'_>) {
+        let rest = self.mean_way_of_pins(input) * (self.state.unit / input.dt);
         for slot in self.topology.layout().slots() {
             let d = self.state.d.get(slot);
             self.state.d.set(slot, rest + (d - rest) * part);

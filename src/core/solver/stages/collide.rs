@@ -31,6 +31,9 @@ impl ClothSolver {
         if self.settings.integrator != Integrator::Verlet {
             self.end_explicitly();
         }
+        if meets {
+            self.go_on_carrying(input);
+        }
         self.done += 1;
     }
 

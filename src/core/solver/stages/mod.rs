@@ -22,4 +22,5 @@ mod integrate;
 pub(super) mod pulling;
 mod skin;
 mod soft_pins;
+mod striking;
 mod worn;

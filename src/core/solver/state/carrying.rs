@@ -11,6 +11,12 @@
 
 /// Part of the bodies' mass that a cloth moves as if it had.
 const PART: f64 = 0.5;
+/// Speed up to which a body comes to lie on the cloth, from which on it strikes \[m/s\].
+const SLOW: f32 = 0.5;
+/// Speed beyond that by which the cloth takes up twice that part \[m/s\]. It goes back once the body is caught.
+const SPEED: f32 = 2.0;
+/// Part of the mass of what strikes that the cloth takes up at most.
+const MOST_PART: f64 = 2.0;
 /// Rate at which the scale of a cloth's mass comes to what it is to be \[1/s\]. Bodies that are in the air for a moment come back.
 const RATE: f32 = 5.0;
 /// Largest scale: what single precision tells the weight of a cloth from.
@@ -83,6 +89,19 @@ impl Carrying {
             Load::AsBefore => self.heaviest,
             Load::None | Load::Met | Load::Pressed => 0,
         };
+    }
+
+    /// Returns the part of a body's mass that a cloth takes up which bears it first, as it comes at a speed \[m/s\].
+    pub fn part_of(speed: f32) -> f64 {
+        (PART * (1.0 + f64::from((speed - SLOW) / SPEED).max(0.0))).min(MOST_PART)
+    }
+
+    /// Takes up so many times its own mass within a tick, where that is more than it has taken up. Returns by how much less it moves then.
+    pub fn take_up(&mut self, mass: f64) -> f32 {
+        let scale = (1.0 + mass).min(MOST) as f32;
+        let before = self.mass_scale;
+        self.mass_scale = before.max(scale);
+        before / self.mass_scale
     }
 
     /// Returns the scale that a load asks for.

@@ -2,6 +2,7 @@
 
 pub(crate) mod carrying;
 pub(crate) mod measure;
+pub(crate) mod striking;
 
 use bevy_math::Vec3;
 
@@ -12,6 +13,7 @@ use crate::solver::simd::layout::Layout;
 use crate::solver::simd::parallel::Band;
 use crate::solver::simd::soa::Soa;
 use crate::solver::state::carrying::Carrying;
+use crate::solver::state::striking::Striking;
 use crate::solver::topology::Topology;
 
 /// Positions and displacements. Padding stays at zero.
@@ -42,6 +44,7 @@ pub(crate) struct State {
     /// substep, less what drag takes. Corrections with a compliance answer forces through it.
     pub response: f32,
     pub carrying: Carrying,
+    pub striking: Striking,
     /// Particles that lay on colliders in the last substep.
     pub contacts: ActiveSet,
 }
@@ -71,6 +74,7 @@ impl State {
             last_step: 0.0,
             response: 0.0,
             carrying: Carrying::NOTHING,
+            striking: Striking::NONE,
             contacts: ActiveSet::new(layout.len()),
         }
     }
