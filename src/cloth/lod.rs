@@ -82,7 +82,7 @@ impl ClothLevel {
         Self { distance, substeps: None, proxy: None }
     }
 
-    /// With up to so many substeps in 1/60 s.
+    /// With up to so many substeps in 1/60 s, and more for layers of cloth and for bodies that strike it.
     pub fn substeps(self, budget: u32) -> Self {
         Self { substeps: Some(Substeps::Automatic { budget }), ..self }
     }

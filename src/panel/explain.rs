@@ -24,6 +24,9 @@ pub fn explain(plan: &Plan, material: &ClothMaterial) -> Vec<String> {
     if plan.layers > 0 {
         lines.push(format!("Layers of cloth ask for {} substeps or more.", plan.layers));
     }
+    if plan.bodies > 0 {
+        lines.push(format!("Bodies that strike it ask for {} substeps.", plan.bodies));
+    }
     let clamped = [
         (
             "Thread stiffness",

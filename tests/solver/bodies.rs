@@ -851,6 +851,27 @@ fn a_body_hangs_in_a_strap_that_is_pinned_within_it() {
     }
 }
 
+/// A ball that swings in a strap comes to rest. Were it expected to be pulled by half of how its pull changes, it would swing on for ever.
+#[test]
+fn a_body_that_hangs_from_pins_swings_out() {
+    for speed in [0.7, 1.5, 2.5] {
+        for length in [1.06, 1.2] {
+            let mut strap = Strap::new(length, 4, None);
+            let at_first = strap.ball.place.y;
+            strap.ball.velocity = Vec3::Z * speed;
+            let mut highest = [0.0_f32; 10];
+            for tick in 0..1280 {
+                strap.tick();
+                let above = strap.ball.place.y - at_first;
+                highest[tick / 128] = highest[tick / 128].max(above);
+            }
+            println!("{speed} m/s, {length} m: {highest:?}");
+            let push = speed * speed / (2.0 * GRAVITY);
+            assert!(highest[9] < 0.5 * push, "{speed} m/s, {length} m: {highest:?}");
+        }
+    }
+}
+
 /// Nothing else is there: what the springs take from the cloth the ball has.
 #[test]
 fn springs_to_a_body_keep_its_momentum() {

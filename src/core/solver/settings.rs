@@ -112,7 +112,8 @@ pub enum StretchMethod {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, bevy_reflect::Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub enum Substeps {
-    /// As many as the material needs, at most `budget` in 1/60 s.
+    /// As many as the material needs, at most `budget` in 1/60 s. Layers of cloth that touch, and bodies that come to a pinned cloth fast, may need
+    /// more ([`Plan::layers`](crate::solver::Plan::layers), [`Plan::bodies`](crate::solver::Plan::bodies)).
     Automatic {
         /// Substeps in 1/60 s; a longer or shorter tick has them in proportion.
         budget: u32,

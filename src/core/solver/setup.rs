@@ -17,7 +17,7 @@ use crate::solver::forces::aerodynamics::{Air, Surface};
 use crate::solver::model::Model;
 use crate::solver::plan::{Plan, PlannedCloth};
 use crate::solver::rest_detection::Mark;
-use crate::solver::settings::{Material, ParameterError, Settings, is_near};
+use crate::solver::settings::{Material, ParameterError, Settings, Substeps, is_near};
 use crate::solver::simd::isa::Isa;
 use crate::solver::simd::parallel::Bands;
 use crate::solver::state::measure::Survey;
@@ -361,12 +361,13 @@ impl ClothSolver {
     pub(crate) fn planned_cloth(&self) -> PlannedCloth {
         let own = self.self_contact.as_ref().map_or(0, |own| own.substeps());
         let others = self.others_contact.as_ref().map_or(0, |others| others.substeps());
-        PlannedCloth {
-            hung: self.pins.hung,
-            layers: own.max(others),
-            bodies: self.state.striking.substeps,
-            at_least: self.lockstep,
-        }
+        let layers = own.max(others);
+        let asked = self.state.striking.substeps;
+        let bodies = match self.settings.substeps {
+            Substeps::Automatic { budget } if asked > budget.max(layers) => asked,
+            Substeps::Automatic { .. } | Substeps::Fixed(_) => 0,
+        };
+        PlannedCloth { hung: self.pins.hung, layers, bodies, at_least: self.lockstep }
     }
 }
 

@@ -8,6 +8,9 @@ use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 use crate::solver::simd::block::{larger, smaller};
 
+/// Cosine of the angle to the vertical within which a body is pushed up rather than aside.
+const UPWARD: f32 = 0.5;
+
 /// What a collider is given in a tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Account {
@@ -36,6 +39,8 @@ pub(super) struct Account {
     pub met: bool,
     /// How many pins pull at it.
     pub pins: u32,
+    /// Whether any of them is a spring.
+    pub is_sprung: bool,
     /// Whether the cloth passes through it, as it is pinned within it.
     pub passed: bool,
     /// What goes on from tick to tick.
@@ -59,6 +64,7 @@ impl Account {
             live: false,
             met: false,
             pins: 0,
+            is_sprung: false,
             passed: false,
             coupling,
             answer: Impulse::ZERO,
@@ -118,6 +124,20 @@ impl Account {
         if !self.deviation.is_valid() {
             self.deviation = Deviation::NONE;
         }
+    }
+
+    /// Whether the cloth is expected to change the body's speed by more than `least` \[m/s\] in the direction `up` in a tick.
+    pub fn is_carried(&self, up: Vec3, least: f32) -> bool {
+        let weight = self.mobility.map_or(0.0, |mobility| mobility.inverse_mass);
+        self.coupling.expected.linear.dot(up) * weight > least
+    }
+
+    /// The direction that the body has been pushed to in this tick, where that is `up` rather than aside, and by more than `least` \[m/s\].
+    pub fn struck_along(&self, up: Vec3, least: f32) -> Option<Vec3> {
+        let weight = self.mobility.map_or(0.0, |mobility| mobility.inverse_mass);
+        let along = self.given.linear.normalize_or_zero();
+        let is_struck = self.given.linear.dot(up) * weight > least && along.dot(up) > UPWARD;
+        is_struck.then_some(along)
     }
 
     /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.

@@ -159,9 +159,9 @@ impl Impulses {
             let lacking = self.falls.map_or(Vec3::ZERO, |falls| account.lacking(falls));
             account.answer = match account.mobility {
                 Some(Mobility { inverse_mass, .. }) => {
-                    let is_pinned = account.pins > 0;
                     let coupling = &mut account.coupling;
-                    let answer = coupling.end_tick(given, &deviation, inverse_mass, is_pinned);
+                    let answer =
+                        coupling.end_tick(given, &deviation, inverse_mass, account.is_sprung);
                     account.as_told(Impulse { angular: answer.angular + lacking, ..answer })
                 }
                 None => given,
@@ -172,25 +172,24 @@ impl Impulses {
     /// Finds the bodies that the cloth is expected to change the speed of by more than `least` \[m/s\] in the direction `up` in a tick, as it
     /// did in the last one.
     pub fn carried(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
-        self.live.iter().filter_map(move |&collider| {
-            let account = self.colliders[collider].as_ref()?;
-            let Mobility { inverse_mass, .. } = account.mobility?;
-            let speed = account.coupling.expected.linear.dot(up) * inverse_mass;
-            let is_carried = speed > least && !account.passed;
-            is_carried.then(|| CarriedBody { collider, mass: 1.0 / f64::from(inverse_mass) })
+        let is_carried = move |account: &Account| account.is_carried(up, least);
+        self.bodies().filter(move |(account, _)| is_carried(account)).map(|(_, body)| body)
+    }
+
+    /// Finds the bodies that it has not carried, and has pushed `up` in this tick by more than that, each with the direction that it is pushed to.
+    pub fn struck(&self, up: Vec3, least: f32) -> impl Iterator<Item = (CarriedBody, Vec3)> {
+        self.bodies().filter_map(move |(account, body)| {
+            let along = account.struck_along(up, least)?;
+            (!account.is_carried(up, least)).then_some((body, along))
         })
     }
 
-    /// Finds the bodies that the cloth has changed the speed of by more than `least` \[m/s\] in the direction `up`, up to now in the tick, each
-    /// with the direction that it is pushed to.
-    pub fn borne(&self, up: Vec3, least: f32) -> impl Iterator<Item = (CarriedBody, Vec3)> {
-        self.live.iter().filter_map(move |&collider| {
-            let account = self.colliders[collider].as_ref()?;
-            let Mobility { inverse_mass, .. } = account.mobility?;
-            let given = account.given.linear;
-            let is_borne = given.dot(up) * inverse_mass > least && !account.passed;
-            let body = CarriedBody { collider, mass: 1.0 / f64::from(inverse_mass) };
-            is_borne.then(|| (body, given.normalize_or_zero()))
+    /// Bodies that the cloth may have come to, but those that it passes through.
+    fn bodies(&self) -> impl Iterator<Item = (&Account, CarriedBody)> {
+        self.live.iter().filter_map(|&collider| {
+            let account = self.colliders[collider].as_ref().filter(|account| !account.passed)?;
+            let mass = 1.0 / f64::from(account.mobility?.inverse_mass);
+            Some((account, CarriedBody { collider, mass }))
         })
     }
 
@@ -254,11 +253,12 @@ impl Impulses {
         }
     }
 
-    /// Notes that a pin pulls at a body.
-    pub fn pin_to(&mut self, collider: usize) {
+    /// Notes that a pin pulls at a body, by a spring or not.
+    pub fn pin_to(&mut self, collider: usize, by_spring: bool) {
         if let Some(account) = self.account_mut(collider) {
             account.met = true;
             account.pins += 1;
+            account.is_sprung |= by_spring;
         }
     }
 

@@ -66,7 +66,8 @@ pub struct Plan {
     /// Substeps that the layers of a cloth need which collides with itself or others; more where they touch. An automatic number of substeps
     /// is not below it.
     pub layers: u32,
-    /// Substeps that bodies need which come to a pinned cloth fast, until it has caught them. An automatic number of substeps is not below it.
+    /// Substeps that bodies need which come to a pinned cloth fast, until it has caught them; 0 where the budget has as many. An automatic number of
+    /// substeps is not below it.
     pub bodies: u32,
     /// Constant of the threads in use \[N/m\].
     pub thread_stiffness: f32,
@@ -155,10 +156,12 @@ impl Plan {
             bend,
             flexion,
         };
+        // Bodies come and go, and decide nothing but how many substeps there are.
         let contact = cloth.layers.max(cloth.bodies);
-        let budget = match settings.substeps {
-            Substeps::Automatic { budget } => in_proportion(budget.max(contact) as f32, tick),
-            Substeps::Fixed(count) => count,
+        let [own, budget] = match settings.substeps {
+            Substeps::Automatic { budget } => [cloth.layers, contact]
+                .map(|contact| in_proportion(budget.max(contact) as f32, tick)),
+            Substeps::Fixed(count) => [count; 2],
         };
         let needed = substeps_for(bound.rate(&asked), tick);
         let gives = material.thread_stiffness * material.max_strain < cloth.hung * USUAL_GRAVITY;
@@ -168,7 +171,7 @@ impl Plan {
             StretchMethod::Automatic if gives => {
                 (Stretching::ImplicitThreads, PlanReason::SpringsGive)
             }
-            StretchMethod::Automatic if needed <= budget => {
+            StretchMethod::Automatic if needed <= own => {
                 (Stretching::ExplicitSprings, PlanReason::SpringsSuffice)
             }
             StretchMethod::Automatic => {

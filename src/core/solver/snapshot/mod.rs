@@ -292,6 +292,7 @@ impl ClothSolver {
             own.remember(&others.memory(&self.topology));
         }
         self.model.stages_mut().set_shifts(shifts);
+        self.state.striking = *striking;
         self.plan_ticks(*tick);
         // After all that makes the tethers forget it.
         self.tether_under(*tethered_under);

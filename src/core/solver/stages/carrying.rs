@@ -5,6 +5,7 @@ use bevy_math::Vec3;
 use crate::solver::ClothSolver;
 use crate::solver::contact::Collider;
 use crate::solver::input::StepInput;
+use crate::solver::state::State;
 use crate::solver::state::carrying::{Burden, Carrying, Load};
 
 /// Least upward acceleration that a cloth gives a body which it carries \[m/s2\]. What it gives less to is as a collider that it does not
@@ -28,8 +29,8 @@ impl ClothSolver {
         self.scale_mass();
     }
 
-    /// Has the cloth take up mass for bodies that it has come to bear within the tick, in the substep that ends: a body at some metres a second
-    /// stretches it far before the tick ends.
+    /// Has the cloth take up mass for bodies that have come to lie on it in this tick, in the substep that ends. One that comes at some metres a
+    /// second stretches it far before the tick ends.
     pub(crate) fn go_on_carrying(&mut self, input: &StepInput<'_>) {
         let [hangs, pulls] = self.pinned(input);
         if !self.state.contacts.impulses.meet_bodies() || !hangs || pulls || self.is_overstretched()
@@ -39,8 +40,8 @@ impl ClothSolver {
         let up = -input.gravity.normalize_or_zero();
         let rest = self.mean_way_of_pins(input);
         let own = f64::from(self.topology.total_area() * self.material.area_density);
-        let borne = self.state.contacts.impulses.borne(up, LEAST_ACCELERATION * input.dt);
-        let mass = borne.map(|(body, along)| {
+        let struck = self.state.contacts.impulses.struck(up, LEAST_ACCELERATION * input.dt);
+        let mass = struck.map(|(body, along)| {
             let speed = (rest - input.colliders[body.collider].way()).dot(along) / input.dt;
             body.mass * Carrying::part_of(speed)
         });
@@ -71,13 +72,16 @@ impl ClothSolver {
         }
     }
 
-    /// Slows the cloth, which keeps `part` of its velocity as it takes up mass that was at rest between its pins. So its momentum
-    /// stays, and its energy does not grow.
+    /// Slows the cloth, which keeps `part` of its velocity as it takes up mass that was at rest between its pins, and of the ways that pulls which
+    /// are carried on would move it. So its momentum stays, and its energy does not grow.
     fn slow_down(&mut self, part: f32, input: &StepInput<'_>) {
         let rest = self.mean_way_of_pins(input) * (self.state.unit / input.dt);
+        let State { d, pull, carries, .. } = &mut self.state;
         for slot in self.topology.layout().slots() {
-            let d = self.state.d.get(slot);
-            self.state.d.set(slot, rest + (d - rest) * part);
+            d.set(slot, rest + (d.get(slot) - rest) * part);
+            if *carries {
+                pull.set(slot, pull.get(slot) * part);
+            }
         }
     }
 

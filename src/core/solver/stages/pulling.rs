@@ -50,7 +50,7 @@ impl ClothSolver {
         let impulses = &mut self.state.contacts.impulses;
         for &PinPull { pin, body } in input.pulls {
             let Some(collider) = impulses.of_body(body) else { continue };
-            impulses.pin_to(collider);
+            impulses.pin_to(collider, pin as usize >= hard);
             let deep = WITHIN * self.edges.longest;
             let place = input.pins[pin as usize].start;
             let mut of_body = input.colliders.iter().filter(|it| it.body == body && it.layers != 0);

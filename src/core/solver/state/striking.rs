@@ -34,9 +34,9 @@ impl Striking {
     /// Follows the fastest body that is near in a tick \[s\], by its speed relative to what holds the cloth \[m/s\], and the distance
     /// between particles \[m\]. Only what the cloth has met is caught.
     pub fn follow(&mut self, speed: f32, spacing: f32, tick: f32) {
-        let asked = (speed / (60.0 * MOST_WAY * spacing * STEPS as f32)).ceil() as u32;
+        let asked = (speed / (60.0 * MOST_WAY * spacing)).min(MOST as f32) as u32;
         // What goes slowly is as what lies there.
-        let asked = if asked > 1 { (asked * STEPS).min(MOST) } else { 0 };
+        let asked = if asked >= STEPS { asked.next_multiple_of(STEPS).min(MOST) } else { 0 };
         let kept = self.substeps.min(MOST_WHILE_CAUGHT);
         (self.substeps, self.left) = if asked > 0 && asked >= kept {
             (asked, CATCHING)
