@@ -10,9 +10,10 @@ use crate::solver::{Settings, StretchMethod, Substeps};
 /// let settings = ClothSettings { tethers: false, ..ClothSettings::ACCURATE };
 /// ```
 impl ClothSettings {
-    /// The least time: eight substeps in 1/60 s, and more only for layers of cloth and for bodies that strike it. 99 % of the threads of 128 x 128 particles stay
-    /// within 1 % in the report's HANG and DRAPE; a cloth that hangs from single points, or is struck, may stretch
-    /// beyond its limit for some frames.
+    /// The least time: eight substeps in 1/60 s, and more only for layers of cloth and for bodies that strike it.
+    ///
+    /// 99 % of the threads of 128 x 128 particles stay within 1 % in the report's HANG and DRAPE; a cloth that hangs from
+    /// single points, or is struck, may stretch beyond its limit for some frames.
     pub const GAME: Self = Self { substeps: Substeps::Automatic { budget: 8 }, ..Self::USUAL };
     /// Films and close-ups: 32 substeps in a tick. Some four times the time of [`ClothSettings::GAME`], a third of its
     /// error in motion, a third of its strain or less.

@@ -8,9 +8,6 @@ use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::mobility::{Deviation, Mobility, Twist};
 use crate::solver::simd::block::{larger, smaller};
 
-/// Cosine of the angle to the vertical within which a body is pushed up rather than aside.
-const UPWARD: f32 = 0.5;
-
 /// What a collider is given in a tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Account {
@@ -132,12 +129,10 @@ impl Account {
         self.coupling.expected.linear.dot(up) * weight > least
     }
 
-    /// The direction that the body has been pushed to in this tick, where that is `up` rather than aside, and by more than `least` \[m/s\].
-    pub fn struck_along(&self, up: Vec3, least: f32) -> Option<Vec3> {
+    /// Whether the cloth has changed the body's speed by more than `least` \[m/s\] in the direction `up` in this tick.
+    pub fn is_pushed(&self, up: Vec3, least: f32) -> bool {
         let weight = self.mobility.map_or(0.0, |mobility| mobility.inverse_mass);
-        let along = self.given.linear.normalize_or_zero();
-        let is_struck = self.given.linear.dot(up) * weight > least && along.dot(up) > UPWARD;
-        is_struck.then_some(along)
+        self.given.linear.dot(up) * weight > least
     }
 
     /// Velocity that the body has beside the planned one, after a part of the tick: of what it was given and not expected to be.

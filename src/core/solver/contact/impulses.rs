@@ -172,24 +172,20 @@ impl Impulses {
     /// Finds the bodies that the cloth is expected to change the speed of by more than `least` \[m/s\] in the direction `up` in a tick, as it
     /// did in the last one.
     pub fn carried(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
-        let is_carried = move |account: &Account| account.is_carried(up, least);
-        self.bodies().filter(move |(account, _)| is_carried(account)).map(|(_, body)| body)
+        self.bodies(move |account| account.is_carried(up, least))
     }
 
-    /// Finds the bodies that it has not carried, and has pushed `up` in this tick by more than that, each with the direction that it is pushed to.
-    pub fn struck(&self, up: Vec3, least: f32) -> impl Iterator<Item = (CarriedBody, Vec3)> {
-        self.bodies().filter_map(move |(account, body)| {
-            let along = account.struck_along(up, least)?;
-            (!account.is_carried(up, least)).then_some((body, along))
-        })
+    /// Finds the bodies whose speed it has changed by more than that in this tick.
+    pub fn pushed(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
+        self.bodies(move |account| account.is_pushed(up, least))
     }
 
-    /// Bodies that the cloth may have come to, but those that it passes through.
-    fn bodies(&self) -> impl Iterator<Item = (&Account, CarriedBody)> {
-        self.live.iter().filter_map(|&collider| {
+    /// Bodies that the cloth may have come to, but those that it passes through, as far as their accounts are `asked` for.
+    fn bodies(&self, asked: impl Fn(&Account) -> bool) -> impl Iterator<Item = CarriedBody> {
+        self.live.iter().filter_map(move |&collider| {
             let account = self.colliders[collider].as_ref().filter(|account| !account.passed)?;
             let mass = 1.0 / f64::from(account.mobility?.inverse_mass);
-            Some((account, CarriedBody { collider, mass }))
+            asked(account).then_some(CarriedBody { collider, mass })
         })
     }
 

@@ -29,8 +29,8 @@ impl ClothSolver {
         self.scale_mass();
     }
 
-    /// Has the cloth take up mass for bodies that have come to lie on it in this tick, in the substep that ends. One that comes at some metres a
-    /// second stretches it far before the tick ends.
+    /// Has the cloth take up mass for bodies that it bears in this tick, in the substep that ends. One that falls onto it at some metres a second
+    /// stretches it far before the tick ends.
     pub(crate) fn go_on_carrying(&mut self, input: &StepInput<'_>) {
         let [hangs, pulls] = self.pinned(input);
         if !self.state.contacts.impulses.meet_bodies() || !hangs || pulls || self.is_overstretched()
@@ -40,10 +40,10 @@ impl ClothSolver {
         let up = -input.gravity.normalize_or_zero();
         let rest = self.mean_way_of_pins(input);
         let own = f64::from(self.topology.total_area() * self.material.area_density);
-        let struck = self.state.contacts.impulses.struck(up, LEAST_ACCELERATION * input.dt);
-        let mass = struck.map(|(body, along)| {
-            let speed = (rest - input.colliders[body.collider].way()).dot(along) / input.dt;
-            body.mass * Carrying::part_of(speed)
+        let pushed = self.state.contacts.impulses.pushed(up, LEAST_ACCELERATION * input.dt);
+        let mass = pushed.map(|body| {
+            let falls = (rest - input.colliders[body.collider].way()).dot(up) / input.dt;
+            body.mass * Carrying::part_of(falls)
         });
         let mass = mass.sum::<f64>() / own;
         let part = self.state.carrying.take_up(mass);

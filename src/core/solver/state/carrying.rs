@@ -11,7 +11,7 @@
 
 /// Part of the bodies' mass that a cloth moves as if it had.
 const PART: f64 = 0.5;
-/// Speed up to which a body comes to lie on the cloth, from which on it strikes \[m/s\].
+/// Speed up to which a body that falls comes to lie on the cloth, from which on it strikes \[m/s\].
 const SLOW: f32 = 0.5;
 /// Speed beyond that by which the cloth takes up twice that part \[m/s\]. It goes back once the body is caught.
 const SPEED: f32 = 2.0;
@@ -91,7 +91,7 @@ impl Carrying {
         };
     }
 
-    /// Returns the part of a body's mass that a cloth takes up which bears it first, as it comes at a speed \[m/s\].
+    /// Returns the part of a body's mass that a cloth takes up as the body falls onto it at a speed \[m/s\].
     pub fn part_of(speed: f32) -> f64 {
         (PART * (1.0 + f64::from((speed - SLOW) / SPEED).max(0.0))).min(MOST_PART)
     }

@@ -1,22 +1,20 @@
 //! Bodies that come to a cloth fast, and the substeps that they ask for.
 //!
-//! What strikes a few particles the others learn through their threads, further with each substep. A body that goes a good part of the way between
+//! Threads tell the cloth of a strike on a few of its particles, further away with each substep. A body that goes a good part of the way between
 //! particles in a substep has stretched the threads that it meets by twice their length before the cloth about them yields, and is through: of
 //! bodies of 8 to 30 cm and at most 5 kg, dropped by 2 m onto a hammock of 0.2 kg, one in six with eight substeps in 1/60 s, and none with sixteen.
-//! So a body that approaches asks for substeps in which it does not go as far, and for some of them until the cloth has caught it.
+//! So a body that approaches asks for substeps in which it does not go as far, and for these until the cloth has caught it.
 
 /// Way of a body in a substep, over the distance between particles.
 const MOST_WAY: f32 = 0.15;
 /// Substeps in 1/60 s that bodies ask for at most.
 const MOST: u32 = 40;
-/// Substeps in 1/60 s at most in which what has struck is caught.
-const MOST_WHILE_CAUGHT: u32 = 20;
 /// Time in which a cloth catches what has struck it \[s\].
 const CATCHING: f32 = 0.25;
 /// Numbers of substeps that are asked for are multiples of this: a plan is not made anew in every tick.
 const STEPS: u32 = 4;
 
-/// What the bodies that strike a cloth ask for, as far as it goes on from tick to tick.
+/// Substeps that the bodies which strike a cloth ask for, as far as that goes on from tick to tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Striking {
@@ -37,11 +35,10 @@ impl Striking {
         let asked = (speed / (60.0 * MOST_WAY * spacing)).min(MOST as f32) as u32;
         // What goes slowly is as what lies there.
         let asked = if asked >= STEPS { asked.next_multiple_of(STEPS).min(MOST) } else { 0 };
-        let kept = self.substeps.min(MOST_WHILE_CAUGHT);
-        (self.substeps, self.left) = if asked > 0 && asked >= kept {
+        (self.substeps, self.left) = if asked > 0 && asked >= self.substeps {
             (asked, CATCHING)
         } else if self.has_met && self.left > tick {
-            (kept, self.left - tick)
+            (self.substeps, self.left - tick)
         } else {
             (asked, 0.0)
         };
