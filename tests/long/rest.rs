@@ -93,11 +93,11 @@ fn h17_ten_minutes_lying() {
         let at = |shape, place: Vec3| Collider::new(shape, Pose::from_translation(place));
         let scenes = [
             ("on the floor", vec![at(&floor, Vec3::ZERO)], [1e-5, 5e-4]),
-            // On its flanks particles are at Coulomb's limit: some slip, once in minutes.
+            // On its flanks particles are at Coulomb's limit: some slip, once in minutes, by some tenths of a millimetre.
             (
                 "on a ball on the floor",
                 vec![at(&floor, Vec3::ZERO), at(&ball, Vec3::Y * 0.2)],
-                [3e-4, 1e-2],
+                [5e-4, 1e-2],
             ),
         ];
         for (where_, colliders, most) in scenes {

@@ -33,9 +33,11 @@
 //! | `h23` | between solids that leave no room | this project | `squeezed` |
 //! | `h24` | one and eight threads | this project | `pool` |
 //! | - | what is thin or sharp; rest on solids | this project | `thin`, `lying` |
+//! | - | meshes in heaps | this project | `crumpled` |
 //! | - | sleep on solids; a minute without damping | this project | `tests/long`, `asleep`, `energy` |
 
 mod app;
+mod crumpled;
 mod extremes;
 mod falling;
 mod far;

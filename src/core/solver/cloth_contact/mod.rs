@@ -4,10 +4,10 @@
 //! So a particle's ball is as large as the triangles around it ask for, with some reserve ([`balls`]). Particles that are near each
 //! other at rest are left alone: a cloth does not push its own neighbours.
 //!
-//! Pairs that may touch are found a few times a tick, with a margin: of one cloth patch by patch ([`in_patches`]), of two in a grid ([`find`]). Where there are many, a pair sleeps until
-//! the cloth has moved by the pair's gap ([`travel`]). Pairs that touch are met in every substep, after the threads and before the strain limit ([`respond`]).
-//! Where they are pressed into each other, they are met once more after the limit, and kept half of their distance apart.
-//! A pair gives one particle what it takes from the other, so momentum is kept.
+//! Pairs that may touch are found a few times a tick, with a margin: of one cloth patch by patch ([`in_patches`]), of two in a grid
+//! ([`find`]). Where there are many, a pair sleeps until the cloth has moved by the pair's gap ([`travel`]). Pairs that touch are met in
+//! every substep, after the threads and before the strain limit ([`respond`]). Where they are pressed into each other, they are met once
+//! more after the limit, and kept half of their distance apart. A pair gives one particle what it takes from the other, so momentum is kept.
 //!
 //! | file | what it holds |
 //! | --- | --- |

@@ -58,6 +58,9 @@ const MOST_OF_ERROR: f32 = 1.0 / 3.0;
 const LEFT: f32 = 2.4;
 /// Least shift, in rest lengths. Springs that are pushed together are few, and little.
 const LEAST: f32 = -0.1;
+/// Least shift of the springs of a mesh on colliders. A mesh that lies in folds is pushed together in many places, by more than its chains can
+/// undo: what is asked to be longer and longer there pushes the mesh about.
+const LEAST_ON_COLLIDERS: f32 = 0.0;
 
 /// The shifts of the springs of some threads.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,6 +102,8 @@ pub(crate) struct Shifting {
     left: f32,
     /// Strain that a spring is held to, whatever pulls at it.
     most_strain: f32,
+    /// Least shift, in rest lengths.
+    least: f32,
 }
 
 impl Shifting {
@@ -125,7 +130,11 @@ impl Shifting {
             }
         };
         let part = |rate: f32| smaller(rate * tick, MOST_OF_ERROR);
-        Self { grows: part(growth), goes: part(release), left: LEFT * substep, most_strain }
+        let least = match touches {
+            Touches::Colliders if is_of_chains => LEAST_ON_COLLIDERS,
+            _ => LEAST,
+        };
+        Self { grows: part(growth), goes: part(release), left: LEFT * substep, most_strain, least }
     }
 
     /// Keeps shifts from growing.
@@ -157,7 +166,7 @@ impl Row<'_> {
     #[inline(always)]
     fn shifted(&self, mut by: Block, shifting: Shifting) -> Block {
         let Self { ends: [p, q], rest, factor, multipliers, compliance, most } = self;
-        let Shifting { grows, goes, left, most_strain } = shifting;
+        let Shifting { grows, goes, left, most_strain, least: least_shift } = shifting;
         for i in 0..LANES {
             let way = q.at(i) - p.at(i);
             let length = way.dot(way).sqrt();
@@ -168,7 +177,7 @@ impl Row<'_> {
             let error = larger(error - least, 0.0) + smaller(error + least, 0.0);
             let part = if error * by.0[i] < 0.0 { goes } else { grows };
             let next = by.0[i] + part * error;
-            let next = smaller(larger(next, LEAST * rest.0[i]), most * rest.0[i]);
+            let next = smaller(larger(next, least_shift * rest.0[i]), most * rest.0[i]);
             by.0[i] = if rest.0[i] > 0.0 { next } else { 0.0 };
         }
         by
