@@ -175,7 +175,7 @@ impl Impulses {
         self.bodies(move |account| account.is_carried(up, least))
     }
 
-    /// Finds the bodies whose speed it has changed by more than that in this tick.
+    /// Finds the bodies that the cloth has changed the speed of by more than `least` \[m/s\] in the direction `up` in this tick.
     pub fn pushed(&self, up: Vec3, least: f32) -> impl Iterator<Item = CarriedBody> {
         self.bodies(move |account| account.is_pushed(up, least))
     }
