@@ -33,8 +33,7 @@ impl Striking {
     /// between particles \[m\]. Only what the cloth has met is caught.
     pub fn follow(&mut self, speed: f32, spacing: f32, tick: f32) {
         let asked = (speed / (60.0 * MOST_WAY * spacing)).min(MOST as f32) as u32;
-        // What goes slowly is as what lies there.
-        let asked = if asked >= STEPS { asked.next_multiple_of(STEPS).min(MOST) } else { 0 };
+        let asked = asked.next_multiple_of(STEPS).min(MOST);
         (self.substeps, self.left) = if asked > 0 && asked >= self.substeps {
             (asked, CATCHING)
         } else if self.has_met && self.left > tick {
