@@ -69,7 +69,7 @@ impl Scene<'_> {
 }
 
 /// Rms speed in the next second \[m/s\].
-fn speed_of(solver: &mut ClothSolver, colliders: &[Collider<'_>]) -> f64 {
+pub(crate) fn speed_of(solver: &mut ClothSolver, colliders: &[Collider<'_>]) -> f64 {
     let mut squares = 0.0;
     let mut before = positions(solver);
     for _ in 0..SECOND {
@@ -79,7 +79,7 @@ fn speed_of(solver: &mut ClothSolver, colliders: &[Collider<'_>]) -> f64 {
         squares += moved.sum::<f64>();
         before = now;
     }
-    (squares / (SECOND * N * N) as f64).sqrt() * SECOND as f64
+    (squares / (SECOND * before.len()) as f64).sqrt() * SECOND as f64
 }
 
 /// The strain that 99 in 100 springs stay below, and the largest.

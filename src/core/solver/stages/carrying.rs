@@ -32,9 +32,11 @@ impl ClothSolver {
     /// Has the cloth take up mass for bodies that it bears in this tick, in the substep that ends. One that falls onto it at some metres a second
     /// stretches it far before the tick ends.
     pub(crate) fn go_on_carrying(&mut self, input: &StepInput<'_>) {
+        if !self.state.contacts.impulses.meet_bodies() || self.is_overstretched() {
+            return;
+        }
         let [hangs, pulls] = self.pinned(input);
-        if !self.state.contacts.impulses.meet_bodies() || !hangs || pulls || self.is_overstretched()
-        {
+        if !hangs || pulls {
             return;
         }
         let up = -input.gravity.normalize_or_zero();

@@ -7,7 +7,7 @@
 
 /// Way of a body in a substep, over the distance between particles.
 const MOST_WAY: f32 = 0.15;
-/// Substeps in 1/60 s that bodies ask for at most.
+/// Substeps in 1/60 s that bodies ask for at most: a multiple of [`STEPS`].
 const MOST: u32 = 40;
 /// Time in which a cloth catches what has struck it \[s\].
 const CATCHING: f32 = 0.25;
@@ -20,7 +20,7 @@ const STEPS: u32 = 4;
 pub(crate) struct Striking {
     /// Substeps in 1/60 s; 0 where nothing strikes.
     pub substeps: u32,
-    /// Time for which some of them are kept \[s\].
+    /// Time for which they are kept \[s\].
     left: f32,
     /// Whether the cloth met any body in the last tick.
     pub has_met: bool,
@@ -32,8 +32,8 @@ impl Striking {
     /// Follows the fastest body that is near in a tick \[s\], by its speed relative to what holds the cloth \[m/s\], and the distance
     /// between particles \[m\]. Only what the cloth has met is caught.
     pub fn follow(&mut self, speed: f32, spacing: f32, tick: f32) {
-        let asked = (speed / (60.0 * MOST_WAY * spacing)).min(MOST as f32) as u32;
-        let asked = asked.next_multiple_of(STEPS).min(MOST);
+        let needed = (speed / (60.0 * MOST_WAY * spacing)).min(MOST as f32) as u32;
+        let asked = needed.next_multiple_of(STEPS);
         (self.substeps, self.left) = if asked > 0 && asked >= self.substeps {
             (asked, CATCHING)
         } else if self.has_met && self.left > tick {

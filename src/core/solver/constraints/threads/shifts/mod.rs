@@ -103,7 +103,7 @@ pub(crate) struct Shifting {
     /// Strain that a spring is held to, whatever pulls at it.
     most_strain: f32,
     /// Least shift, in rest lengths.
-    least: f32,
+    least_shift: f32,
 }
 
 impl Shifting {
@@ -130,11 +130,12 @@ impl Shifting {
             }
         };
         let part = |rate: f32| smaller(rate * tick, MOST_OF_ERROR);
-        let least = match touches {
+        let least_shift = match touches {
             Touches::Colliders if is_of_chains => LEAST_ON_COLLIDERS,
             _ => LEAST,
         };
-        Self { grows: part(growth), goes: part(release), left: LEFT * substep, most_strain, least }
+        let (grows, goes, left) = (part(growth), part(release), LEFT * substep);
+        Self { grows, goes, left, most_strain, least_shift }
     }
 
     /// Keeps shifts from growing.
@@ -166,7 +167,7 @@ impl Row<'_> {
     #[inline(always)]
     fn shifted(&self, mut by: Block, shifting: Shifting) -> Block {
         let Self { ends: [p, q], rest, factor, multipliers, compliance, most } = self;
-        let Shifting { grows, goes, left, most_strain, least: least_shift } = shifting;
+        let Shifting { grows, goes, left, most_strain, least_shift } = shifting;
         for i in 0..LANES {
             let way = q.at(i) - p.at(i);
             let length = way.dot(way).sqrt();
