@@ -93,6 +93,7 @@ use crate::error::failures::Failures;
 use crate::mesh::drawn::ClothMesh;
 use crate::mesh::rest_cache::RestCache;
 use crate::mesh::source::ClothSource;
+use crate::pose::frames::FrameClock;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems, ClothSystems};
 use crate::sdf::DistanceField;
 use crate::simulation::ClothSimulation;
@@ -208,6 +209,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<RestCache>()
             .init_resource::<TickColliders>()
             .init_resource::<Disturbances>()
+            .init_resource::<FrameClock>()
             .init_resource::<Runner>()
             .init_resource::<Spent>()
             .init_resource::<Islands>()
@@ -244,7 +246,7 @@ impl Plugin for ClothPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    set_up().in_set(Setup),
+                    set_up::<true>().in_set(Setup),
                     refuse_variable_step.run_if(in_variable_step).after(Setup).before(Gather),
                     (
                         gather_colliders,
@@ -319,7 +321,7 @@ impl Plugin for ClothPlugin {
                 (start_bakes, finish_bakes.run_if(resource_exists::<Assets<DistanceField>>))
                     .chain()
                     .in_set(Bake),
-                set_up().in_set(LateSetup),
+                set_up::<false>().in_set(LateSetup),
                 draw_cloths.in_set(WriteMeshes),
             ),
         );
@@ -334,8 +336,8 @@ impl Plugin for ClothPlugin {
     }
 }
 
-/// Components become running cloths, and change them. Runs in two schedules.
-fn set_up() -> ScheduleConfigs<ScheduleSystem> {
+/// Components become running cloths, and change them. Runs in each tick, and at each frame's end.
+fn set_up<const IN_TICK: bool>() -> ScheduleConfigs<ScheduleSystem> {
     (
         fit_bodies,
         place_bodies,
@@ -347,7 +349,7 @@ fn set_up() -> ScheduleConfigs<ScheduleSystem> {
         apply_self_collision,
         apply_inter_collision,
         restore_cloths,
-        apply_pins,
+        apply_pins::<IN_TICK>,
         hang_cloths,
         apply_grabs,
         tell_ready,

@@ -14,9 +14,10 @@ use crate::collider::tick_body::{LoneBody, TickBody};
 use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
-use crate::pose::{OwnScale, PoseTrack, pose_now_scaled, to_world};
+use crate::pose::frames::FrameTicks;
+use crate::pose::{OwnScale, PoseTrack, comes_along, pose_now_scaled, to_world};
 use crate::sdf::DistanceField;
-use crate::solver::{self, ColliderMotion, Pose};
+use crate::solver::{self, ColliderMotion, Pose, RigidMotion};
 
 /// Where a collider was, is and goes.
 #[derive(Component, Default)]
@@ -228,12 +229,13 @@ impl Moves<'_, '_> {
     }
 }
 
-/// Notes where colliders are before a frame's ticks.
+/// Notes where colliders are before a frame's ticks. What led cloths has made these `jumps`: what came along has jumped as well.
 pub(crate) fn note_colliders(
     colliders: &mut Query<Found>,
     moves: &mut Moves,
     transforms: &TransformHelper,
-    ticks: u32,
+    ticks: FrameTicks,
+    jumps: &[RigidMotion],
 ) {
     let orphans = moves.any_orphan();
     for FoundItem { entity, place, has_parent, scale, mut pose, .. } in colliders {
@@ -244,9 +246,10 @@ pub(crate) fn note_colliders(
         if let Some(moving) = &mut pose.moving
             && let Ok(now) = pose_now_scaled(transforms, entity, scale)
         {
-            let before = moving.end();
+            let before = moving.seen();
             moving.begin_frame(now, ticks);
-            if has_jumped(&before, &now, ticks) {
+            let came_along = jumps.iter().any(|jump| comes_along(jump, &before, &now));
+            if came_along || has_jumped(&before, &now, ticks.count) {
                 moving.at_once();
             }
         }

@@ -2,16 +2,18 @@
 //!
 //! The pose of an entity moved in the fixed schedule is taken as it is. An entity moved once a frame (after
 //! the fixed loop, as by an animation) would stand still through a frame's first tick and jump in the
-//! next: its motion since the last frame is spread over the ticks of this one.
+//! next: it is taken where it was at each tick's time, a frame late ([`frames`]).
 
 pub(crate) mod bindposes;
+pub(crate) mod frames;
 pub(crate) mod skeleton;
 
 use bevy::prelude::*;
 
 use crate::error::ClothErrorKind;
 use crate::error::problems::ScaleProblem;
-use crate::solver::Pose;
+use crate::pose::frames::FrameTicks;
+use crate::solver::{Pose, RigidMotion};
 
 /// A pose from tick to tick: where something is at a tick's start and at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,39 +23,44 @@ pub(crate) struct PoseTrack {
     start: Pose,
     /// At its end.
     end: Pose,
+    /// Where it was seen last.
+    seen: Pose,
     /// At the start of the frame, before its ticks.
     noted: Pose,
-    /// `end` at the start of the frame.
-    from: Pose,
-    /// Ticks that the frame was expected to run.
-    ticks: u32,
-    /// Ticks that it has run.
+    /// Where it was before that: what is between them, the last frame has done.
+    before: Pose,
+    /// Where the frame's ticks lie between the two.
+    ticks: FrameTicks,
+    /// Ticks that the frame has run.
     done: u32,
+    /// The last tick moved it.
+    by_ticks: bool,
 }
 
 impl PoseTrack {
     /// Something newly seen: it has not moved.
     pub fn new(now: Pose) -> Self {
-        Self { start: now, end: now, noted: now, from: now, ticks: 0, done: 0 }
+        let ticks = FrameTicks::default();
+        let (start, end, seen, noted, before) = (now, now, now, now, now);
+        Self { start, end, seen, noted, before, ticks, done: 0, by_ticks: false }
     }
 
-    /// Notes the pose before the `ticks` ticks of a frame. A frame without ticks leaves the way to
-    /// the next.
-    pub fn begin_frame(&mut self, now: Pose, ticks: u32) {
-        if ticks > 0 {
-            *self = Self { noted: now, from: self.end, ticks, done: 0, ..*self };
-        }
+    /// Notes the pose before the ticks of a frame.
+    pub fn begin_frame(&mut self, now: Pose, ticks: FrameTicks) {
+        (self.before, self.noted, self.seen) = (self.seen, now, now);
+        (self.ticks, self.done) = (ticks, 0);
     }
 
-    /// Spreads nothing over this frame's ticks: the next one takes the whole way.
+    /// Lets the next tick take the whole way: the last frame has put it elsewhere.
     pub fn at_once(&mut self) {
-        self.ticks = 0;
+        self.before = self.noted;
     }
 
     /// Whether it could be that of anything.
     pub fn is_sound(&self) -> bool {
-        let Self { start, end, noted, from, ticks: _, done } = self;
-        [start, end, noted, from].into_iter().all(Pose::is_valid) && *done <= u32::MAX / 2
+        let Self { start, end, seen, noted, before, ticks, done, by_ticks: _ } = self;
+        let all = [start, end, seen, noted, before];
+        all.into_iter().all(Pose::is_valid) && ticks.is_sound() && *done <= u32::MAX / 2
     }
 
     /// The pose at the last tick's start.
@@ -64,6 +71,11 @@ impl PoseTrack {
     /// The pose at the last tick's end.
     pub fn end(&self) -> Pose {
         self.end
+    }
+
+    /// The pose when it was last looked at, before a frame's ticks or in one.
+    pub fn seen(&self) -> Pose {
+        self.seen
     }
 
     /// Whether it moves in the tick.
@@ -78,7 +90,7 @@ impl PoseTrack {
 
     /// Scales where it has been, about a place. Where it is to be is told in the tick.
     pub fn scale(&mut self, about: Vec3, ratio: f32) {
-        for pose in [&mut self.start, &mut self.end, &mut self.from] {
+        for pose in [&mut self.start, &mut self.end, &mut self.before] {
             pose.translation = about + (pose.translation - about) * ratio;
             pose.scale *= ratio;
         }
@@ -87,12 +99,14 @@ impl PoseTrack {
     /// Goes on by a tick.
     pub fn advance(&mut self, now: Pose) {
         self.start = self.end;
+        self.seen = now;
         self.done += 1;
-        self.end = if self.done < self.ticks && now == self.noted {
-            self.from.interpolate(&self.noted, self.done as f32 / self.ticks as f32)
-        } else {
-            now
-        };
+        // What ticks move is shown elsewhere between them, and may by chance be shown where it is put back.
+        let by_ticks = now != self.noted;
+        let by_frame = !by_ticks && !self.by_ticks && now != self.before;
+        let part = self.ticks.part(self.done).filter(|_| by_frame);
+        self.end = part.map_or(now, |part| on_the_way(&self.before, &now, part));
+        self.by_ticks = by_ticks;
     }
 }
 
@@ -159,6 +173,25 @@ pub(crate) fn pose_of(global: &GlobalTransform) -> Result<Pose, PoseError> {
     Err(PoseError::Scale(problem))
 }
 
+/// A pose on the way from one to another; the way may have been left a little behind, or be a little ahead.
+fn on_the_way(from: &Pose, to: &Pose, part: f32) -> Pose {
+    let side = if from.rotation.dot(to.rotation) < 0.0 { -1.0 } else { 1.0 };
+    Pose {
+        translation: from.translation + (to.translation - from.translation) * part,
+        rotation: (from.rotation * (1.0 - part) + to.rotation * (side * part)).normalize(),
+        scale: from.scale + (to.scale - from.scale) * part.clamp(0.0, 1.0),
+    }
+}
+
+/// Whether what went from one pose to another came along with a jump, rather than going its own way.
+pub(crate) fn comes_along(jump: &RigidMotion, from: &Pose, to: &Pose) -> bool {
+    // A turn by a radian counts as a metre.
+    let apart = |pose: &Pose| {
+        pose.translation.distance(to.translation) + pose.rotation.angle_between(to.rotation)
+    };
+    from != to && apart(&jump.apply_to_pose(from)) < 0.5 * apart(from)
+}
+
 /// A point of the pose's own frame, in the world.
 #[inline]
 pub(crate) fn to_world(pose: &Pose, point: Vec3) -> Vec3 {
@@ -183,6 +216,8 @@ impl From<PoseError> for ClothErrorKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pose::frames::FrameClock;
+    use core::time::Duration;
 
     fn at(x: f32) -> Pose {
         Pose { translation: Vec3::X * x, rotation: Quat::IDENTITY, scale: 1.0 }
@@ -196,6 +231,12 @@ mod tests {
         now.iter().map(way).collect()
     }
 
+    /// A frame that is as long as so many ticks.
+    fn ticks(count: u32) -> FrameTicks {
+        let tick = Duration::from_millis(16);
+        FrameClock::default().begin_frame(tick * count, tick, Duration::ZERO)
+    }
+
     #[test]
     fn new_things_have_not_moved() {
         let mut pose = PoseTrack::new(at(3.0));
@@ -205,33 +246,57 @@ mod tests {
     #[test]
     fn a_move_once_a_frame_is_spread_over_its_ticks() {
         let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(4.0), 4);
+        pose.begin_frame(at(4.0), ticks(4));
         let expected = [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)];
         assert_eq!(ways(&mut pose, &[4.0; 4]), expected);
-        pose.begin_frame(at(4.0), 1);
+        pose.begin_frame(at(4.0), ticks(1));
         assert_eq!(ways(&mut pose, &[4.0]), [(4.0, 4.0)]);
     }
 
     #[test]
-    fn frames_without_ticks_keep_the_way_for_later() {
+    fn frames_without_ticks_are_on_the_way() {
         let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(1.0), 0);
-        pose.begin_frame(at(2.0), 0);
-        pose.begin_frame(at(4.0), 2);
-        assert_eq!(ways(&mut pose, &[4.0; 2]), [(0.0, 2.0), (2.0, 4.0)]);
+        pose.begin_frame(at(1.0), ticks(0));
+        pose.begin_frame(at(2.0), ticks(0));
+        pose.begin_frame(at(4.0), ticks(2));
+        assert_eq!(ways(&mut pose, &[4.0; 2]), [(0.0, 3.0), (3.0, 4.0)]);
     }
 
     #[test]
     fn moves_in_the_fixed_schedule_are_taken_as_they_are() {
         let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(0.0), 3);
+        pose.begin_frame(at(0.0), ticks(3));
         assert_eq!(ways(&mut pose, &[1.0, 1.5, 7.0]), [(0.0, 1.0), (1.0, 1.5), (1.5, 7.0)]);
+        // It is not what the next frame has done.
+        pose.begin_frame(at(7.0), ticks(2));
+        assert_eq!(ways(&mut pose, &[7.0, 7.0]), [(7.0, 7.0); 2]);
+    }
+
+    /// An engine that shows its bodies between two ticks puts them back before the next.
+    #[test]
+    fn what_is_put_back_in_the_tick_is_taken_as_it_is() {
+        let mut pose = PoseTrack::new(at(0.0));
+        pose.advance(at(1.0));
+        pose.begin_frame(at(0.4), ticks(2));
+        assert_eq!(ways(&mut pose, &[2.0, 3.0]), [(1.0, 2.0), (2.0, 3.0)]);
+        // It stops, and is shown where it is by then.
+        pose.begin_frame(at(2.5), ticks(0));
+        pose.begin_frame(at(3.0), ticks(2));
+        assert_eq!(ways(&mut pose, &[3.0, 3.0]), [(3.0, 3.0); 2]);
+    }
+
+    #[test]
+    fn what_jumps_is_there_at_once() {
+        let mut pose = PoseTrack::new(at(0.0));
+        pose.begin_frame(at(9.0), ticks(3));
+        pose.at_once();
+        assert_eq!(ways(&mut pose, &[9.0; 2]), [(0.0, 9.0), (9.0, 9.0)]);
     }
 
     #[test]
     fn more_ticks_than_expected_do_not_overshoot() {
         let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(2.0), 2);
+        pose.begin_frame(at(2.0), ticks(2));
         assert_eq!(ways(&mut pose, &[2.0; 3]), [(0.0, 1.0), (1.0, 2.0), (2.0, 2.0)]);
     }
 
@@ -239,7 +304,7 @@ mod tests {
     fn rotation_takes_the_shorter_arc() {
         let quarter = Quat::from_rotation_y(1.0);
         let to = Pose { translation: Vec3::ZERO, rotation: -quarter, scale: 1.0 };
-        let half = at(0.0).interpolate(&to, 0.5).rotation;
+        let half = on_the_way(&at(0.0), &to, 0.5).rotation;
         assert!(half.angle_between(Quat::from_rotation_y(0.5)) < 1e-3);
     }
 

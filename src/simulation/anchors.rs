@@ -9,33 +9,36 @@ use crate::cloth::teleport::{ClothInertia, ClothTeleport};
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
+use crate::pose::frames::FrameTicks;
 use crate::pose::skeleton::Joints;
 use crate::pose::{PoseError, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::holding::hold;
 use crate::simulation::reference_frame::ReferenceFrame;
+use crate::solver::RigidMotion;
 
-/// Notes where all anchors are before a frame's ticks. Tells whether the one that leads a worn cloth has jumped.
+/// Notes where all anchors are before a frame's ticks. Tells how what leads the cloth has jumped, if it has.
 pub(crate) fn note_anchors(
     attachments: &mut Attachments,
     frame: &ReferenceFrame,
     transforms: &TransformHelper,
-    ticks: u32,
-) -> bool {
-    let mut leader_jumped = frame.teleport_asked;
-    let Attachments { anchors, leader, .. } = attachments;
-    for anchor in anchors {
-        if let Ok(now) = pose_now(transforms, anchor.entity) {
-            let before = anchor.pose.end();
-            anchor.pose.begin_frame(now, ticks);
-            if frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks) {
-                anchor.pose.at_once();
-                leader_jumped |= *leader == Some(anchor.entity);
+    ticks: FrameTicks,
+) -> Option<RigidMotion> {
+    let reference = attachments.reference();
+    let mut jump = None;
+    for (i, anchor) in attachments.anchors.iter_mut().enumerate() {
+        let Ok(now) = pose_now(transforms, anchor.entity) else { continue };
+        let before = anchor.pose.seen();
+        anchor.pose.begin_frame(now, ticks);
+        if frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks.count) {
+            anchor.pose.at_once();
+            if reference == Some(i) {
+                jump = Some(RigidMotion::between(&before, &now));
             }
         }
     }
-    leader_jumped
+    jump
 }
 
 /// Moves all anchors on by a tick, lets go of what lost its anchor, and lets cloths follow what leads

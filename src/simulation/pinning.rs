@@ -12,8 +12,8 @@ use crate::simulation::attachments::{Anchor, Attached, Attachments};
 use crate::simulation::holding::hold;
 use crate::solver::Pose;
 
-/// Applies changed pins: takes hold of what is newly pinned, releases what no longer is.
-pub(crate) fn apply_pins(
+/// Applies changed pins, in a tick or at a frame's end: takes hold of what is newly pinned, releases what no longer is.
+pub(crate) fn apply_pins<const IN_TICK: bool>(
     mut cloths: Query<(Entity, Option<Ref<ClothPins>>, &mut ClothSimulation)>,
     transforms: TransformHelper,
     mut failures: Failures,
@@ -24,10 +24,7 @@ pub(crate) fn apply_pins(
         let changed =
             anew || pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
-        // Until the first tick, pins take hold anew: where the anchors are by then is what counts.
-        // One that is being hung, or has been culled, is carried along from then on.
-        let begun = cloth.start.has_begun() || cloth.culling.has_culled();
-        let fresh = cloth.progress.tick_count == 0 && !begun;
+        let fresh = cloth.progress.tick_count == 0 && takes_hold_anew(&cloth, &transforms, IN_TICK);
         let awaited = cloth.held.attachments.awaited;
         let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
         if !(fresh || found || changed) {
@@ -50,6 +47,7 @@ pub(crate) fn apply_pins(
             }
             hold(&mut cloth, attachments);
         }
+        cloth.start.is_held = problem.is_none();
         match problem {
             None => {
                 failures.clear(entity, Blame::Pins);
@@ -62,6 +60,21 @@ pub(crate) fn apply_pins(
             }
         }
     }
+}
+
+/// Whether the pins of a cloth before its first tick are to take hold as if there had been none.
+fn takes_hold_anew(cloth: &ClothSimulation, transforms: &TransformHelper, in_tick: bool) -> bool {
+    // One that is being hung, or has been culled, is carried along from then on.
+    if cloth.start.has_begun() || cloth.culling.has_culled() {
+        return false;
+    }
+    // What a tick has moved before it is taken where it is by then: whether a frame has shown the cloth before changes no bit.
+    let is_moved = |anchor: &Anchor| {
+        pose_now(transforms, anchor.entity).is_ok_and(|now| now != anchor.pose.seen())
+    };
+    !cloth.start.is_held
+        || cloth.start.hanging.is_some()
+        || in_tick && cloth.held.attachments.anchors.iter().any(is_moved)
 }
 
 /// Finds the particles that the pins hold now, those that they hold to the skin, and the first pin that holds nothing.

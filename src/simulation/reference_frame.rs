@@ -13,6 +13,7 @@ use bevy::prelude::*;
 
 use crate::cloth::teleport::{ClothInertia, ClothTeleport, ResetCloth, TeleportCloth};
 use crate::collider::tick_colliders::ColliderRoom;
+use crate::pose::comes_along;
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::Anchor;
 use crate::solver::{
@@ -29,8 +30,8 @@ pub(crate) struct ReferenceFrame {
     pub teleport_asked: bool,
     /// A reset is asked for.
     pub reset_asked: bool,
-    /// The cloth has been carried in this tick: colliders that jumped as well came along.
-    pub(crate) jumped: bool,
+    /// How the cloth has been carried in this tick, if it has: colliders that went the same way came along.
+    pub(crate) jump: Option<RigidMotion>,
     /// The motion that the cloth rides along with in this tick.
     pub ride: Option<RigidMotion>,
 }
@@ -78,14 +79,14 @@ impl ReferenceFrame {
         stands: bool,
     ) -> Option<RigidMotion> {
         let asked = core::mem::take(&mut self.teleport_asked);
-        (self.jumped, self.ride) = (false, None);
+        (self.jump, self.ride) = (None, None);
         let (from, to) = (anchors[reference].pose.start(), anchors[reference].pose.end());
         if from == to {
             return None;
         }
         let motion = RigidMotion::between(&from, &to);
         if stands || asked || self.all_jump(anchors, reference, &motion) {
-            self.jumped = true;
+            self.jump = Some(motion);
             return Some(motion);
         }
         let ridden = motion.part(1.0 - self.inertia.linear, 1.0 - self.inertia.angular);
@@ -147,18 +148,30 @@ impl ReferenceFrame {
         room: &mut ColliderRoom,
         colliders: &[Collider<'a>],
     ) -> Option<Vec<Collider<'a>>> {
-        if self.ride.is_none() && !self.jumped {
+        if self.ride.is_none() && self.jump.is_none() {
             return None;
         }
         let back = self.ride.map(|ride| ride.inverse());
         let mut seen = core::mem::take(room).reuse();
         seen.extend(colliders.iter().map(|collider| {
             let (start, end) = (collider.motion.start(), collider.motion.end());
-            let start = if self.jumped && self.is_jump(&start, &end) { end } else { start };
+            let start = self.jump.map_or(start, |jump| self.carried(&jump, start, &end));
             let end = back.map_or(end, |back| back.apply_to_pose(&end));
             collider.between(start, end)
         }));
         Some(seen)
+    }
+
+    /// Where a collider came from, as a cloth sees it that was carried by a jump: along with the cloth, from where it is now if it has jumped
+    /// by itself, or from where it was.
+    fn carried(&self, jump: &RigidMotion, start: Pose, end: &Pose) -> Pose {
+        if comes_along(jump, &start, end) {
+            jump.apply_to_pose(&start)
+        } else if self.is_jump(&start, end) {
+            *end
+        } else {
+            start
+        }
     }
 
     /// How far the ride takes a place in the tick \[m\].

@@ -13,6 +13,7 @@ use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
 use crate::collider::tick_colliders::{ColliderRoom, Found, Moves, TickColliders, note_colliders};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
+use crate::pose::frames::FrameClock;
 use crate::pose::skeleton::Joints;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;
@@ -21,7 +22,7 @@ use crate::simulation::anchors::note_anchors;
 use crate::simulation::complaints::solver_error;
 use crate::simulation::stage_times::{self, StageTimes};
 use crate::simulation::tick_state::{ClothStep, TickState, input};
-use crate::solver::{ClothSolver, Collider, SolverError, StepInput};
+use crate::solver::{ClothSolver, Collider, RigidMotion, SolverError, StepInput};
 use crate::step::islands::Islands;
 use crate::wind::zone::WindZones;
 
@@ -106,28 +107,28 @@ pub(crate) fn note_poses(
     mut moves: Moves,
     transforms: TransformHelper,
     joints: Joints,
+    mut clock: ResMut<FrameClock>,
+    mut jumps: Local<Vec<RigidMotion>>,
     fixed: Option<Res<Time<Fixed>>>,
     time: Option<Res<Time<Virtual>>>,
 ) {
     let (Some(fixed), Some(time)) = (fixed, time) else {
         return;
     };
-    let ticks = (fixed.overstep() + time.delta()).as_nanos() / fixed.timestep().as_nanos();
-    let ticks = u32::try_from(ticks).unwrap_or(u32::MAX);
-    note_colliders(&mut colliders, &mut moves, &transforms, ticks);
-    if ticks == 0 {
-        return;
-    }
+    let ticks = clock.begin_frame(time.delta(), fixed.timestep(), fixed.overstep());
+    jumps.clear();
     for mut cloth in &mut cloths {
         if cloth.is_culled() {
             continue;
         }
         let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
-        let jumped = note_anchors(&mut held.attachments, frame, &transforms, ticks);
+        let jump = note_anchors(&mut held.attachments, frame, &transforms, ticks);
         if let Some(skin) = skin {
-            skin.begin_frame(&joints, ticks, jumped);
+            skin.begin_frame(&joints, ticks, frame.teleport_asked || jump.is_some());
         }
+        jumps.extend(jump);
     }
+    note_colliders(&mut colliders, &mut moves, &transforms, ticks, &jumps);
 }
 
 /// Decides between the two forms.

@@ -21,6 +21,7 @@ use bevy_drape_core::surface::{skin, skin_with_normals};
 
 use crate::error::skin::SkinProblem;
 use crate::mesh::skinned::SkinnedShape;
+use crate::pose::frames::FrameTicks;
 use crate::pose::skeleton::{Joints, Seen, Skeleton};
 use crate::simulation::skin::drawn::DrawnSkin;
 use crate::simulation::skin::track::SkinTrack;
@@ -143,8 +144,8 @@ impl Skin {
         held.retain(|particle| !is_attached(*particle));
     }
 
-    /// Notes where joints are before the `ticks` ticks of a frame; `at_once` where they have jumped.
-    pub fn begin_frame(&mut self, joints: &Joints, ticks: u32, at_once: bool) {
+    /// Notes where joints are before the ticks of a frame; `at_once` where they have jumped.
+    pub fn begin_frame(&mut self, joints: &Joints, ticks: FrameTicks, at_once: bool) {
         // Told in the tick.
         let _ = joints.look(&self.skeleton, &mut self.now);
         self.state.track.begin_frame(&self.now.matrices, ticks);
@@ -153,7 +154,7 @@ impl Skin {
         }
     }
 
-    /// Goes on by a tick; `at_once` spreads nothing over the frame's ticks. Tells whether anything moves, and the first joint that is
+    /// Goes on by a tick; `at_once` takes the whole way of the last frame. Tells whether anything moves, and the first joint that is
     /// gone: what follows it stays.
     pub fn advance(&mut self, joints: &Joints, at_once: bool) -> (bool, Result<(), SkinProblem>) {
         let outcome = joints.look(&self.skeleton, &mut self.now);
