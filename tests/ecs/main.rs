@@ -17,6 +17,7 @@ mod events;
 mod execution;
 mod fabrics;
 mod fields;
+mod frames;
 mod grab;
 mod hung;
 mod intake;

@@ -1,0 +1,205 @@
+//! What a game moves in `Update`, once a frame, at frame rates that are no multiple of the ticks'.
+//!
+//! Truths: what hangs on, or lies on, what goes evenly is at rest beside it; what is carried along by a teleport keeps its shape, whatever
+//! is around it and comes along; a pin's place in its anchor's frame is the one at which it was spawned.
+
+use crate::support::app::*;
+use bevy::{prelude::*, time::TimeUpdateStrategy};
+use bevy_drape::{ClothSleepThreshold, prelude::*};
+use core::{
+    f32::consts::{FRAC_PI_2, PI},
+    time::Duration,
+};
+
+const RATES: [u32; 5] = [30, 60, 75, 144, 240];
+
+/// Moved evenly, by this much in a second.
+#[derive(Component)]
+struct Goes(Vec3);
+
+fn go(mut going: Query<(&mut Transform, &Goes)>, time: Res<Time>) {
+    for (mut transform, goes) in &mut going {
+        transform.translation += goes.0 * time.delta_secs();
+    }
+}
+
+fn app_of_frames(rate: u32) -> App {
+    let mut app = app();
+    app.add_systems(Update, go);
+    set_frame(&mut app, Duration::from_secs_f64(1.0 / f64::from(rate)));
+    app
+}
+
+fn seconds(app: &mut App, rate: u32, seconds: u32) {
+    updates(app, (rate * seconds) as usize);
+}
+
+/// Fastest particle beside a velocity \[m/s\].
+fn fastest_beside(app: &App, cloth: Entity, velocity: Vec3) -> f32 {
+    let cloth = simulation(app, cloth);
+    let speeds = (0..cloth.particle_count())
+        .map(|particle| cloth.velocity(particle).map_or(f32::NAN, |its| its.distance(velocity)));
+    speeds.fold(0.0, f32::max)
+}
+
+#[test]
+fn a_curtain_hangs_still_from_what_goes_evenly_at_any_frame_rate() {
+    for rate in RATES {
+        let mut app = app_of_frames(rate);
+        let goes = Vec3::new(2.0, 0.0, 0.5);
+        let hand = spawn(&mut app, (Transform::from_xyz(0.0, 2.0, 0.0), Goes(goes)));
+        let upright = Quat::from_rotation_x(FRAC_PI_2);
+        let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hand);
+        let material = ClothMaterial { drag: 4.0, ..default() };
+        let place = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(upright);
+        let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(16));
+        let cloth = spawn(&mut app, (cloth, pins, material, place));
+        seconds(&mut app, rate, 6);
+        let mut fastest = 0.0_f32;
+        for _ in 0..rate {
+            app.update();
+            fastest = fastest.max(fastest_beside(&app, cloth, goes));
+        }
+        println!("{rate} frames a second: {fastest} m/s");
+        assert!(fastest < 0.02, "{rate} frames a second: {fastest} m/s beside the hand");
+    }
+}
+
+#[test]
+fn a_cloth_lies_still_on_what_goes_evenly_at_any_frame_rate() {
+    for rate in RATES {
+        let mut app = app_of_frames(rate);
+        let plank = Transform::from_xyz(0.0, -0.1, 0.0);
+        let solid = SdfCollider::from(Cuboid::new(4.0, 0.2, 4.0));
+        let plank = spawn(&mut app, (plank, solid, Goes(2.0 * Vec3::X)));
+        let cloth = spawn(&mut app, (sheet(), Transform::from_xyz(-1.0, 0.02, 0.0)));
+        let on_plank = |app: &App| {
+            let place = app.world().get::<Transform>(plank).unwrap().translation;
+            simulation(app, cloth).positions().sum::<Vec3>() / 64.0 - place
+        };
+        seconds(&mut app, rate, 2);
+        let before = on_plank(&app);
+        seconds(&mut app, rate, 4);
+        let slid = on_plank(&app).distance(before);
+        println!("{rate} frames a second: {slid} m");
+        assert!(slid < 0.01, "{rate} frames a second: it has slid by {slid} m in 4 s");
+    }
+}
+
+/// A cape on the back of a hero with a body and arms.
+fn hero(app: &mut App) -> (Entity, Entity) {
+    let hero = spawn(app, Transform::default());
+    for (x, from, to, radius) in
+        [(0.0, 0.1, 1.35, 0.16), (-0.32, 0.7, 1.3, 0.06), (0.32, 0.7, 1.3, 0.06)]
+    {
+        let ends = [from, to].map(|y| Vec3::new(x, y, 0.0));
+        spawn(app, (ChildOf(hero), SdfCollider::capsule_between(ends[0], ends[1], radius)));
+    }
+    let back = Transform::from_xyz(0.0, 0.95, 0.19).with_rotation(Quat::from_rotation_x(FRAC_PI_2));
+    let cloth = Cloth::sheet(Vec2::new(0.6, 1.0), UVec2::new(10, 16));
+    let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hero);
+    let cape = spawn(app, (cloth, pins, ClothSleepThreshold::NEVER, back));
+    (hero, cape)
+}
+
+/// How far the cape is at most, within a second, from where a jump carries it \[m\]. The jump is in a frame with so many ticks.
+fn off_after(rate: u32, ticks: u64, to: Transform, is_asked: bool) -> f32 {
+    let mut app = app_of_frames(rate);
+    let (hero, cape) = hero(&mut app);
+    seconds(&mut app, rate, 4);
+    let frame = Duration::from_secs_f64(1.0 / f64::from(rate));
+    let ticks_to_come = |app: &App| {
+        let left = app.world().resource::<Time<Fixed>>().overstep();
+        (left + frame).as_nanos() / TICK.as_nanos()
+    };
+    while ticks_to_come(&app) != u128::from(ticks) {
+        app.update();
+    }
+    let (before, since) = (positions(&app, cape), simulation(&app, cape).tick_count());
+    *transform(&mut app, hero) = to;
+    if is_asked {
+        app.world_mut().trigger(TeleportCloth { entity: cape });
+    }
+    app.update();
+    assert_eq!(simulation(&app, cape).tick_count() - since, ticks);
+    let mut most = 0.0_f32;
+    for _ in 0..rate {
+        let carried = before.iter().map(|place| to.transform_point(*place));
+        let all = positions(&app, cape).into_iter().zip(carried);
+        most = all.map(|(is, was)| is.distance(was)).fold(most, f32::max);
+        app.update();
+    }
+    most
+}
+
+#[test]
+fn what_comes_along_with_a_teleport_sweeps_through_no_cloth() {
+    let back = |way: f32| Transform::from_xyz(0.0, 0.0, -way);
+    let turned = Transform::from_rotation(Quat::from_rotation_y(PI));
+    let cases = [
+        ("half a metre, asked for", back(0.5), true),
+        ("1.5 m, asked for", back(1.5), true),
+        ("9 m, asked for", back(9.0), true),
+        ("9 m", back(9.0), false),
+        ("15 m", back(15.0), false),
+        ("a half turn", turned, false),
+    ];
+    for (name, to, is_asked) in cases {
+        for (rate, ticks) in [(60, 1), (60, 2), (30, 2), (30, 3)] {
+            let off = off_after(rate, ticks, to, is_asked);
+            assert!(off < 2e-3, "{name}, {ticks} ticks in a frame of 1/{rate} s: {off} m off");
+        }
+    }
+}
+
+/// Where the first corner of a cape is drawn beside its hero, who has gone on meanwhile \[m\].
+fn corner_beside(app: &App, cape: Entity, hero: Entity) -> Vec3 {
+    drawn_positions(app, cape)[0] - app.world().get::<Transform>(hero).unwrap().translation
+}
+
+#[test]
+fn a_cape_that_is_put_on_in_a_run_is_where_it_was_put_on() {
+    for rate in RATES {
+        for frames_before in 0..4 {
+            let mut app = app_of_frames(rate);
+            let hero = spawn(&mut app, (Transform::default(), Goes(6.0 * Vec3::X)));
+            let put_on = move |heroes: Query<&Transform, With<Goes>>, mut commands: Commands| {
+                let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hero);
+                commands.spawn((sheet(), pins, *heroes.get(hero).unwrap()));
+            };
+            let is_time = move |mut frames: Local<u32>| {
+                *frames += 1;
+                *frames == 10 + frames_before
+            };
+            app.add_systems(Update, put_on.after(go).run_if(is_time));
+            updates(&mut app, (10 + frames_before) as usize);
+            let mut capes = app.world_mut().query_filtered::<Entity, With<Cloth>>();
+            let cape = capes.single(app.world()).unwrap();
+            for _ in 0..rate {
+                let corner = corner_beside(&app, cape, hero);
+                let off = corner.distance(Vec3::new(-0.5, 0.0, -0.5));
+                assert!(off < 1e-3, "{rate} frames a second: the collar is off by {off} m");
+                app.update();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cape_that_is_put_on_in_a_pause_goes_along_in_the_pause() {
+    let mut app = app();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    let hero = spawn(&mut app, Transform::default());
+    let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hero);
+    let cape = spawn(&mut app, (sheet(), pins));
+    updates(&mut app, 2);
+    let corner = corner_beside(&app, cape, hero);
+    for way in [1.0, 3.0, 30.0] {
+        transform(&mut app, hero).translation.x = way;
+        updates(&mut app, 3);
+    }
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    updates(&mut app, 20);
+    let off = corner_beside(&app, cape, hero).distance(corner);
+    assert!(off < 1e-4, "the collar is off by {off} m");
+}
