@@ -82,7 +82,8 @@
 //! - **Frames do not matter** to what is moved in the fixed schedule: every frame rate gives the same bits
 //!   (`tests/ecs/pins`, `what_moves_in_the_fixed_schedule_does_not_depend_on_the_frame_rate`; of soft pins
 //!   `tests/ecs/anchors`, `what_moves_in_ticks_holds_soft_pins_alike_at_every_frame_rate`). What is moved once
-//!   a frame is spread over the frame's ticks, and does depend on them.
+//!   a frame is taken where it was at each tick's time, a frame late: its bits do depend on the frames, but what moves evenly moves
+//!   evenly in every tick (`tests/ecs/frames`).
 //!
 //! # Limits
 //!

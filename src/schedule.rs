@@ -8,7 +8,7 @@ use bevy::prelude::*;
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ClothSystems {
     /// Before the fixed loop of each frame: where anchors and colliders are is noted, so that what
-    /// moves once a frame can be spread over its ticks. After all of `BeforeFixedMainLoop`.
+    /// moves once a frame can be taken where it was at each tick's time. After all of `BeforeFixedMainLoop`.
     TrackPoses,
     /// Components become running cloths, and changed components change them.
     Setup,

@@ -11,10 +11,10 @@ use crate::solver::ParameterError;
 ///
 /// The cloth's own entity leads it, or the first anchor where only anchors hold it. Whatever else holds the
 /// cloth has to jump with it. The cloth keeps its shape and its motion, turned with what leads it.
-/// Colliders that jump in the same tick do not sweep through it. See [`TeleportCloth`] for shorter jumps.
+/// Colliders that come along, however far, do not sweep through it. See [`TeleportCloth`] for shorter jumps.
 ///
 /// For an entity moved once a frame, the whole frame's motion is tested: `distance` is multiplied by the
-/// frame's ticks (1 to 4), `angle` is not.
+/// frame's ticks (1 to 4), `angle` is not. A jump of 2 to 8 m may be a motion in a long frame: trigger [`TeleportCloth`] where it is none.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]

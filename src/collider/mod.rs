@@ -32,7 +32,7 @@ const JUMP: f32 = 10.0;
 /// that is not from 1e-6 to 1e7 m, or a field that will not come is refused with a
 /// [`ClothError`](crate::ClothError), and the collider is ignored until that is fixed. May be moved in the
 /// fixed schedule or once a frame, and changed at any time. A collider that moves more than 10 m in a tick
-/// counts as teleported: it sweeps nothing on its way.
+/// counts as teleported: it sweeps nothing on its way. Neither does one that comes along with a cloth that is teleported, however far.
 ///
 /// ```
 /// # use bevy::prelude::*;

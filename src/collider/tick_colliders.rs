@@ -15,7 +15,7 @@ use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::pose::frames::FrameTicks;
-use crate::pose::{OwnScale, PoseTrack, comes_along, pose_now_scaled, to_world};
+use crate::pose::{OwnScale, Placed, PoseTrack, comes_along, pose_now_scaled, to_world};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose, RigidMotion};
 
@@ -210,6 +210,12 @@ impl Moves<'_, '_> {
         }
     }
 
+    /// The topmost ancestor of an entity that has any.
+    fn root_of(&self, entity: Entity) -> Option<Entity> {
+        let above = |it: Entity| self.places.get(it).ok()?.1.map(|parent| parent.parent());
+        core::iter::successors(above(entity), |it| above(*it)).last()
+    }
+
     /// Whether this entity or an ancestor was changed.
     pub(crate) fn moved(&self, entity: Entity) -> bool {
         let mut at = entity;
@@ -247,7 +253,8 @@ pub(crate) fn note_colliders(
             && let Ok(now) = pose_now_scaled(transforms, entity, scale)
         {
             let before = moving.seen();
-            moving.begin_frame(now, ticks);
+            let root = if has_parent { moves.root_of(entity) } else { None };
+            moving.begin_frame(Placed::below(entity, now, root, transforms), ticks);
             let came_along = jumps.iter().any(|jump| comes_along(jump, &before, &now));
             if came_along || has_jumped(&before, &now, ticks.count) {
                 moving.at_once();
@@ -283,7 +290,9 @@ pub(crate) fn gather_colliders(
             continue;
         }
         (pose.measured, pose.disabled) = (measured, disabled);
-        let gathered = match gather(entity, &collider, scale, &mut pose, &transforms, &fields) {
+        let root = if has_parent { moves.root_of(entity) } else { None };
+        let place = (entity, root, scale);
+        let gathered = match gather(place, &collider, &mut pose, &transforms, &fields) {
             Ok(gathered) => {
                 failures.clear(entity, Blame::Component(ClothComponent::SdfCollider));
                 failures.clear(entity, Blame::Pose);
@@ -306,9 +315,8 @@ pub(crate) fn gather_colliders(
 }
 
 fn gather(
-    entity: Entity,
+    (entity, root, scale): (Entity, Option<Entity>, Option<&OwnScale>),
     collider: &SdfCollider,
-    scale: Option<&OwnScale>,
     pose: &mut ColliderPose,
     transforms: &TransformHelper,
     fields: &FieldSource,
@@ -317,8 +325,9 @@ fn gather(
     let component = ClothComponent::SdfCollider;
     collider.check().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
     let now = pose_now_scaled(transforms, entity, scale)?;
-    let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
-    track.advance(now);
+    let seen = Placed::below(entity, now, root, transforms);
+    let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(seen)));
+    track.advance(seen);
     let (start, end) = (track.start(), track.end());
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.

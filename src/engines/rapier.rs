@@ -22,7 +22,7 @@ mod read;
 /// [`all`](Self::all).
 ///
 /// Add it beside [`ClothPlugin`](crate::ClothPlugin) and `RapierPhysicsPlugin`. By default Rapier moves bodies once a frame,
-/// which is then spread over the frame's ticks, and depends on the frames. With `in_fixed_schedule` it moves them each tick,
+/// which ticks see a frame late, and which depends on the frames. With `in_fixed_schedule` it moves them each tick,
 /// before cloths are stepped.
 ///
 /// ```

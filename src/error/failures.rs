@@ -195,7 +195,7 @@ impl ClothErrorKind {
         match self {
             Self::Mesh(MeshProblem::Skinned | MeshProblem::Missing)
             | Self::ColliderMesh(MeshProblem::Missing) => Blame::Unseen,
-            Self::Pin { problem: PinProblem::AnchorScale(_), .. }
+            Self::Pin { problem: PinProblem::AnchorScale { .. }, .. }
             | Self::Scale(_)
             // Its entity is too far away.
             | Self::Solver(SolverError::NonFinite { .. })

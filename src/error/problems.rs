@@ -135,7 +135,7 @@ pub enum ScaleProblem {
     NotPositive(Vec3),
     /// Axes are scaled differently.
     #[error(
-        "its scale (with its parents') is {0}, but must be the same along all axes; put the uneven scale into the mesh or the size"
+        "its scale (with its parents') is {0}, but must be the same along all axes; put the uneven scale into the mesh or the size, and normalize rotations"
     )]
     Uneven(Vec3),
     /// It is turned below a parent that scales axes differently.
@@ -214,11 +214,14 @@ pub enum PinProblem {
     /// The anchor does not exist, or has no `Transform`.
     #[error("its anchor {0} is not there or has no Transform; its particles are released")]
     NoAnchor(Entity),
-    /// The anchor is scaled differently along its axes.
-    #[error(
-        "its anchor {0} has a scale that is not uniform and positive; anchor to an entity of uniform scale, and put the uneven scale on a child that has the mesh"
-    )]
-    AnchorScale(Entity),
+    /// The anchor is where nothing can be, or is not scaled alike along its axes.
+    #[error("of its anchor {anchor}: {problem}; or anchor to another entity")]
+    AnchorScale {
+        /// The anchor.
+        anchor: Entity,
+        /// What is wrong with its transform.
+        problem: ScaleProblem,
+    },
     /// A number of a soft pin is out of its range.
     #[error("{0}; change its `hold`")]
     Hold(ParameterError),

@@ -2,10 +2,12 @@
 //!
 //! The pose of an entity moved in the fixed schedule is taken as it is. An entity moved once a frame (after
 //! the fixed loop, as by an animation) would stand still through a frame's first tick and jump in the
-//! next: it is taken where it was at each tick's time, a frame late ([`frames`]).
+//! next: it is taken where it was at each tick's time, a frame late ([`frames`]). So is what an animation moves on a character
+//! that is moved in the fixed schedule ([`root`]).
 
 pub(crate) mod bindposes;
 pub(crate) mod frames;
+pub(crate) mod root;
 pub(crate) mod skeleton;
 
 use bevy::prelude::*;
@@ -13,7 +15,9 @@ use bevy::prelude::*;
 use crate::error::ClothErrorKind;
 use crate::error::problems::ScaleProblem;
 use crate::pose::frames::FrameTicks;
-use crate::solver::{Pose, RigidMotion};
+use crate::pose::root::{Root, RootTrack};
+pub(crate) use crate::solver::Pose;
+use crate::solver::RigidMotion;
 
 /// A pose from tick to tick: where something is at a tick's start and at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,21 +37,26 @@ pub(crate) struct PoseTrack {
     ticks: FrameTicks,
     /// Ticks that the frame has run.
     done: u32,
-    /// The last tick moved it.
+    /// The last tick moved it, beside its root.
     by_ticks: bool,
+    /// The topmost of its ancestors, or itself.
+    root: RootTrack,
 }
 
 impl PoseTrack {
     /// Something newly seen: it has not moved.
-    pub fn new(now: Pose) -> Self {
+    pub fn new(Placed { pose: now, root }: Placed) -> Self {
         let ticks = FrameTicks::default();
         let (start, end, seen, noted, before) = (now, now, now, now, now);
-        Self { start, end, seen, noted, before, ticks, done: 0, by_ticks: false }
+        let root = RootTrack::new(root);
+        Self { start, end, seen, noted, before, ticks, done: 0, by_ticks: false, root }
     }
 
     /// Notes the pose before the ticks of a frame.
-    pub fn begin_frame(&mut self, now: Pose, ticks: FrameTicks) {
-        (self.before, self.noted, self.seen) = (self.seen, now, now);
+    pub fn begin_frame(&mut self, Placed { pose: now, root }: Placed, ticks: FrameTicks) {
+        let carried = self.root.begin_frame(root);
+        self.before = carried.map_or(self.seen, |motion| motion.apply_to_pose(&self.seen));
+        (self.noted, self.seen) = (now, now);
         (self.ticks, self.done) = (ticks, 0);
     }
 
@@ -58,9 +67,10 @@ impl PoseTrack {
 
     /// Whether it could be that of anything.
     pub fn is_sound(&self) -> bool {
-        let Self { start, end, seen, noted, before, ticks, done, by_ticks: _ } = self;
+        let Self { start, end, seen, noted, before, ticks, done, by_ticks: _, root } = self;
         let all = [start, end, seen, noted, before];
-        all.into_iter().all(Pose::is_valid) && ticks.is_sound() && *done <= u32::MAX / 2
+        let are_valid = all.into_iter().all(Pose::is_valid) && root.is_sound();
+        are_valid && ticks.is_sound() && *done <= u32::MAX / 2
     }
 
     /// The pose at the last tick's start.
@@ -97,17 +107,62 @@ impl PoseTrack {
     }
 
     /// Goes on by a tick.
-    pub fn advance(&mut self, now: Pose) {
+    pub fn advance(&mut self, Placed { pose: now, root }: Placed) {
         self.start = self.end;
         self.seen = now;
         self.done += 1;
+        let moved = self.root.advance(root);
+        let with_root = |pose: &Pose| moved.map_or(*pose, |motion| motion.apply_to_pose(pose));
+        let by_ticks = match moved {
+            None => now != self.noted,
+            Some(_) => !is_near(&now, &with_root(&self.noted)),
+        };
         // What ticks move is shown elsewhere between them, and may by chance be shown where it is put back.
-        let by_ticks = now != self.noted;
-        let by_frame = !by_ticks && !self.by_ticks && now != self.before;
+        let by_frame = !by_ticks && !self.by_ticks && !is_near(&self.before, &self.noted);
         let part = self.ticks.part(self.done).filter(|_| by_frame);
-        self.end = part.map_or(now, |part| on_the_way(&self.before, &now, part));
+        let on_the_way = |part| with_root(&on_the_way(&self.before, &self.noted, part));
+        self.end = part.map_or(now, on_the_way);
         self.by_ticks = by_ticks;
     }
+}
+
+/// An entity's pose, and its root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub pose: Pose,
+    pub root: Root,
+}
+
+impl Placed {
+    /// An entity without ancestors.
+    pub fn alone(entity: Entity, pose: Pose) -> Self {
+        Self { pose, root: Root { entity, pose } }
+    }
+
+    /// An entity, and its topmost ancestor, if it has any.
+    pub fn below(
+        entity: Entity,
+        pose: Pose,
+        root: Option<Entity>,
+        transforms: &TransformHelper,
+    ) -> Self {
+        let Some(root) = root else { return Self::alone(entity, pose) };
+        // One that cannot be used moves nothing.
+        let its = pose_now(transforms, root).unwrap_or(Pose::IDENTITY);
+        Self { pose, root: Root { entity: root, pose: its } }
+    }
+}
+
+/// How far two poses are from each other: a turn by a radian counts as a metre.
+fn distance_of(one: &Pose, other: &Pose) -> f32 {
+    let same = if one.rotation.dot(other.rotation) < 0.0 { -1.0 } else { 1.0 };
+    let turn = 2.0 * (one.rotation - other.rotation * same).length();
+    one.translation.distance(other.translation) + turn + (one.scale - other.scale).abs()
+}
+
+/// Whether two poses are the same but for rounding.
+fn is_near(one: &Pose, other: &Pose) -> bool {
+    one == other || distance_of(one, other) < 1e-5 + 1e-6 * other.translation.length()
 }
 
 /// Why a transform is no [`Pose`].
@@ -185,11 +240,7 @@ fn on_the_way(from: &Pose, to: &Pose, part: f32) -> Pose {
 
 /// Whether what went from one pose to another came along with a jump, rather than going its own way.
 pub(crate) fn comes_along(jump: &RigidMotion, from: &Pose, to: &Pose) -> bool {
-    // A turn by a radian counts as a metre.
-    let apart = |pose: &Pose| {
-        pose.translation.distance(to.translation) + pose.rotation.angle_between(to.rotation)
-    };
-    from != to && apart(&jump.apply_to_pose(from)) < 0.5 * apart(from)
+    from != to && distance_of(&jump.apply_to_pose(from), to) < 0.5 * distance_of(from, to)
 }
 
 /// A point of the pose's own frame, in the world.
@@ -223,9 +274,13 @@ mod tests {
         Pose { translation: Vec3::X * x, rotation: Quat::IDENTITY, scale: 1.0 }
     }
 
+    fn alone(x: f32) -> Placed {
+        Placed::alone(Entity::PLACEHOLDER, at(x))
+    }
+
     fn ways(pose: &mut PoseTrack, now: &[f32]) -> Vec<(f32, f32)> {
         let way = |x: &f32| {
-            pose.advance(at(*x));
+            pose.advance(alone(*x));
             (pose.start().translation.x, pose.end().translation.x)
         };
         now.iter().map(way).collect()
@@ -239,64 +294,89 @@ mod tests {
 
     #[test]
     fn new_things_have_not_moved() {
-        let mut pose = PoseTrack::new(at(3.0));
+        let mut pose = PoseTrack::new(alone(3.0));
         assert_eq!(ways(&mut pose, &[3.0, 3.0]), [(3.0, 3.0), (3.0, 3.0)]);
     }
 
     #[test]
     fn a_move_once_a_frame_is_spread_over_its_ticks() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(4.0), ticks(4));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.begin_frame(alone(4.0), ticks(4));
         let expected = [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)];
         assert_eq!(ways(&mut pose, &[4.0; 4]), expected);
-        pose.begin_frame(at(4.0), ticks(1));
+        pose.begin_frame(alone(4.0), ticks(1));
         assert_eq!(ways(&mut pose, &[4.0]), [(4.0, 4.0)]);
     }
 
     #[test]
     fn frames_without_ticks_are_on_the_way() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(1.0), ticks(0));
-        pose.begin_frame(at(2.0), ticks(0));
-        pose.begin_frame(at(4.0), ticks(2));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.begin_frame(alone(1.0), ticks(0));
+        pose.begin_frame(alone(2.0), ticks(0));
+        pose.begin_frame(alone(4.0), ticks(2));
         assert_eq!(ways(&mut pose, &[4.0; 2]), [(0.0, 3.0), (3.0, 4.0)]);
     }
 
     #[test]
     fn moves_in_the_fixed_schedule_are_taken_as_they_are() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(0.0), ticks(3));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.begin_frame(alone(0.0), ticks(3));
         assert_eq!(ways(&mut pose, &[1.0, 1.5, 7.0]), [(0.0, 1.0), (1.0, 1.5), (1.5, 7.0)]);
         // It is not what the next frame has done.
-        pose.begin_frame(at(7.0), ticks(2));
+        pose.begin_frame(alone(7.0), ticks(2));
         assert_eq!(ways(&mut pose, &[7.0, 7.0]), [(7.0, 7.0); 2]);
     }
 
     /// An engine that shows its bodies between two ticks puts them back before the next.
     #[test]
     fn what_is_put_back_in_the_tick_is_taken_as_it_is() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.advance(at(1.0));
-        pose.begin_frame(at(0.4), ticks(2));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.advance(alone(1.0));
+        pose.begin_frame(alone(0.4), ticks(2));
         assert_eq!(ways(&mut pose, &[2.0, 3.0]), [(1.0, 2.0), (2.0, 3.0)]);
         // It stops, and is shown where it is by then.
-        pose.begin_frame(at(2.5), ticks(0));
-        pose.begin_frame(at(3.0), ticks(2));
+        pose.begin_frame(alone(2.5), ticks(0));
+        pose.begin_frame(alone(3.0), ticks(2));
         assert_eq!(ways(&mut pose, &[3.0, 3.0]), [(3.0, 3.0); 2]);
+    }
+
+    /// A joint of a character: frames move it beside the character, which ticks move, and which is shown elsewhere between them.
+    #[test]
+    fn what_frames_move_on_what_ticks_move_is_on_its_way_there() {
+        let joint = |beside: f32, x: f32| {
+            let root = Root { entity: Entity::PLACEHOLDER, pose: at(x) };
+            Placed { pose: at(x + beside), root }
+        };
+        let mut pose = PoseTrack::new(joint(0.0, 0.0));
+        pose.advance(joint(0.0, 10.0));
+        assert_eq!(pose.end(), at(10.0));
+        pose.begin_frame(joint(4.0, 9.0), ticks(4));
+        let mut ways = [20.0, 30.0, 40.0, 50.0].map(|root| {
+            pose.advance(joint(4.0, root));
+            pose.end().translation.x
+        });
+        assert_eq!(ways, [21.0, 32.0, 43.0, 54.0]);
+        pose.begin_frame(joint(4.0, 48.0), ticks(2));
+        ways[0] = 54.0;
+        for (i, root) in [60.0, 60.0].into_iter().enumerate() {
+            pose.advance(joint(4.0, root));
+            ways[i] = pose.end().translation.x;
+        }
+        assert_eq!(ways[..2], [64.0, 64.0]);
     }
 
     #[test]
     fn what_jumps_is_there_at_once() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(9.0), ticks(3));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.begin_frame(alone(9.0), ticks(3));
         pose.at_once();
         assert_eq!(ways(&mut pose, &[9.0; 2]), [(0.0, 9.0), (9.0, 9.0)]);
     }
 
     #[test]
     fn more_ticks_than_expected_do_not_overshoot() {
-        let mut pose = PoseTrack::new(at(0.0));
-        pose.begin_frame(at(2.0), ticks(2));
+        let mut pose = PoseTrack::new(alone(0.0));
+        pose.begin_frame(alone(2.0), ticks(2));
         assert_eq!(ways(&mut pose, &[2.0; 3]), [(0.0, 1.0), (1.0, 2.0), (2.0, 2.0)]);
     }
 

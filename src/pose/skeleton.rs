@@ -5,6 +5,10 @@ use bevy::math::Affine3A;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
+use crate::pose::pose_of;
+use crate::pose::root::Root;
+use crate::solver::Pose;
+
 /// The joints of a skinned mesh, in its order.
 #[derive(Clone, Debug)]
 pub(crate) struct Skeleton {
@@ -60,6 +64,20 @@ impl Joints<'_, '_> {
                 .collect(),
             order: order.into_iter().map(with_parent).collect(),
         }
+    }
+
+    /// The topmost ancestor of an entity that has any.
+    pub fn root_of(&self, entity: Entity) -> Option<Entity> {
+        let above = |it: Entity| self.places.get(it).ok()?.1.map(ChildOf::parent);
+        core::iter::successors(above(entity), |it| above(*it)).last()
+    }
+
+    /// The root of an entity, as far as its pose can be used.
+    pub fn root(&self, entity: Entity) -> Root {
+        let entity = self.root_of(entity).unwrap_or(entity);
+        let transform = self.places.get(entity).map_or(Transform::IDENTITY, |(place, _)| *place);
+        let pose = pose_of(&GlobalTransform::from(transform)).unwrap_or(Pose::IDENTITY);
+        Root { entity, pose }
     }
 
     /// Looks where all joints are.

@@ -11,31 +11,35 @@ use crate::error::problems::PinProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::pose::frames::FrameTicks;
 use crate::pose::skeleton::Joints;
-use crate::pose::{PoseError, pose_now};
+use crate::pose::{Placed, PoseError, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::holding::hold;
 use crate::simulation::reference_frame::ReferenceFrame;
 use crate::solver::RigidMotion;
 
-/// Notes where all anchors are before a frame's ticks. Tells how what leads the cloth has jumped, if it has.
+/// Notes where all anchors are before a frame's ticks; `at_once` where the cloth has not been with them. Tells how what leads the cloth has
+/// jumped, if it has.
 pub(crate) fn note_anchors(
     attachments: &mut Attachments,
     frame: &ReferenceFrame,
-    transforms: &TransformHelper,
+    (transforms, joints): (&TransformHelper, &Joints),
     ticks: FrameTicks,
+    at_once: bool,
 ) -> Option<RigidMotion> {
     let reference = attachments.reference();
     let mut jump = None;
     for (i, anchor) in attachments.anchors.iter_mut().enumerate() {
         let Ok(now) = pose_now(transforms, anchor.entity) else { continue };
         let before = anchor.pose.seen();
-        anchor.pose.begin_frame(now, ticks);
-        if frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks.count) {
+        let root = joints.root_of(anchor.entity);
+        anchor.pose.begin_frame(Placed::below(anchor.entity, now, root, transforms), ticks);
+        let jumps = frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks.count);
+        if jumps || at_once {
             anchor.pose.at_once();
-            if reference == Some(i) {
-                jump = Some(RigidMotion::between(&before, &now));
-            }
+        }
+        if jumps && reference == Some(i) {
+            jump = Some(RigidMotion::between(&before, &now));
         }
     }
     jump
@@ -77,7 +81,7 @@ pub(crate) fn gather_pins(
                 failures.tell(entity, Blame::Joints, outcome.map_err(ClothErrorKind::Skin));
             }
         }
-        match advance_anchors(&mut cloth.held.attachments, &transforms, at_once) {
+        match advance_anchors(&mut cloth.held.attachments, (&transforms, &joints), at_once) {
             None if cloth.held.attachments.awaited.is_some() => {}
             None => failures.clear(entity, Blame::Pose),
             // It is told of as a joint.
@@ -93,7 +97,7 @@ pub(crate) fn gather_pins(
             Some((anchor, error)) => {
                 let pin = pin_held_by(&cloth.in_force.pins, entity, anchor);
                 let problem = match error {
-                    PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
+                    PoseError::Scale(problem) => PinProblem::AnchorScale { anchor, problem },
                     PoseError::Missing => PinProblem::NoAnchor(anchor),
                 };
                 failures.report(entity, ClothErrorKind::Pin { pin, problem });
@@ -184,7 +188,7 @@ fn holds_nothing(attachments: &Attachments, anchor: Entity) -> bool {
 /// first.
 fn advance_anchors(
     attachments: &mut Attachments,
-    transforms: &TransformHelper,
+    (transforms, joints): (&TransformHelper, &Joints),
     at_once: bool,
 ) -> Option<(Entity, PoseError)> {
     let mut problem = None;
@@ -193,7 +197,10 @@ fn advance_anchors(
         if at_once {
             anchor.pose.at_once();
         }
-        anchor.pose.advance(now.unwrap_or(anchor.pose.end()));
+        let root = joints.root_of(anchor.entity);
+        let pose = now.unwrap_or(anchor.pose.end());
+        let seen = Placed::below(anchor.entity, pose, root, transforms);
+        anchor.pose.advance(seen);
         if let Err(error) = now
             && (problem.is_none() || error == PoseError::Missing)
         {

@@ -7,7 +7,7 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::PinHold;
-use crate::pose::{PoseTrack, to_local, to_world};
+use crate::pose::{Placed, PoseTrack, to_local, to_world};
 use crate::solver::{Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.
@@ -32,7 +32,7 @@ impl Anchor {
             rotation: (now.rotation.inverse() * cloth.rotation).normalize(),
             scale: 1.0,
         };
-        Self { entity, pose: PoseTrack::new(now), cloth, holds: 0, pulls: 0 }
+        Self { entity, pose: PoseTrack::new(Placed::alone(entity, now)), cloth, holds: 0, pulls: 0 }
     }
 
     /// Where the cloth is to be at rest, now that the anchor is where the tick ends.

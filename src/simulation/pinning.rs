@@ -6,7 +6,7 @@ use crate::cloth::pins::{ClothPins, Pin, PinHold};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
-use crate::pose::{PoseError, PoseTrack, pose_now, to_local};
+use crate::pose::{Placed, PoseError, PoseTrack, pose_now, to_local};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attached, Attachments};
 use crate::simulation::holding::hold;
@@ -106,7 +106,7 @@ fn attach(
         shares[*pin] += 1;
     }
     let awaited = match problem {
-        Some((_, PinProblem::AnchorScale(anchor))) => Some(anchor),
+        Some((_, PinProblem::AnchorScale { anchor, .. })) => Some(anchor),
         _ => None,
     };
     let mut out = Attachments { own_entity: Some(entity), leader, awaited, ..default() };
@@ -159,13 +159,14 @@ fn anchor(
     }
     let own = pose_now(transforms, entity).unwrap_or(cloth.in_force.placed);
     let now = anchor_now(anchor, transforms).ok()?;
-    let pose = PoseTrack::new(cloth.before_it_was_culled(now, transforms));
+    let before = cloth.before_it_was_culled(now, transforms);
+    let pose = PoseTrack::new(Placed::alone(anchor, before));
     Some(Anchor { pose, ..Anchor::new(anchor, now, &own) })
 }
 
 fn anchor_now(anchor: Entity, transforms: &TransformHelper) -> Result<Pose, PinProblem> {
     pose_now(transforms, anchor).map_err(|error| match error {
         PoseError::Missing => PinProblem::NoAnchor(anchor),
-        PoseError::Scale(_) => PinProblem::AnchorScale(anchor),
+        PoseError::Scale(problem) => PinProblem::AnchorScale { anchor, problem },
     })
 }

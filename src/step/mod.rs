@@ -121,10 +121,12 @@ pub(crate) fn note_poses(
         if cloth.is_culled() {
             continue;
         }
-        let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
-        let jump = note_anchors(&mut held.attachments, frame, &transforms, ticks);
+        let ClothSimulation { held, skin, frame, culling, .. } = &mut *cloth;
+        let (seen, at_once) = ((&transforms, &joints), culling.returns);
+        let jump = note_anchors(&mut held.attachments, frame, seen, ticks, at_once);
         if let Some(skin) = skin {
-            skin.begin_frame(&joints, ticks, frame.teleport_asked || jump.is_some());
+            let at_once = at_once || frame.teleport_asked || jump.is_some();
+            skin.begin_frame(&joints, ticks, at_once);
         }
         jumps.extend(jump);
     }

@@ -4,7 +4,11 @@
 //! is around it and comes along; a pin's place in its anchor's frame is the one at which it was spawned.
 
 use crate::support::app::*;
-use bevy::{prelude::*, time::TimeUpdateStrategy};
+use bevy::{
+    app::{RunFixedMainLoop, RunFixedMainLoopSystems},
+    prelude::*,
+    time::TimeUpdateStrategy,
+};
 use bevy_drape::{ClothSleepThreshold, prelude::*};
 use core::{
     f32::consts::{FRAC_PI_2, PI},
@@ -83,6 +87,65 @@ fn a_cloth_lies_still_on_what_goes_evenly_at_any_frame_rate() {
         let slid = on_plank(&app).distance(before);
         println!("{rate} frames a second: {slid} m");
         assert!(slid < 0.01, "{rate} frames a second: it has slid by {slid} m in 4 s");
+    }
+}
+
+/// How a character is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Walk {
+    /// In its ticks.
+    Ticks,
+    /// In its ticks, and shown between the last two of them, as engines do.
+    Shown,
+}
+
+/// Where a character is by its last two ticks.
+#[derive(Component, Default)]
+struct Body([Vec3; 2]);
+
+fn walk(mut bodies: Query<(&mut Body, &mut Transform)>, time: Res<Time>) {
+    for (mut body, mut transform) in &mut bodies {
+        let next = body.0[1] + 3.0 * Vec3::X * time.delta_secs();
+        body.0 = [body.0[1], next];
+        transform.translation = next;
+    }
+}
+
+fn show(mut bodies: Query<(&Body, &mut Transform)>, time: Res<Time<Fixed>>) {
+    for (body, mut transform) in &mut bodies {
+        transform.translation = body.0[0].lerp(body.0[1], time.overstep_fraction());
+    }
+}
+
+#[test]
+fn a_curtain_hangs_still_from_what_frames_move_on_what_ticks_move() {
+    for how in [Walk::Ticks, Walk::Shown] {
+        for rate in RATES {
+            let mut app = app_of_frames(rate);
+            app.add_systems(FixedUpdate, walk);
+            if how == Walk::Shown {
+                let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
+                app.add_systems(RunFixedMainLoop, show.in_set(after));
+            }
+            let character = spawn(&mut app, (Transform::default(), Body::default()));
+            let goes = Vec3::new(0.0, 0.2, 1.0);
+            let hand = (Transform::from_xyz(0.0, 2.0, 0.0), Goes(goes), ChildOf(character));
+            let hand = spawn(&mut app, hand);
+            let upright = Quat::from_rotation_x(FRAC_PI_2);
+            let pins = ClothPins::from(PinSelection::FirstRow).anchored_to(hand);
+            let material = ClothMaterial { drag: 4.0, ..default() };
+            let place = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(upright);
+            let cloth = Cloth::sheet(Vec2::ONE, UVec2::splat(16));
+            let cloth = spawn(&mut app, (cloth, pins, material, place));
+            seconds(&mut app, rate, 6);
+            let mut fastest = 0.0_f32;
+            for _ in 0..rate {
+                app.update();
+                fastest = fastest.max(fastest_beside(&app, cloth, goes + 3.0 * Vec3::X));
+            }
+            println!("{how:?}, {rate} frames a second: {fastest} m/s");
+            assert!(fastest < 0.03, "{how:?}, {rate} frames a second: {fastest} m/s");
+        }
     }
 }
 

@@ -283,7 +283,7 @@ fn an_anchor_with_an_uneven_scale_holds_still_until_it_is_even() {
         matches!(
             error,
             ClothError {
-                kind: ClothErrorKind::Pin { problem: PinProblem::AnchorScale(_), .. },
+                kind: ClothErrorKind::Pin { problem: PinProblem::AnchorScale { .. }, .. },
                 ..
             }
         ),
@@ -291,6 +291,15 @@ fn an_anchor_with_an_uneven_scale_holds_still_until_it_is_even() {
     );
     assert_eq!(position(&app, entity, 0), Vec3::new(-0.5, 0.0, -0.5));
     transform(&mut app, anchor).scale = Vec3::ONE;
+    updates(&mut app, 2);
+    assert_eq!(failure(&app, entity), None);
+    // One that is nowhere is told of as what it is.
+    transform(&mut app, anchor).translation.x = f32::NAN;
+    updates(&mut app, 2);
+    let error = failure(&app, entity).unwrap().to_string();
+    assert!(error.contains(&format!("of its anchor {anchor}: its transform")), "{error}");
+    assert!(error.contains("is not finite"), "{error}");
+    transform(&mut app, anchor).translation.x = 0.0;
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
 }

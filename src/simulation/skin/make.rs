@@ -53,7 +53,8 @@ impl Skins<'_, '_> {
                 leader = joint;
             }
         }
-        Ok(Some(Skin::new(skeleton, shape, drawn, leader as u16, seen)))
+        let root = self.joints.root(skeleton.joints[leader]);
+        Ok(Some(Skin::new(skeleton, shape, drawn, leader as u16, (seen, root))))
     }
 
     /// The limits of all particles, as a component asks for them.

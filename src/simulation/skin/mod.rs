@@ -22,6 +22,7 @@ use bevy_drape_core::surface::{skin, skin_with_normals};
 use crate::error::skin::SkinProblem;
 use crate::mesh::skinned::SkinnedShape;
 use crate::pose::frames::FrameTicks;
+use crate::pose::root::Root;
 use crate::pose::skeleton::{Joints, Seen, Skeleton};
 use crate::simulation::skin::drawn::DrawnSkin;
 use crate::simulation::skin::track::SkinTrack;
@@ -85,7 +86,7 @@ impl Skin {
         shape: SkinnedShape,
         drawn: Option<SkinnedShape>,
         leader: u16,
-        now: Seen,
+        (now, root): (Seen, Root),
     ) -> Self {
         let count = shape.points.len();
         let matrices = now.matrices.clone();
@@ -97,7 +98,7 @@ impl Skin {
             at_zero: Vec::new(),
             has_backstops: false,
             state: SkinState {
-                track: SkinTrack::new(matrices),
+                track: SkinTrack::new(matrices, root),
                 pinned: Vec::new(),
                 held: Vec::new(),
                 fresh: true,
@@ -148,7 +149,7 @@ impl Skin {
     pub fn begin_frame(&mut self, joints: &Joints, ticks: FrameTicks, at_once: bool) {
         // Told in the tick.
         let _ = joints.look(&self.skeleton, &mut self.now);
-        self.state.track.begin_frame(&self.now.matrices, ticks);
+        self.state.track.begin_frame(&self.now.matrices, joints.root(self.leader()), ticks);
         if at_once {
             self.state.track.at_once();
         }
@@ -161,7 +162,7 @@ impl Skin {
         if at_once {
             self.state.track.at_once();
         }
-        let moves = self.state.track.advance(&self.now.matrices);
+        let moves = self.state.track.advance(&self.now.matrices, joints.root(self.leader()));
         core::mem::swap(&mut self.starts, &mut self.ends);
         let [before, after] = &mut self.normals;
         core::mem::swap(before, after);
@@ -181,7 +182,8 @@ impl Skin {
         let _ = joints.look(&self.skeleton, &mut self.now);
         let moved = self.now.matrices != self.state.track.end();
         if moved {
-            self.state.track = SkinTrack::new(self.now.matrices.clone());
+            let root = joints.root(self.leader());
+            self.state.track = SkinTrack::new(self.now.matrices.clone(), root);
             self.stand();
         }
         moved

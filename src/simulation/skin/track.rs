@@ -3,6 +3,8 @@
 use bevy::math::{Affine3A, Mat3A};
 
 use crate::pose::frames::FrameTicks;
+use crate::pose::root::{Root, RootTrack};
+use crate::solver::RigidMotion;
 
 /// The matrices that move a skinned mesh, at a tick's end. What moves once a frame is taken where it was at each tick's time, as
 /// [`PoseTrack`](crate::pose::PoseTrack) does for poses: between two matrices in proportion, so that every vertex goes straight.
@@ -21,22 +23,28 @@ pub(crate) struct SkinTrack {
     ticks: FrameTicks,
     /// Ticks that the frame has run.
     done: u32,
+    /// The last tick moved them, beside their root.
+    by_ticks: bool,
+    /// The topmost ancestor of the joints.
+    root: RootTrack,
 }
 
 impl SkinTrack {
     /// Something newly seen: it has not moved.
-    pub fn new(now: Vec<Affine3A>) -> Self {
+    pub fn new(now: Vec<Affine3A>, root: Root) -> Self {
         let (seen, noted, before) = (now.clone(), now.clone(), now.clone());
-        Self { end: now, seen, noted, before, ticks: FrameTicks::default(), done: 0 }
+        let (ticks, root) = (FrameTicks::default(), RootTrack::new(root));
+        Self { end: now, seen, noted, before, ticks, done: 0, by_ticks: false, root }
     }
 
     /// Whether it could be that of so many joints.
     pub fn is_sound(&self, joints: usize) -> bool {
-        let Self { end, seen, noted, before, ticks, done } = self;
+        let Self { end, seen, noted, before, ticks, done, by_ticks: _, root } = self;
         let sound =
             |all: &Vec<Affine3A>| all.len() == joints && all.iter().all(Affine3A::is_finite);
         let all = [end, seen, noted, before];
-        all.into_iter().all(sound) && ticks.is_sound() && *done <= u32::MAX / 2
+        let are_valid = all.into_iter().all(sound) && root.is_sound();
+        are_valid && ticks.is_sound() && *done <= u32::MAX / 2
     }
 
     /// The matrices at the last tick's end.
@@ -44,9 +52,13 @@ impl SkinTrack {
         &self.end
     }
 
-    /// Notes the matrices before the ticks of a frame.
-    pub fn begin_frame(&mut self, now: &[Affine3A], ticks: FrameTicks) {
+    /// Notes the matrices before the ticks of a frame, and where the root is.
+    pub fn begin_frame(&mut self, now: &[Affine3A], root: Root, ticks: FrameTicks) {
         self.before.copy_from_slice(&self.seen);
+        if let Some(carried) = self.root.begin_frame(root) {
+            let carried = affine(&carried);
+            self.before.iter_mut().for_each(|before| *before = carried * *before);
+        }
         self.noted.copy_from_slice(now);
         self.seen.copy_from_slice(now);
         (self.ticks, self.done) = (ticks, 0);
@@ -58,13 +70,26 @@ impl SkinTrack {
     }
 
     /// Goes on by a tick. Tells whether anything moves in it.
-    pub fn advance(&mut self, now: &[Affine3A]) -> bool {
+    pub fn advance(&mut self, now: &[Affine3A], root: Root) -> bool {
         self.done += 1;
         self.seen.copy_from_slice(now);
-        let part = self.ticks.part(self.done).filter(|_| now == self.noted && now != self.before);
-        if let Some(part) = part {
-            for (end, (from, to)) in self.end.iter_mut().zip(self.before.iter().zip(now)) {
-                *end = between(from, to, part);
+        let moved = self.root.advance(root).map(|motion| affine(&motion));
+        let by_ticks = match moved {
+            None => now != self.noted,
+            Some(moved) => {
+                let as_noted =
+                    |(now, noted): (&Affine3A, &Affine3A)| is_near(now, &(moved * *noted));
+                !now.iter().zip(&self.noted).all(as_noted)
+            }
+        };
+        let stood = |(before, noted): (&Affine3A, &Affine3A)| is_near(before, noted);
+        let by_frame =
+            !by_ticks && !self.by_ticks && !self.before.iter().zip(&self.noted).all(stood);
+        self.by_ticks = by_ticks;
+        if let Some(part) = self.ticks.part(self.done).filter(|_| by_frame) {
+            for (end, (from, to)) in self.end.iter_mut().zip(self.before.iter().zip(&self.noted)) {
+                let there = between(from, to, part);
+                *end = moved.map_or(there, |moved| moved * there);
             }
             return true;
         }
@@ -72,6 +97,24 @@ impl SkinTrack {
         self.end.copy_from_slice(now);
         moves
     }
+}
+
+/// A motion as a matrix.
+fn affine(motion: &RigidMotion) -> Affine3A {
+    let RigidMotion { pivot, rotation, shift } = *motion;
+    Affine3A::from_rotation_translation(rotation, pivot + shift - rotation * pivot)
+}
+
+/// How far two matrices are from each other, where a turn by a radian counts as a metre.
+fn distance_of(one: &Affine3A, other: &Affine3A) -> f32 {
+    let axes = one.matrix3 - other.matrix3;
+    let turn = axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length());
+    one.translation.distance(other.translation) + turn
+}
+
+/// Whether two matrices are the same but for rounding.
+fn is_near(one: &Affine3A, other: &Affine3A) -> bool {
+    one == other || distance_of(one, other) < 1e-5 + 1e-6 * other.translation.length()
 }
 
 /// A matrix at a part of the way from one to another.
@@ -91,8 +134,12 @@ fn between(from: &Affine3A, to: &Affine3A, part: f32) -> Affine3A {
 mod tests {
     use super::*;
     use crate::pose::frames::FrameClock;
+    use crate::solver::Pose;
+    use bevy::ecs::entity::Entity;
     use bevy::math::{Quat, Vec3};
     use core::time::Duration;
+
+    const ROOT: Root = Root { entity: Entity::PLACEHOLDER, pose: Pose::IDENTITY };
 
     fn at(x: f32) -> Vec<Affine3A> {
         vec![Affine3A::IDENTITY, Affine3A::from_rotation_translation(Quat::IDENTITY, Vec3::X * x)]
@@ -105,26 +152,47 @@ mod tests {
     }
 
     fn ways(track: &mut SkinTrack, now: &[f32]) -> Vec<(bool, f32)> {
-        let way = |x: &f32| (track.advance(&at(*x)), track.end()[1].translation.x);
+        let way = |x: &f32| (track.advance(&at(*x), ROOT), track.end()[1].translation.x);
         now.iter().map(way).collect()
     }
 
     #[test]
     fn joints_go_through_ticks_as_poses_do() {
-        let mut track = SkinTrack::new(at(0.0));
+        let mut track = SkinTrack::new(at(0.0), ROOT);
         assert_eq!(ways(&mut track, &[0.0]), [(false, 0.0)]);
-        track.begin_frame(&at(4.0), ticks(4));
+        track.begin_frame(&at(4.0), ROOT, ticks(4));
         let spread = [(true, 1.0), (true, 2.0), (true, 3.0), (true, 4.0)];
         assert_eq!(ways(&mut track, &[4.0; 4]), spread);
-        track.begin_frame(&at(4.0), ticks(2));
+        track.begin_frame(&at(4.0), ROOT, ticks(2));
         assert_eq!(ways(&mut track, &[4.0; 2]), [(false, 4.0); 2]);
         // What moves in the ticks is taken as it is.
         assert_eq!(ways(&mut track, &[5.0, 7.0, 7.0]), [(true, 5.0), (true, 7.0), (false, 7.0)]);
-        track.begin_frame(&at(10.0), ticks(3));
+        track.begin_frame(&at(10.0), ROOT, ticks(3));
         track.at_once();
         assert_eq!(ways(&mut track, &[10.0; 2]), [(true, 10.0), (false, 10.0)]);
         // More ticks than expected do not overshoot.
-        track.begin_frame(&at(12.0), ticks(2));
+        track.begin_frame(&at(12.0), ROOT, ticks(2));
         assert_eq!(ways(&mut track, &[12.0; 3]), [(true, 11.0), (true, 12.0), (false, 12.0)]);
+    }
+
+    /// A joint that frames move on a character that ticks move, which is shown elsewhere between them.
+    #[test]
+    fn joints_that_frames_move_are_on_their_way_on_what_ticks_move() {
+        let root = |x: f32| {
+            let pose = Pose { translation: Vec3::X * x, ..Pose::IDENTITY };
+            Root { pose, ..ROOT }
+        };
+        let joints = |beside: f32, x: f32| {
+            [0.0, beside].map(|beside| Affine3A::from_translation(Vec3::X * (x + beside)))
+        };
+        let mut track = SkinTrack::new(joints(0.0, 0.0).to_vec(), root(0.0));
+        track.advance(&joints(0.0, 10.0), root(10.0));
+        track.begin_frame(&joints(4.0, 9.0), root(9.0), ticks(4));
+        for (tick, expected) in [21.0, 32.0, 43.0, 54.0].into_iter().enumerate() {
+            let x = 20.0 + 10.0 * tick as f32;
+            assert!(track.advance(&joints(4.0, x), root(x)));
+            let [own, joint] = [0, 1].map(|i| track.end()[i].translation.x);
+            assert_eq!((own, joint), (x, expected));
+        }
     }
 }
