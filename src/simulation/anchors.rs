@@ -18,14 +18,12 @@ use crate::simulation::holding::hold;
 use crate::simulation::reference_frame::ReferenceFrame;
 use crate::solver::RigidMotion;
 
-/// Notes where all anchors are before a frame's ticks; `at_once` where the cloth has not been with them. Tells how what leads the cloth has
-/// jumped, if it has.
+/// Notes where all anchors are before a frame's ticks. Tells how what leads the cloth has jumped, if it has.
 pub(crate) fn note_anchors(
     attachments: &mut Attachments,
     frame: &ReferenceFrame,
     (transforms, joints): (&TransformHelper, &Joints),
     ticks: FrameTicks,
-    at_once: bool,
 ) -> Option<RigidMotion> {
     let reference = attachments.reference();
     let mut jump = None;
@@ -35,11 +33,11 @@ pub(crate) fn note_anchors(
         let root = joints.root_of(anchor.entity);
         anchor.pose.begin_frame(Placed::below(anchor.entity, now, root, transforms), ticks);
         let jumps = frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks.count);
-        if jumps || at_once {
+        if jumps {
             anchor.pose.at_once();
-        }
-        if jumps && reference == Some(i) {
-            jump = Some(RigidMotion::between(&before, &now));
+            if reference == Some(i) {
+                jump = Some(RigidMotion::between(&before, &now));
+            }
         }
     }
     jump

@@ -121,12 +121,10 @@ pub(crate) fn note_poses(
         if cloth.is_culled() {
             continue;
         }
-        let ClothSimulation { held, skin, frame, culling, .. } = &mut *cloth;
-        let (seen, at_once) = ((&transforms, &joints), culling.returns);
-        let jump = note_anchors(&mut held.attachments, frame, seen, ticks, at_once);
+        let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
+        let jump = note_anchors(&mut held.attachments, frame, (&transforms, &joints), ticks);
         if let Some(skin) = skin {
-            let at_once = at_once || frame.teleport_asked || jump.is_some();
-            skin.begin_frame(&joints, ticks, at_once);
+            skin.begin_frame(&joints, ticks, frame.teleport_asked || jump.is_some());
         }
         jumps.extend(jump);
     }
