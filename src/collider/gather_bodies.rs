@@ -5,9 +5,10 @@ use bevy::prelude::*;
 use crate::collider::SdfCollider;
 use crate::collider::mass::{BodyMemory, ColliderBody, ColliderMass};
 use crate::collider::tick_body::{LoneBody, TickBody};
-use crate::collider::tick_colliders::{Moves, TickColliders};
+use crate::collider::tick_colliders::TickColliders;
 use crate::error::ClothComponent;
 use crate::error::failures::{Blame, Failures};
+use crate::pose::moves::Moves;
 use crate::pose::to_local;
 use crate::solver::{ColliderMotion, Pose};
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::collider::tick_colliders::ColliderPose;
-use crate::pose::PoseTrack;
+use crate::pose::track::PoseTrack;
 
 /// The way of a moving collider so far, which the next tick starts from: what
 /// [`ClothSnapshot`](crate::ClothSnapshot) is to a cloth.

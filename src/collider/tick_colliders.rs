@@ -3,7 +3,6 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::QueryData;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::cloth::layers::ClothLayers;
@@ -15,7 +14,9 @@ use crate::collider::{JUMP, SdfCollider, SdfColliderDisabled};
 use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::pose::frames::FrameTicks;
-use crate::pose::{OwnScale, Placed, PoseTrack, comes_along, pose_now_scaled, to_world};
+use crate::pose::moves::Moves;
+use crate::pose::track::PoseTrack;
+use crate::pose::{OwnScale, Placed, comes_along, pose_now_scaled, to_world};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose, RigidMotion};
 
@@ -186,53 +187,6 @@ pub(crate) struct Found {
     disabled: Has<SdfColliderDisabled>,
     scale: Option<&'static OwnScale>,
     pose: &'static mut ColliderPose,
-}
-
-/// Tells which entities may be elsewhere than when the system last ran.
-#[derive(SystemParam)]
-pub(crate) struct Moves<'w, 's> {
-    places: Query<'w, 's, (Ref<'static, Transform>, Option<Ref<'static, ChildOf>>)>,
-    orphans: RemovedComponents<'w, 's, ChildOf>,
-}
-
-impl Moves<'_, '_> {
-    /// Whether any entity has lost its parent, and may have moved by that.
-    pub(crate) fn any_orphan(&mut self) -> bool {
-        self.orphans.read().count() > 0
-    }
-
-    /// Whether a collider or an ancestor of it was changed. Inlined, as it is asked of all that stand still.
-    #[inline(always)]
-    fn moved_one(&self, entity: Entity, place: Option<&Ref<Transform>>, has_parent: bool) -> bool {
-        match place {
-            Some(place) if !has_parent => place.is_changed(),
-            _ => self.moved(entity),
-        }
-    }
-
-    /// The topmost ancestor of an entity that has any.
-    fn root_of(&self, entity: Entity) -> Option<Entity> {
-        let above = |it: Entity| self.places.get(it).ok()?.1.map(|parent| parent.parent());
-        core::iter::successors(above(entity), |it| above(*it)).last()
-    }
-
-    /// Whether this entity or an ancestor was changed.
-    pub(crate) fn moved(&self, entity: Entity) -> bool {
-        let mut at = entity;
-        loop {
-            let Ok((place, parent)) = self.places.get(at) else {
-                return true;
-            };
-            if place.is_changed() {
-                return true;
-            }
-            match parent {
-                Some(parent) if parent.is_changed() => return true,
-                Some(parent) => at = parent.parent(),
-                None => return false,
-            }
-        }
-    }
 }
 
 /// Notes where colliders are before a frame's ticks. What led cloths has made these `jumps`: what came along has jumped as well.

@@ -25,44 +25,61 @@ pub(crate) struct RootTrack {
     seen: Pose,
     /// At the start of the frame, before its ticks.
     noted: Pose,
+    /// Where it was before that.
+    before: Pose,
     /// The last tick moved it.
     by_ticks: bool,
+}
+
+/// How ticks move a root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RootMotion {
+    /// From where the ticks of the last frame left it to where this one began: it was shown elsewhere, or put there.
+    pub shown: RigidMotion,
+    /// From there on in the ticks of this frame.
+    pub moved: RigidMotion,
 }
 
 impl PartialEq for RootTrack {
     /// Whether it moves in the same way. Whose pose it is is looked at anew.
     fn eq(&self, other: &Self) -> bool {
-        let of = |Self { entity: _, seen, noted, by_ticks }: &Self| (*seen, *noted, *by_ticks);
-        of(self) == of(other)
+        let Self { entity: _, seen, noted, before, by_ticks } = *self;
+        [seen, noted, before] == [other.seen, other.noted, other.before]
+            && by_ticks == other.by_ticks
     }
 }
 
 impl RootTrack {
     /// Something newly seen: it has not moved.
     pub fn new(Root { entity, pose }: Root) -> Self {
-        Self { entity: Some(entity), seen: pose, noted: pose, by_ticks: false }
+        Self { entity: Some(entity), seen: pose, noted: pose, before: pose, by_ticks: false }
     }
 
     /// Whether it could be that of anything.
     pub fn is_sound(&self) -> bool {
-        self.seen.is_valid() && self.noted.is_valid()
+        [self.seen, self.noted, self.before].iter().all(Pose::is_valid)
     }
 
-    /// Notes the pose before the ticks of a frame. Tells how that has carried what hangs on it, if it is ticks that move it: between
-    /// them it may be shown elsewhere.
-    pub fn begin_frame(&mut self, now: Root) -> Option<RigidMotion> {
+    /// Notes the pose before the ticks of a frame.
+    pub fn begin_frame(&mut self, now: Root) {
         self.be(&now);
-        let carried = self.by_ticks.then(|| RigidMotion::between(&self.seen, &now.pose));
-        (self.seen, self.noted) = (now.pose, now.pose);
-        carried
+        (self.before, self.noted, self.seen) = (self.seen, now.pose, now.pose);
     }
 
-    /// Goes on by a tick. Tells how the frame's ticks have moved it, if they have.
-    pub fn advance(&mut self, now: Root) -> Option<RigidMotion> {
+    /// Lets nothing have been done to it before the frame.
+    pub fn at_once(&mut self) {
+        self.before = self.noted;
+    }
+
+    /// Goes on by a tick. Tells how it has moved, if it is ticks that move it.
+    pub fn advance(&mut self, now: Root) -> Option<RootMotion> {
         self.be(&now);
         self.seen = now.pose;
-        self.by_ticks = now.pose != self.noted;
-        self.by_ticks.then(|| RigidMotion::between(&self.noted, &now.pose))
+        let before = core::mem::replace(&mut self.by_ticks, now.pose != self.noted);
+        (before || self.by_ticks).then(|| RootMotion {
+            shown: RigidMotion::between(&self.before, &self.noted),
+            moved: RigidMotion::between(&self.noted, &now.pose),
+        })
     }
 
     /// Becomes the track of this root. Another one has not come from where the last one was.

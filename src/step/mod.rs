@@ -10,10 +10,11 @@ use bevy::time::{Fixed, Virtual};
 
 use crate::cloth::events::ClothDiverged;
 use crate::cloth::gravity::{ClothGravity, ClothGravityOverride};
-use crate::collider::tick_colliders::{ColliderRoom, Found, Moves, TickColliders, note_colliders};
+use crate::collider::tick_colliders::{ColliderRoom, Found, TickColliders, note_colliders};
 use crate::error::ClothErrorKind;
 use crate::error::failures::{Blame, Failures};
 use crate::pose::frames::FrameClock;
+use crate::pose::moves::Moves;
 use crate::pose::skeleton::Joints;
 use crate::schedule::{ClothSubstep, ClothSubstepSystems};
 use crate::sdf::DistanceField;

@@ -7,7 +7,7 @@ use crate::pose::root::{Root, RootTrack};
 use crate::solver::RigidMotion;
 
 /// The matrices that move a skinned mesh, at a tick's end. What moves once a frame is taken where it was at each tick's time, as
-/// [`PoseTrack`](crate::pose::PoseTrack) does for poses: between two matrices in proportion, so that every vertex goes straight.
+/// [`PoseTrack`](crate::pose::track::PoseTrack) does for poses: between two matrices in proportion, so that every vertex goes straight.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SkinTrack {
@@ -54,11 +54,8 @@ impl SkinTrack {
 
     /// Notes the matrices before the ticks of a frame, and where the root is.
     pub fn begin_frame(&mut self, now: &[Affine3A], root: Root, ticks: FrameTicks) {
+        self.root.begin_frame(root);
         self.before.copy_from_slice(&self.seen);
-        if let Some(carried) = self.root.begin_frame(root) {
-            let carried = affine(&carried);
-            self.before.iter_mut().for_each(|before| *before = carried * *before);
-        }
         self.noted.copy_from_slice(now);
         self.seen.copy_from_slice(now);
         (self.ticks, self.done) = (ticks, 0);
@@ -67,35 +64,37 @@ impl SkinTrack {
     /// Lets the next tick take the whole way: the last frame has put them elsewhere.
     pub fn at_once(&mut self) {
         self.before.copy_from_slice(&self.noted);
+        self.root.at_once();
     }
 
     /// Goes on by a tick. Tells whether anything moves in it.
     pub fn advance(&mut self, now: &[Affine3A], root: Root) -> bool {
         self.done += 1;
         self.seen.copy_from_slice(now);
-        let moved = self.root.advance(root).map(|motion| affine(&motion));
-        let by_ticks = match moved {
+        let motion = self.root.advance(root).map(|it| [it.shown, it.moved].map(|it| affine(&it)));
+        let by_ticks = match motion {
             None => now != self.noted,
-            Some(moved) => {
-                let as_noted =
-                    |(now, noted): (&Affine3A, &Affine3A)| is_near(now, &(moved * *noted));
-                !now.iter().zip(&self.noted).all(as_noted)
+            Some([_, moved]) => {
+                let are_as_noted = |(now, noted): (&_, &_)| is_near(now, &(moved * *noted));
+                !now.iter().zip(&self.noted).all(are_as_noted)
             }
         };
-        let stood = |(before, noted): (&Affine3A, &Affine3A)| is_near(before, noted);
-        let by_frame =
-            !by_ticks && !self.by_ticks && !self.before.iter().zip(&self.noted).all(stood);
+        let before = |before: &Affine3A| motion.map_or(*before, |[shown, _]| shown * *before);
+        let stood = |(from, noted): (&_, &_)| is_near(&before(from), noted);
+        let stands = || self.before.iter().zip(&self.noted).all(stood);
+        let by_frame = !by_ticks && !self.by_ticks && !stands();
         self.by_ticks = by_ticks;
-        if let Some(part) = self.ticks.part(self.done).filter(|_| by_frame) {
-            for (end, (from, to)) in self.end.iter_mut().zip(self.before.iter().zip(&self.noted)) {
-                let there = between(from, to, part);
-                *end = moved.map_or(there, |moved| moved * there);
-            }
-            return true;
+        let part = self.ticks.part(self.done).filter(|_| by_frame);
+        let Some(part) = part else {
+            let moves = now != self.end;
+            self.end.copy_from_slice(now);
+            return moves;
+        };
+        for (end, (from, to)) in self.end.iter_mut().zip(self.before.iter().zip(&self.noted)) {
+            let there = between(&before(from), to, part);
+            *end = motion.map_or(there, |[_, moved]| moved * there);
         }
-        let moves = now != self.end;
-        self.end.copy_from_slice(now);
-        moves
+        true
     }
 }
 
