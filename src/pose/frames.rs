@@ -51,8 +51,12 @@ impl FrameClock {
             None => (0.0, length),
             Some(delay) => (self.lengths[1] - delay, self.lengths[1]),
         };
-        let part = |time: f64| if over > 0.0 { (time / over) as f32 } else { 1.0 };
-        FrameTicks { count, begins: part(from - left), step: part(tick) }
+        let [begins, step] = [from - left, tick].map(|time| (time / over) as f32);
+        if over > 0.0 {
+            FrameTicks { count, begins, step }
+        } else {
+            FrameTicks { count, begins: 1.0, step: 0.0 }
+        }
     }
 
     /// How late the frame's ticks are; `None` where its length is another than before.
@@ -159,6 +163,8 @@ mod tests {
         for _ in 0..3 {
             assert_eq!(begin(&mut clock, [0.0, 0.01, 0.005]).count, 0);
         }
+        // Ticks that were shortened meanwhile, and one that time has come for.
+        assert_eq!(begin(&mut clock, [0.0, 0.002, 0.005]).part(1), None);
         assert_eq!(begin(&mut clock, [0.01, 0.01, 0.0]).part(1), None);
     }
 }

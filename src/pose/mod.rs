@@ -30,7 +30,7 @@ pub(crate) struct Placed {
 impl Placed {
     /// An entity without ancestors.
     pub fn alone(entity: Entity, pose: Pose) -> Self {
-        Self { pose, root: Root { entity, pose } }
+        Self { pose, root: Root { entity, pose: Some(pose) } }
     }
 
     /// An entity, and its topmost ancestor, if it has any.
@@ -41,8 +41,7 @@ impl Placed {
         transforms: &TransformHelper,
     ) -> Self {
         let Some(root) = root else { return Self::alone(entity, pose) };
-        // One that cannot be used moves nothing.
-        let its = pose_now(transforms, root).unwrap_or(Pose::IDENTITY);
+        let its = pose_now(transforms, root).ok();
         Self { pose, root: Root { entity: root, pose: its } }
     }
 }

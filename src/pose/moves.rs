@@ -3,6 +3,8 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use crate::pose::root::Root;
+
 /// Tells which entities may be elsewhere than when the system last ran.
 #[derive(SystemParam)]
 pub(crate) struct Moves<'w, 's> {
@@ -32,8 +34,7 @@ impl Moves<'_, '_> {
 
     /// The topmost ancestor of an entity that has any.
     pub fn root_of(&self, entity: Entity) -> Option<Entity> {
-        let above = |it: Entity| self.places.get(it).ok()?.1.map(|parent| parent.parent());
-        core::iter::successors(above(entity), |it| above(*it)).last()
+        Root::above(entity, |it| self.places.get(it).ok()?.1.map(|parent| parent.parent()))
     }
 
     /// Whether this entity or an ancestor was changed.

@@ -11,7 +11,15 @@ use crate::solver::{Pose, RigidMotion};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Root {
     pub entity: Entity,
-    pub pose: Pose,
+    /// `None` where it cannot be used: it has not moved.
+    pub pose: Option<Pose>,
+}
+
+impl Root {
+    /// The topmost ancestor of an entity that has any, by what is above each.
+    pub fn above(entity: Entity, parent: impl Fn(Entity) -> Option<Entity>) -> Option<Entity> {
+        core::iter::successors(parent(entity), |it| parent(*it)).last()
+    }
 }
 
 /// The pose of a root, as it is looked at before each frame's ticks and in each of them.
@@ -52,6 +60,7 @@ impl PartialEq for RootTrack {
 impl RootTrack {
     /// Something newly seen: it has not moved.
     pub fn new(Root { entity, pose }: Root) -> Self {
+        let pose = pose.unwrap_or(Pose::IDENTITY);
         Self { entity: Some(entity), seen: pose, noted: pose, before: pose, by_ticks: false }
     }
 
@@ -62,8 +71,8 @@ impl RootTrack {
 
     /// Notes the pose before the ticks of a frame.
     pub fn begin_frame(&mut self, now: Root) {
-        self.be(&now);
-        (self.before, self.noted, self.seen) = (self.seen, now.pose, now.pose);
+        let now = self.look(now);
+        (self.before, self.noted, self.seen) = (self.seen, now, now);
     }
 
     /// Lets nothing have been done to it before the frame.
@@ -73,20 +82,21 @@ impl RootTrack {
 
     /// Goes on by a tick. Tells how it has moved, if it is ticks that move it.
     pub fn advance(&mut self, now: Root) -> Option<RootMotion> {
-        self.be(&now);
-        self.seen = now.pose;
-        let before = core::mem::replace(&mut self.by_ticks, now.pose != self.noted);
+        let now = self.look(now);
+        self.seen = now;
+        let before = core::mem::replace(&mut self.by_ticks, now != self.noted);
         (before || self.by_ticks).then(|| RootMotion {
             shown: RigidMotion::between(&self.before, &self.noted),
-            moved: RigidMotion::between(&self.noted, &now.pose),
+            moved: RigidMotion::between(&self.noted, &now),
         })
     }
 
-    /// Becomes the track of this root. Another one has not come from where the last one was.
-    fn be(&mut self, now: &Root) {
+    /// Where the root is now. Another one has not come from where the last one was.
+    fn look(&mut self, now: Root) -> Pose {
         if self.entity.is_some_and(|entity| entity != now.entity) {
-            *self = Self::new(*now);
+            *self = Self::new(now);
         }
         self.entity = Some(now.entity);
+        now.pose.unwrap_or(self.seen)
     }
 }

@@ -7,7 +7,6 @@ use bevy::prelude::*;
 
 use crate::pose::pose_of;
 use crate::pose::root::Root;
-use crate::solver::Pose;
 
 /// The joints of a skinned mesh, in its order.
 #[derive(Clone, Debug)]
@@ -68,16 +67,14 @@ impl Joints<'_, '_> {
 
     /// The topmost ancestor of an entity that has any.
     pub fn root_of(&self, entity: Entity) -> Option<Entity> {
-        let above = |it: Entity| self.places.get(it).ok()?.1.map(ChildOf::parent);
-        core::iter::successors(above(entity), |it| above(*it)).last()
+        Root::above(entity, |it| self.places.get(it).ok()?.1.map(ChildOf::parent))
     }
 
-    /// The root of an entity, as far as its pose can be used.
+    /// The root of an entity.
     pub fn root(&self, entity: Entity) -> Root {
         let entity = self.root_of(entity).unwrap_or(entity);
-        let transform = self.places.get(entity).map_or(Transform::IDENTITY, |(place, _)| *place);
-        let pose = pose_of(&GlobalTransform::from(transform)).unwrap_or(Pose::IDENTITY);
-        Root { entity, pose }
+        let place = self.places.get(entity).ok().map(|(place, _)| GlobalTransform::from(*place));
+        Root { entity, pose: place.and_then(|place| pose_of(&place).ok()) }
     }
 
     /// Looks where all joints are.

@@ -25,7 +25,7 @@ pub(crate) struct PoseTrack {
     ticks: FrameTicks,
     /// Ticks that the frame has run.
     done: u32,
-    /// The last tick moved it, beside its root.
+    /// The last tick moved it below its root. What has no ancestors is its own root.
     by_ticks: bool,
     /// The topmost of its ancestors, or itself.
     root: RootTrack,
@@ -43,7 +43,9 @@ impl PoseTrack {
     /// Notes the pose before the ticks of a frame.
     pub fn begin_frame(&mut self, Placed { pose: now, root }: Placed, ticks: FrameTicks) {
         self.root.begin_frame(root);
-        (self.before, self.noted, self.seen) = (self.seen, now, now);
+        // It may have been nowhere.
+        self.before = if self.seen.is_valid() { self.seen } else { now };
+        (self.noted, self.seen) = (now, now);
         (self.ticks, self.done) = (ticks, 0);
     }
 
@@ -86,9 +88,11 @@ impl PoseTrack {
         self.start = start;
     }
 
-    /// Scales where it has been, about a place. Where it is to be is told in the tick.
-    pub fn scale(&mut self, about: Vec3, ratio: f32) {
-        for pose in [&mut self.start, &mut self.end, &mut self.before] {
+    /// Scales where it has been in ticks, about a place, and where it was seen, about another. Where it is to be is told in the tick.
+    pub fn scale(&mut self, [about, about_seen]: [Vec3; 2], ratio: f32) {
+        let ticks = [&mut self.start, &mut self.end].map(|pose| (pose, about));
+        let frames = [&mut self.seen, &mut self.before].map(|pose| (pose, about_seen));
+        for (pose, about) in ticks.into_iter().chain(frames) {
             pose.translation = about + (pose.translation - about) * ratio;
             pose.scale *= ratio;
         }
@@ -107,6 +111,9 @@ impl PoseTrack {
         };
         let before = motion.map_or(self.before, |it| it.shown.apply_to_pose(&self.before));
         // What ticks move is shown elsewhere between them, and may by chance be shown where it is put back.
+        if self.by_ticks && !by_ticks {
+            self.at_once();
+        }
         let by_frame = !by_ticks && !self.by_ticks && !is_near(&before, &self.noted);
         let part = self.ticks.part(self.done).filter(|_| by_frame);
         let on_the_way = |part| with_root(&on_the_way(&before, &self.noted, part));
@@ -206,7 +213,7 @@ mod tests {
     #[test]
     fn what_frames_move_on_what_ticks_move_is_on_its_way_there() {
         let joint = |beside: f32, x: f32| {
-            let root = Root { entity: Entity::PLACEHOLDER, pose: at(x) };
+            let root = Root { entity: Entity::PLACEHOLDER, pose: Some(at(x)) };
             Placed { pose: at(x + beside), root }
         };
         let mut pose = PoseTrack::new(joint(0.0, 0.0));
@@ -225,6 +232,49 @@ mod tests {
             ways[i] = pose.end().translation.x;
         }
         assert_eq!(ways[..2], [64.0, 64.0]);
+    }
+
+    /// Something on a root that stands still: a tick has moved it, a frame does, and it stops. It goes back at no time.
+    #[test]
+    fn what_frames_move_after_ticks_goes_there_at_once() {
+        let root = Root { entity: Entity::PLACEHOLDER, pose: Some(at(0.0)) };
+        let on_root = |x: f32| Placed { pose: at(x), root };
+        let mut clock = FrameClock::default();
+        let (tick, left) = (Duration::from_millis(16), Duration::from_millis(5));
+        let mut frame = || clock.begin_frame(2 * tick, tick, left);
+        let mut pose = PoseTrack::new(on_root(0.0));
+        (0..4).for_each(|_| {
+            frame();
+        });
+        pose.begin_frame(on_root(0.0), frame());
+        pose.advance(on_root(0.5));
+        pose.advance(on_root(1.0));
+        pose.begin_frame(on_root(2.0), frame());
+        for _ in 0..2 {
+            pose.advance(on_root(2.0));
+            assert_eq!(pose.end(), at(2.0));
+        }
+        // From then on it is on its way.
+        pose.begin_frame(on_root(3.0), frame());
+        pose.advance(on_root(3.0));
+        assert!((2.0..2.5).contains(&pose.end().translation.x), "{:?}", pose.end());
+    }
+
+    #[test]
+    fn what_is_scaled_is_not_on_its_way_back() {
+        let scaled = |scale: f32| Placed::alone(Entity::PLACEHOLDER, Pose { scale, ..at(1.0) });
+        let mut clock = FrameClock::default();
+        let (tick, left) = (Duration::from_millis(16), Duration::from_millis(5));
+        let mut frame = || clock.begin_frame(tick, tick, left);
+        let mut pose = PoseTrack::new(scaled(1.0));
+        for _ in 0..4 {
+            pose.begin_frame(scaled(1.0), frame());
+            pose.advance(scaled(1.0));
+        }
+        pose.scale([Vec3::X; 2], 2.0);
+        pose.begin_frame(scaled(2.0), frame());
+        pose.advance(scaled(2.0));
+        assert_eq!((pose.start(), pose.end()), (scaled(2.0).pose, scaled(2.0).pose));
     }
 
     #[test]

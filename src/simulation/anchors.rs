@@ -32,7 +32,7 @@ pub(crate) fn note_anchors(
         let before = anchor.pose.seen();
         let root = joints.root_of(anchor.entity);
         anchor.pose.begin_frame(Placed::below(anchor.entity, now, root, transforms), ticks);
-        let jumps = frame.teleport_asked || frame.is_jump_of_frame(&before, &now, ticks.count);
+        let jumps = frame.is_put_elsewhere() || frame.is_jump_of_frame(&before, &now, ticks.count);
         if jumps {
             anchor.pose.at_once();
             if reference == Some(i) {
@@ -67,7 +67,7 @@ pub(crate) fn gather_pins(
         failures.tell_numbers(entity, ClothComponent::ClothTeleport, outcome);
         let outcome = cloth.frame.set_inertia(inertia);
         failures.tell_numbers(entity, ClothComponent::ClothInertia, outcome);
-        let at_once = cloth.frame.teleport_asked;
+        let at_once = cloth.frame.is_put_elsewhere();
         if let Some(skin) = &mut cloth.skin {
             let (moves, outcome) = skin.advance(&joints, at_once);
             if moves {

@@ -41,8 +41,8 @@ pub(crate) fn apply_pins<const IN_TICK: bool>(
         let (attachments, on_skin, problem) = attach(&cloth, entity, &pins.pins, &transforms);
         // What failed is tried again, and wakes the cloth once it holds.
         let pinned = cloth.skin.as_ref().map_or(&[][..], |skin| &skin.state.pinned);
-        let is_held = attachments == cloth.held.attachments && *pinned == *on_skin;
-        if !(are_same && is_held) {
+        let are_held_so = attachments == cloth.held.attachments && *pinned == *on_skin;
+        if !(are_same && are_held_so) {
             if let Some(skin) = &mut cloth.skin {
                 skin.state.pinned = on_skin;
             }

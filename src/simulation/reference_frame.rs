@@ -50,6 +50,11 @@ impl ReferenceFrame {
         inertia.validate().map(|()| self.inertia = inertia)
     }
 
+    /// Whether the cloth is asked to be where what leads it is, and not on its way there.
+    pub fn is_put_elsewhere(&self) -> bool {
+        self.teleport_asked || self.reset_asked
+    }
+
     /// Whether what is moved once a frame has jumped in a frame of so many ticks.
     pub fn is_jump_of_frame(&self, from: &Pose, to: &Pose, ticks: u32) -> bool {
         let room = ticks.clamp(1, 4) as f32;

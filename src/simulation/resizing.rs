@@ -125,11 +125,13 @@ fn scale_anchors(
     about: Vec3,
     ratio: f32,
 ) {
+    let leading = attachments.reference().map(|leading| &attachments.anchors[leading].pose);
+    let about_seen = leading.map_or(about, |pose| pose.seen().translation);
     for anchor in &mut attachments.anchors {
         let Ok(now) = pose_now(transforms, anchor.entity) else { continue };
         let own = now.scale / anchor.pose.end().scale;
         if (own / ratio - 1.0).abs() <= OTHER_SIZE {
-            anchor.pose.scale(about, own);
+            anchor.pose.scale([about, about_seen], own);
         }
     }
 }

@@ -11,7 +11,7 @@ pub(crate) struct Start {
     pub(crate) told_ready: bool,
     /// Goes on where another was: pins have to take hold.
     pub(crate) takes_hold: bool,
-    /// All pins have taken hold since the cloth was set up.
+    /// All pins have taken hold since the cloth was set up where it is.
     pub(crate) is_held: bool,
 }
 

@@ -125,7 +125,7 @@ pub(crate) fn note_poses(
         let ClothSimulation { held, skin, frame, .. } = &mut *cloth;
         let jump = note_anchors(&mut held.attachments, frame, (&transforms, &joints), ticks);
         if let Some(skin) = skin {
-            skin.begin_frame(&joints, ticks, frame.teleport_asked || jump.is_some());
+            skin.begin_frame(&joints, ticks, frame.is_put_elsewhere() || jump.is_some());
         }
         jumps.extend(jump);
     }

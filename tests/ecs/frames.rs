@@ -3,7 +3,10 @@
 //! Truths: what hangs on, or lies on, what goes evenly is at rest beside it; what is carried along by a teleport keeps its shape, whatever
 //! is around it and comes along; a pin's place in its anchor's frame is the one at which it was spawned.
 
-use crate::support::app::*;
+use crate::{
+    skin::{dressed, skinned, usual},
+    support::app::*,
+};
 use bevy::{
     app::{RunFixedMainLoop, RunFixedMainLoopSystems},
     prelude::*,
@@ -265,4 +268,61 @@ fn a_cape_that_is_put_on_in_a_pause_goes_along_in_the_pause() {
     updates(&mut app, 20);
     let off = corner_beside(&app, cape, hero).distance(corner);
     assert!(off < 1e-4, "the collar is off by {off} m");
+}
+
+#[test]
+fn a_coat_that_is_put_on_in_a_pause_goes_along_in_the_pause() {
+    let mut app = app();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    let of = dressed(&mut app, usual());
+    updates(&mut app, 2);
+    for way in [0.5, 1.0, 4.0] {
+        transform(&mut app, of.root).translation.x = way;
+        updates(&mut app, 3);
+    }
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.update();
+    assert_eq!(simulation(&app, of.coat).tick_count(), 1);
+    let places: Vec<_> = skinned(&mut app, &of).into_iter().map(|(place, _)| place).collect();
+    let off = farthest(&positions(&app, of.coat), &places);
+    assert!(off < 5e-3, "after a tick it is {off} m from its skin");
+}
+
+#[test]
+fn what_is_scaled_once_a_frame_is_pinned_where_it_is_by_then() {
+    for rate in RATES {
+        let mut app = app_of_frames(rate);
+        let cloth = spawn(&mut app, (sheet(), ClothPins::from(PinSelection::FirstRow)));
+        seconds(&mut app, rate, 1);
+        transform(&mut app, cloth).scale = Vec3::splat(2.0);
+        app.update();
+        for frame in 0..rate {
+            app.update();
+            let corner = position(&app, cloth, 0);
+            let off = corner.distance(Vec3::new(-1.0, 0.0, -1.0));
+            assert!(off < 1e-5, "{rate} frames a second, frame {frame}: at {corner}");
+        }
+    }
+}
+
+#[test]
+fn a_reset_is_where_the_entity_is() {
+    for rate in RATES {
+        let mut app = app_of_frames(rate);
+        let cloth = spawn(&mut app, (sheet(), ClothPins::from(PinSelection::FirstRow)));
+        let pinned_at = |app: &App| position(app, cloth, 0) - Vec3::new(-0.5, 0.0, -0.5);
+        for frames in 1..8 {
+            seconds(&mut app, rate, 1);
+            updates(&mut app, frames);
+            let place = Vec3::X * (frames % 2) as f32;
+            transform(&mut app, cloth).translation = place;
+            app.world_mut().trigger(ResetCloth { entity: cloth });
+            let since = simulation(&app, cloth).tick_count();
+            while simulation(&app, cloth).tick_count() == since {
+                app.update();
+            }
+            let off = pinned_at(&app).distance(place);
+            assert!(off < 1e-5, "{rate} frames a second: the pins are {off} m off");
+        }
+    }
 }

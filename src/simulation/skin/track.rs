@@ -55,7 +55,9 @@ impl SkinTrack {
     /// Notes the matrices before the ticks of a frame, and where the root is.
     pub fn begin_frame(&mut self, now: &[Affine3A], root: Root, ticks: FrameTicks) {
         self.root.begin_frame(root);
-        self.before.copy_from_slice(&self.seen);
+        // They may have been nowhere.
+        let are_known = self.seen.iter().all(Affine3A::is_finite);
+        self.before.copy_from_slice(if are_known { &self.seen } else { now });
         self.noted.copy_from_slice(now);
         self.seen.copy_from_slice(now);
         (self.ticks, self.done) = (ticks, 0);
@@ -79,6 +81,9 @@ impl SkinTrack {
                 !now.iter().zip(&self.noted).all(are_as_noted)
             }
         };
+        if self.by_ticks && !by_ticks {
+            self.at_once();
+        }
         let before = |before: &Affine3A| motion.map_or(*before, |[shown, _]| shown * *before);
         let stood = |(from, noted): (&_, &_)| is_near(&before(from), noted);
         let stands = || self.before.iter().zip(&self.noted).all(stood);
@@ -108,7 +113,9 @@ fn affine(motion: &RigidMotion) -> Affine3A {
 fn distance_of(one: &Affine3A, other: &Affine3A) -> f32 {
     let axes = one.matrix3 - other.matrix3;
     let turn = axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length());
-    one.translation.distance(other.translation) + turn
+    // A model of another unit has axes of another length.
+    let length = other.matrix3.x_axis.length().max(f32::MIN_POSITIVE);
+    one.translation.distance(other.translation) + turn / length
 }
 
 /// Whether two matrices are the same but for rounding.
@@ -138,7 +145,7 @@ mod tests {
     use bevy::math::{Quat, Vec3};
     use core::time::Duration;
 
-    const ROOT: Root = Root { entity: Entity::PLACEHOLDER, pose: Pose::IDENTITY };
+    const ROOT: Root = Root { entity: Entity::PLACEHOLDER, pose: Some(Pose::IDENTITY) };
 
     fn at(x: f32) -> Vec<Affine3A> {
         vec![Affine3A::IDENTITY, Affine3A::from_rotation_translation(Quat::IDENTITY, Vec3::X * x)]
@@ -179,7 +186,7 @@ mod tests {
     fn joints_that_frames_move_are_on_their_way_on_what_ticks_move() {
         let root = |x: f32| {
             let pose = Pose { translation: Vec3::X * x, ..Pose::IDENTITY };
-            Root { pose, ..ROOT }
+            Root { pose: Some(pose), ..ROOT }
         };
         let joints = |beside: f32, x: f32| {
             [0.0, beside].map(|beside| Affine3A::from_translation(Vec3::X * (x + beside)))

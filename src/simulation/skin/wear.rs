@@ -114,8 +114,11 @@ fn start_at_skin(
     if cloth.progress.tick_count > 0 || cloth.is_culled() {
         return;
     }
-    let ClothSimulation { skin: Some(skin), solver, shape_version, .. } = cloth else { return };
+    let ClothSimulation { skin: Some(skin), solver, shape_version, start, .. } = cloth else {
+        return;
+    };
     if skin.start_anew(&skins.joints) {
+        start.is_held = false;
         if let Err(problem) = solver.place(skin.places()) {
             failures.report(entity, ClothErrorKind::Solver(problem));
         }
