@@ -293,14 +293,19 @@ fn what_is_scaled_once_a_frame_is_pinned_where_it_is_by_then() {
     for rate in RATES {
         let mut app = app_of_frames(rate);
         let cloth = spawn(&mut app, (sheet(), ClothPins::from(PinSelection::FirstRow)));
+        let grow = move |mut places: Query<&mut Transform>, mut frames: Local<u32>| {
+            *frames += 1;
+            if *frames == rate {
+                places.get_mut(cloth).unwrap().scale = Vec3::splat(2.0);
+            }
+        };
+        app.add_systems(Update, grow);
         seconds(&mut app, rate, 1);
-        transform(&mut app, cloth).scale = Vec3::splat(2.0);
-        app.update();
         for frame in 0..rate {
-            app.update();
             let corner = position(&app, cloth, 0);
             let off = corner.distance(Vec3::new(-1.0, 0.0, -1.0));
             assert!(off < 1e-5, "{rate} frames a second, frame {frame}: at {corner}");
+            app.update();
         }
     }
 }
