@@ -11,10 +11,12 @@ use crate::solver::SoftPin;
 /// The particles of a cloth that are held. May be changed at any time.
 ///
 /// A pin without an anchor follows the cloth's own entity: it stays at its rest position in the entity's frame. A pin with an anchor
-/// keeps, in the anchor's frame, the place that its particle has when it takes hold: at the end of the frame that spawns the cloth, or in
-/// the tick after it was added. Where the fixed schedule moves the anchor before the cloth's first tick, it is in that tick. An anchor is a hand, a mast, or a joint of a character, and a cloth may have many. One that stands still pins a
-/// cloth where it is by now. One that is scaled spreads its pins, but not the cloth between them: scale the cloth's own entity as well.
-/// Pins hold hard or by springs ([`PinHold`]). What no pin holds any more is released and goes on with the velocity it had.
+/// keeps, in the anchor's frame, the place that its particle has when it takes hold. That is at the end of the frame that spawns the cloth,
+/// or in the tick after the pin was added; where the fixed schedule moves the anchor before the cloth's first tick, it is in that tick.
+///
+/// An anchor is a hand, a mast, or a joint of a character, and a cloth may have many. One that stands still pins a cloth where it is by
+/// now. One that is scaled spreads its pins, but not the cloth between them: scale the cloth's own entity as well. Pins hold hard or by
+/// springs ([`PinHold`]). What no pin holds any more is released and goes on with the velocity it had.
 ///
 /// A pin that cannot be used (no such vertex, an empty box, a despawned anchor) is reported once,
 /// as a [`ClothFailure`](crate::ClothFailure), and holds nothing; the other pins stay.

@@ -21,8 +21,8 @@ use crate::solver::{Backstop, SkinLimit};
 ///
 /// The cloth starts where its skin is, and has the size that its skeleton gives it; the entity's own transform does not matter, as for
 /// all skinned meshes. The joint that moves most of it leads it: see [`ClothTeleport`](crate::ClothTeleport) and
-/// [`ClothInertia`](crate::ClothInertia). Animations move joints once a frame: each tick
-/// takes them where they were at its time, a frame late.
+/// [`ClothInertia`](crate::ClothInertia). Animations move joints once a frame: each tick takes
+/// them where they were at its time, a frame late.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -23,7 +23,7 @@ pub(crate) struct SkinTrack {
     ticks: FrameTicks,
     /// Ticks that the frame has run.
     done: u32,
-    /// The last tick moved them, beside their root.
+    /// The last tick moved them below their root.
     by_ticks: bool,
     /// The topmost ancestor of the joints.
     root: RootTrack,
