@@ -15,8 +15,9 @@ use crate::error::failures::{Blame, Failures};
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::pose::frames::FrameTicks;
 use crate::pose::moves::Moves;
+use crate::pose::root::Placed;
 use crate::pose::track::PoseTrack;
-use crate::pose::{OwnScale, Placed, comes_along, pose_now_scaled, to_world};
+use crate::pose::{OwnScale, PoseError, comes_along, pose_now_scaled, to_world};
 use crate::sdf::DistanceField;
 use crate::solver::{self, ColliderMotion, Pose, RigidMotion};
 
@@ -207,13 +208,20 @@ pub(crate) fn note_colliders(
             && let Ok(now) = pose_now_scaled(transforms, entity, scale)
         {
             let before = moving.seen();
-            let root = if has_parent { moves.root_of(entity) } else { None };
-            moving.begin_frame(Placed::below(entity, now, root, transforms), ticks);
+            moving.begin_frame(placed(entity, now, has_parent, moves), ticks);
             let came_along = jumps.iter().any(|jump| comes_along(jump, &before, &now));
             if came_along || has_jumped(&before, &now, ticks.count) {
                 moving.at_once();
             }
         }
+    }
+}
+
+/// A collider's pose, and its root.
+fn placed(entity: Entity, pose: Pose, has_parent: bool, moves: &Moves) -> Placed {
+    match has_parent {
+        true => Placed { pose, root: moves.root(entity) },
+        false => Placed::alone(entity, pose),
     }
 }
 
@@ -244,9 +252,9 @@ pub(crate) fn gather_colliders(
             continue;
         }
         (pose.measured, pose.disabled) = (measured, disabled);
-        let root = if has_parent { moves.root_of(entity) } else { None };
-        let place = (entity, root, scale);
-        let gathered = match gather(place, &collider, &mut pose, &transforms, &fields) {
+        let now = pose_now_scaled(&transforms, entity, scale);
+        let now = now.map(|now| placed(entity, now, has_parent, &moves));
+        let gathered = match gather(entity, &collider, now, &mut pose, &fields) {
             Ok(gathered) => {
                 failures.clear(entity, Blame::Component(ClothComponent::SdfCollider));
                 failures.clear(entity, Blame::Pose);
@@ -255,9 +263,7 @@ pub(crate) fn gather_colliders(
             Err(error) => {
                 // What comes back later has not moved from where it was lost.
                 *pose = ColliderPose::default();
-                if error.blame() != Blame::Pose
-                    && pose_now_scaled(&transforms, entity, scale).is_ok()
-                {
+                if error.blame() != Blame::Pose && now.is_ok() {
                     failures.clear(entity, Blame::Pose);
                 }
                 failures.report(entity, error);
@@ -269,23 +275,22 @@ pub(crate) fn gather_colliders(
 }
 
 fn gather(
-    (entity, root, scale): (Entity, Option<Entity>, Option<&OwnScale>),
+    entity: Entity,
     collider: &SdfCollider,
+    now: Result<Placed, PoseError>,
     pose: &mut ColliderPose,
-    transforms: &TransformHelper,
     fields: &FieldSource,
 ) -> Result<Gathered, ClothErrorKind> {
     let &SdfCollider { friction, layers, .. } = collider;
     let component = ClothComponent::SdfCollider;
     collider.check().map_err(|problem| ClothErrorKind::Parameter { component, problem })?;
-    let now = pose_now_scaled(transforms, entity, scale)?;
-    let seen = Placed::below(entity, now, root, transforms);
-    let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(seen)));
-    track.advance(seen);
+    let now = now?;
+    let track = pose.moving.get_or_insert_with(|| Box::new(PoseTrack::new(now)));
+    track.advance(now);
     let (start, end) = (track.start(), track.end());
     let start = if has_jumped(&start, &end, 1) { end } else { start };
     // A field may yet come, or be changed.
-    pose.still = start == end && end == now && !matches!(collider.shape, SdfShape::Field(_));
+    pose.still = start == end && end == now.pose && !matches!(collider.shape, SdfShape::Field(_));
     fields.check(&collider.shape)?;
     let motion =
         collider.shape.get(fields.assets()).map(|shape| ColliderMotion::new(shape, start, end));

@@ -219,7 +219,7 @@ pub enum PinProblem {
     AnchorScale {
         /// The anchor.
         anchor: Entity,
-        /// What is wrong with its transform.
+        /// The problem of its transform.
         problem: ScaleProblem,
     },
     /// A number of a soft pin is out of its range.

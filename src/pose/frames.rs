@@ -1,6 +1,6 @@
 //! Where the ticks of a frame lie between the poses of two frames.
 //!
-//! What moves once a frame is seen before each frame's ticks, where the frame before has put it. A tick takes it where it was at the
+//! Something that moves once a frame is seen before each frame's ticks, where the frame before has put it. A tick takes it where it was at the
 //! tick's own time, a frame late: that lies between the last two of these poses, whatever the lengths of frames and ticks. So what moves
 //! evenly from frame to frame moves evenly from tick to tick. Were the way of a frame shared among its ticks, then at 60 frames and 64
 //! ticks a second two ticks in each fifteenth frame would be half as fast as the others, and shake the cloth.

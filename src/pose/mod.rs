@@ -6,6 +6,7 @@
 //! that is moved in the fixed schedule ([`root`]).
 
 pub(crate) mod bindposes;
+pub(crate) mod course;
 pub(crate) mod frames;
 pub(crate) mod moves;
 pub(crate) mod root;
@@ -16,35 +17,8 @@ use bevy::prelude::*;
 
 use crate::error::ClothErrorKind;
 use crate::error::problems::ScaleProblem;
-use crate::pose::root::Root;
 pub(crate) use crate::solver::Pose;
 use crate::solver::RigidMotion;
-
-/// An entity's pose, and its root.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    pub pose: Pose,
-    pub root: Root,
-}
-
-impl Placed {
-    /// An entity without ancestors.
-    pub fn alone(entity: Entity, pose: Pose) -> Self {
-        Self { pose, root: Root { entity, pose: Some(pose) } }
-    }
-
-    /// An entity, and its topmost ancestor, if it has any.
-    pub fn below(
-        entity: Entity,
-        pose: Pose,
-        root: Option<Entity>,
-        transforms: &TransformHelper,
-    ) -> Self {
-        let Some(root) = root else { return Self::alone(entity, pose) };
-        let its = pose_now(transforms, root).ok();
-        Self { pose, root: Root { entity: root, pose: its } }
-    }
-}
 
 /// How far two poses are from each other: a turn by a radian counts as a metre.
 fn distance_of(one: &Pose, other: &Pose) -> f32 {

@@ -32,9 +32,12 @@ impl Moves<'_, '_> {
         }
     }
 
-    /// The topmost ancestor of an entity that has any.
-    pub fn root_of(&self, entity: Entity) -> Option<Entity> {
-        Root::above(entity, |it| self.places.get(it).ok()?.1.map(|parent| parent.parent()))
+    /// The root of an entity.
+    pub fn root(&self, entity: Entity) -> Root {
+        Root::of(entity, |it| {
+            let (place, parent) = self.places.get(it).ok()?;
+            Some((*place, parent.map(|parent| parent.parent())))
+        })
     }
 
     /// Whether this entity or an ancestor was changed.

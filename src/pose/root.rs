@@ -1,10 +1,11 @@
-//! What the topmost ancestor of an entity does in ticks.
+//! The topmost ancestor of an entity, as ticks move it.
 //!
 //! A game may move a character in its ticks, and animate its joints once a frame. Then a joint moves in every tick, and what the frame has
 //! done to it is seen only beside the motion of the character.
 
 use bevy::prelude::*;
 
+use crate::pose::pose_of;
 use crate::solver::{Pose, RigidMotion};
 
 /// The topmost ancestor of an entity, or itself, and where it is.
@@ -15,10 +16,32 @@ pub(crate) struct Root {
     pub pose: Option<Pose>,
 }
 
+/// An entity's pose, and its root.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub pose: Pose,
+    pub root: Root,
+}
+
 impl Root {
-    /// The topmost ancestor of an entity that has any, by what is above each.
-    pub fn above(entity: Entity, parent: impl Fn(Entity) -> Option<Entity>) -> Option<Entity> {
-        core::iter::successors(parent(entity), |it| parent(*it)).last()
+    /// The root of an entity, by the transform and the parent of each.
+    pub fn of(
+        entity: Entity,
+        place: impl Fn(Entity) -> Option<(Transform, Option<Entity>)>,
+    ) -> Self {
+        let (mut root, mut found) = (entity, place(entity));
+        while let Some((_, Some(parent))) = found {
+            (root, found) = (parent, place(parent));
+        }
+        let pose = found.and_then(|(place, _)| pose_of(&GlobalTransform::from(place)).ok());
+        Self { entity: root, pose }
+    }
+}
+
+impl Placed {
+    /// An entity without ancestors.
+    pub fn alone(entity: Entity, pose: Pose) -> Self {
+        Self { pose, root: Root { entity, pose: Some(pose) } }
     }
 }
 
@@ -73,11 +96,6 @@ impl RootTrack {
     pub fn begin_frame(&mut self, now: Root) {
         let now = self.look(now);
         (self.before, self.noted, self.seen) = (self.seen, now, now);
-    }
-
-    /// Lets nothing have been done to it before the frame.
-    pub fn at_once(&mut self) {
-        self.before = self.noted;
     }
 
     /// Goes on by a tick. Tells how it has moved, if it is ticks that move it.

@@ -5,7 +5,6 @@ use bevy::math::Affine3A;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
-use crate::pose::pose_of;
 use crate::pose::root::Root;
 
 /// The joints of a skinned mesh, in its order.
@@ -65,16 +64,12 @@ impl Joints<'_, '_> {
         }
     }
 
-    /// The topmost ancestor of an entity that has any.
-    pub fn root_of(&self, entity: Entity) -> Option<Entity> {
-        Root::above(entity, |it| self.places.get(it).ok()?.1.map(ChildOf::parent))
-    }
-
     /// The root of an entity.
     pub fn root(&self, entity: Entity) -> Root {
-        let entity = self.root_of(entity).unwrap_or(entity);
-        let place = self.places.get(entity).ok().map(|(place, _)| GlobalTransform::from(*place));
-        Root { entity, pose: place.and_then(|place| pose_of(&place).ok()) }
+        Root::of(entity, |it| {
+            let (place, parent) = self.places.get(it).ok()?;
+            Some((*place, parent.map(ChildOf::parent)))
+        })
     }
 
     /// Looks where all joints are.

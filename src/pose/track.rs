@@ -2,10 +2,11 @@
 
 use bevy::prelude::*;
 
+use crate::pose::course::{Course, OnTheWay};
 use crate::pose::frames::FrameTicks;
-use crate::pose::root::RootTrack;
-use crate::pose::{Placed, is_near};
-use crate::solver::Pose;
+use crate::pose::is_near;
+use crate::pose::root::Placed;
+use crate::solver::{Pose, RigidMotion};
 
 /// A pose from tick to tick: where something is at a tick's start and at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,46 +22,34 @@ pub(crate) struct PoseTrack {
     noted: Pose,
     /// Where it was before that: what is between them, the last frame has done.
     before: Pose,
-    /// Where the frame's ticks lie between the two.
-    ticks: FrameTicks,
-    /// Ticks that the frame has run.
-    done: u32,
-    /// The last tick moved it below its root. What has no ancestors is its own root.
-    by_ticks: bool,
-    /// The topmost of its ancestors, or itself.
-    root: RootTrack,
+    course: Course,
 }
 
 impl PoseTrack {
     /// Something newly seen: it has not moved.
     pub fn new(Placed { pose: now, root }: Placed) -> Self {
-        let ticks = FrameTicks::default();
-        let (start, end, seen, noted, before) = (now, now, now, now, now);
-        let root = RootTrack::new(root);
-        Self { start, end, seen, noted, before, ticks, done: 0, by_ticks: false, root }
+        let course = Course::new(root);
+        Self { start: now, end: now, seen: now, noted: now, before: now, course }
     }
 
     /// Notes the pose before the ticks of a frame.
     pub fn begin_frame(&mut self, Placed { pose: now, root }: Placed, ticks: FrameTicks) {
-        self.root.begin_frame(root);
+        self.course.begin_frame(root, ticks);
         // It may have been nowhere.
         self.before = if self.seen.is_valid() { self.seen } else { now };
         (self.noted, self.seen) = (now, now);
-        (self.ticks, self.done) = (ticks, 0);
     }
 
     /// Lets the next tick take the whole way: the last frame has put it elsewhere.
     pub fn at_once(&mut self) {
-        self.before = self.noted;
-        self.root.at_once();
+        self.course.at_once();
     }
 
     /// Whether it could be that of anything.
     pub fn is_sound(&self) -> bool {
-        let Self { start, end, seen, noted, before, ticks, done, by_ticks: _, root } = self;
+        let Self { start, end, seen, noted, before, course } = self;
         let all = [start, end, seen, noted, before];
-        let are_valid = all.into_iter().all(Pose::is_valid) && root.is_sound();
-        are_valid && ticks.is_sound() && *done <= u32::MAX / 2
+        all.into_iter().all(Pose::is_valid) && course.is_sound()
     }
 
     /// The pose at the last tick's start.
@@ -102,24 +91,26 @@ impl PoseTrack {
     pub fn advance(&mut self, Placed { pose: now, root }: Placed) {
         self.start = self.end;
         self.seen = now;
-        self.done += 1;
-        let motion = self.root.advance(root);
-        let with_root = |pose: &Pose| motion.map_or(*pose, |it| it.moved.apply_to_pose(pose));
-        let by_ticks = match motion {
-            None => now != self.noted,
-            Some(_) => !is_near(&now, &with_root(&self.noted)),
+        let Self { noted, before, course, .. } = self;
+        let stands = |moved: Option<&RigidMotion>| match moved {
+            None => now == *noted,
+            Some(_) => is_near(&now, &moved_by(moved, noted)),
         };
-        let before = motion.map_or(self.before, |it| it.shown.apply_to_pose(&self.before));
-        // What ticks move is shown elsewhere between them, and may by chance be shown where it is put back.
-        if self.by_ticks && !by_ticks {
-            self.at_once();
-        }
-        let by_frame = !by_ticks && !self.by_ticks && !is_near(&before, &self.noted);
-        let part = self.ticks.part(self.done).filter(|_| by_frame);
-        let on_the_way = |part| with_root(&on_the_way(&before, &self.noted, part));
-        self.end = part.map_or(now, on_the_way);
-        self.by_ticks = by_ticks;
+        let stood = |shown: Option<&RigidMotion>| is_near(&moved_by(shown, before), noted);
+        self.end = match course.advance(root, stands, stood) {
+            None => now,
+            Some(OnTheWay { part, motion }) => {
+                let [shown, moved] = [motion.map(|it| it.shown), motion.map(|it| it.moved)];
+                let there = on_the_way(&moved_by(shown.as_ref(), before), noted, part);
+                moved_by(moved.as_ref(), &there)
+            }
+        };
     }
+}
+
+/// Where a motion takes a pose, if there is one.
+fn moved_by(motion: Option<&RigidMotion>, pose: &Pose) -> Pose {
+    motion.map_or(*pose, |motion| motion.apply_to_pose(pose))
 }
 
 /// A pose on the way from one to another; the way may have been left a little behind, or be a little ahead.

@@ -10,8 +10,9 @@ use crate::error::failures::{Blame, Failures};
 use crate::error::problems::PinProblem;
 use crate::error::{ClothComponent, ClothErrorKind};
 use crate::pose::frames::FrameTicks;
+use crate::pose::root::Placed;
 use crate::pose::skeleton::Joints;
-use crate::pose::{Placed, PoseError, pose_now};
+use crate::pose::{PoseError, pose_now};
 use crate::simulation::ClothSimulation;
 use crate::simulation::attachments::{Anchor, Attachments};
 use crate::simulation::holding::hold;
@@ -30,8 +31,8 @@ pub(crate) fn note_anchors(
     for (i, anchor) in attachments.anchors.iter_mut().enumerate() {
         let Ok(now) = pose_now(transforms, anchor.entity) else { continue };
         let before = anchor.pose.seen();
-        let root = joints.root_of(anchor.entity);
-        anchor.pose.begin_frame(Placed::below(anchor.entity, now, root, transforms), ticks);
+        let root = joints.root(anchor.entity);
+        anchor.pose.begin_frame(Placed { pose: now, root }, ticks);
         let jumps = frame.is_put_elsewhere() || frame.is_jump_of_frame(&before, &now, ticks.count);
         if jumps {
             anchor.pose.at_once();
@@ -195,10 +196,8 @@ fn advance_anchors(
         if at_once {
             anchor.pose.at_once();
         }
-        let root = joints.root_of(anchor.entity);
         let pose = now.unwrap_or(anchor.pose.end());
-        let seen = Placed::below(anchor.entity, pose, root, transforms);
-        anchor.pose.advance(seen);
+        anchor.pose.advance(Placed { pose, root: joints.root(anchor.entity) });
         if let Err(error) = now
             && (problem.is_none() || error == PoseError::Missing)
         {

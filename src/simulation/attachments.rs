@@ -7,8 +7,9 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 use crate::cloth::pins::PinHold;
+use crate::pose::root::Placed;
 use crate::pose::track::PoseTrack;
-use crate::pose::{Placed, to_local, to_world};
+use crate::pose::{to_local, to_world};
 use crate::solver::{Pose, SoftPin};
 
 /// Something that holds particles, or the cloth's own entity.

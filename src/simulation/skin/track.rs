@@ -2,8 +2,9 @@
 
 use bevy::math::{Affine3A, Mat3A};
 
+use crate::pose::course::{Course, OnTheWay};
 use crate::pose::frames::FrameTicks;
-use crate::pose::root::{Root, RootTrack};
+use crate::pose::root::Root;
 use crate::solver::RigidMotion;
 
 /// The matrices that move a skinned mesh, at a tick's end. What moves once a frame is taken where it was at each tick's time, as
@@ -19,32 +20,22 @@ pub(crate) struct SkinTrack {
     noted: Vec<Affine3A>,
     /// Before that: what is between them, the last frame has done.
     before: Vec<Affine3A>,
-    /// Where the frame's ticks lie between the two.
-    ticks: FrameTicks,
-    /// Ticks that the frame has run.
-    done: u32,
-    /// The last tick moved them below their root.
-    by_ticks: bool,
-    /// The topmost ancestor of the joints.
-    root: RootTrack,
+    course: Course,
 }
 
 impl SkinTrack {
     /// Something newly seen: it has not moved.
     pub fn new(now: Vec<Affine3A>, root: Root) -> Self {
         let (seen, noted, before) = (now.clone(), now.clone(), now.clone());
-        let (ticks, root) = (FrameTicks::default(), RootTrack::new(root));
-        Self { end: now, seen, noted, before, ticks, done: 0, by_ticks: false, root }
+        Self { end: now, seen, noted, before, course: Course::new(root) }
     }
 
     /// Whether it could be that of so many joints.
     pub fn is_sound(&self, joints: usize) -> bool {
-        let Self { end, seen, noted, before, ticks, done, by_ticks: _, root } = self;
+        let Self { end, seen, noted, before, course } = self;
         let sound =
             |all: &Vec<Affine3A>| all.len() == joints && all.iter().all(Affine3A::is_finite);
-        let all = [end, seen, noted, before];
-        let are_valid = all.into_iter().all(sound) && root.is_sound();
-        are_valid && ticks.is_sound() && *done <= u32::MAX / 2
+        [end, seen, noted, before].into_iter().all(sound) && course.is_sound()
     }
 
     /// The matrices at the last tick's end.
@@ -54,53 +45,51 @@ impl SkinTrack {
 
     /// Notes the matrices before the ticks of a frame, and where the root is.
     pub fn begin_frame(&mut self, now: &[Affine3A], root: Root, ticks: FrameTicks) {
-        self.root.begin_frame(root);
+        self.course.begin_frame(root, ticks);
         // They may have been nowhere.
         let are_known = self.seen.iter().all(Affine3A::is_finite);
         self.before.copy_from_slice(if are_known { &self.seen } else { now });
         self.noted.copy_from_slice(now);
         self.seen.copy_from_slice(now);
-        (self.ticks, self.done) = (ticks, 0);
     }
 
     /// Lets the next tick take the whole way: the last frame has put them elsewhere.
     pub fn at_once(&mut self) {
-        self.before.copy_from_slice(&self.noted);
-        self.root.at_once();
+        self.course.at_once();
     }
 
     /// Goes on by a tick. Tells whether anything moves in it.
     pub fn advance(&mut self, now: &[Affine3A], root: Root) -> bool {
-        self.done += 1;
         self.seen.copy_from_slice(now);
-        let motion = self.root.advance(root).map(|it| [it.shown, it.moved].map(|it| affine(&it)));
-        let by_ticks = match motion {
-            None => now != self.noted,
-            Some([_, moved]) => {
-                let are_as_noted = |(now, noted): (&_, &_)| is_near(now, &(moved * *noted));
-                !now.iter().zip(&self.noted).all(are_as_noted)
+        let Self { end, noted, before, course, .. } = self;
+        let stands = |moved: Option<&RigidMotion>| match moved.map(affine) {
+            None => now == *noted,
+            Some(moved) => {
+                let mut both = now.iter().zip(&*noted);
+                both.all(|(now, noted)| is_near(now, &(moved * *noted)))
             }
         };
-        if self.by_ticks && !by_ticks {
-            self.at_once();
-        }
-        let before = |before: &Affine3A| motion.map_or(*before, |[shown, _]| shown * *before);
-        let stood = |(from, noted): (&_, &_)| is_near(&before(from), noted);
-        let stands = || self.before.iter().zip(&self.noted).all(stood);
-        let by_frame = !by_ticks && !self.by_ticks && !stands();
-        self.by_ticks = by_ticks;
-        let part = self.ticks.part(self.done).filter(|_| by_frame);
-        let Some(part) = part else {
-            let moves = now != self.end;
-            self.end.copy_from_slice(now);
+        let stood = |shown: Option<&RigidMotion>| {
+            let (shown, mut both) = (affine_of(shown), before.iter().zip(&*noted));
+            both.all(|(before, noted)| is_near(&(shown * *before), noted))
+        };
+        let Some(OnTheWay { part, motion }) = course.advance(root, stands, stood) else {
+            let moves = now != *end;
+            end.copy_from_slice(now);
             return moves;
         };
-        for (end, (from, to)) in self.end.iter_mut().zip(self.before.iter().zip(&self.noted)) {
-            let there = between(&before(from), to, part);
-            *end = motion.map_or(there, |[_, moved]| moved * there);
+        let shown = affine_of(motion.as_ref().map(|it| &it.shown));
+        let moved = affine_of(motion.as_ref().map(|it| &it.moved));
+        for (end, (before, noted)) in end.iter_mut().zip(before.iter().zip(&*noted)) {
+            *end = moved * between(&(shown * *before), noted, part);
         }
         true
     }
+}
+
+/// A motion as a matrix, if there is one.
+fn affine_of(motion: Option<&RigidMotion>) -> Affine3A {
+    motion.map_or(Affine3A::IDENTITY, affine)
 }
 
 /// A motion as a matrix.
