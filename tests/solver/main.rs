@@ -9,6 +9,7 @@ mod bending_friction;
 mod bodies;
 mod carry;
 mod contact;
+mod convex;
 mod determinism;
 mod fast;
 mod fingerprints;

@@ -1,5 +1,6 @@
 //! Which place of a segment is nearest to a solid.
 
+use super::shapes::{larger, smaller};
 use super::{LANES, PointBlock};
 
 /// Steps of the search: each leaves 0.618 of a segment. Two places in it come before them.
@@ -8,6 +9,8 @@ const STEPS: usize = 6;
 const GOLDEN: f32 = 0.381_966_02;
 /// Part of a segment by which a place that was searched may be off.
 const UNSURE: f32 = 0.06;
+/// Part of a segment that stands for what distances to a convex solid are rounded by.
+const ROUNDED: f32 = 1e-3;
 
 /// [`LANES`] segments \[m\] as a structure of arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,17 +73,20 @@ pub struct NearestBlock {
 }
 
 /// Searches the nearest places by golden section (Kiefer 1953): where the distance is a convex function, as it is around a
-/// convex solid, it finds them.
+/// convex solid, it finds them, and tells from what it saw beside them how much less it may be in between.
 #[inline(always)]
 pub(super) fn search(
     segments: &SegmentBlock,
     out: &mut NearestBlock,
+    is_convex: bool,
     measure: impl Fn(&PointBlock, &mut [f32; LANES]),
 ) {
     let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
     let (mut first, mut second) = ([GOLDEN; LANES], [1.0 - GOLDEN; LANES]);
     let (mut at_first, mut at_second) =
         (segments.distances(&first, &measure), segments.distances(&second, &measure));
+    // The ends are not measured.
+    let (mut at_low, mut at_high) = ([f32::INFINITY; LANES], [f32::INFINITY; LANES]);
     for _ in 0..STEPS {
         // All is loaded first, and then chosen between: so it is done in lanes.
         let mut probe = [0.0; LANES];
@@ -92,6 +98,11 @@ pub(super) fn search(
             let (near, far) = (from + width, to - width);
             (low[i], high[i]) = (from, to);
             probe[i] = if is_low { near } else { far };
+        }
+        for i in 0..LANES {
+            let (from, to, one, other) = (at_low[i], at_high[i], at_first[i], at_second[i]);
+            at_low[i] = if one < other { from } else { one };
+            at_high[i] = if one < other { other } else { to };
         }
         let new = segments.distances(&probe, &measure);
         for i in 0..LANES {
@@ -108,10 +119,23 @@ pub(super) fn search(
         let (one, other) = (first[i], second[i]);
         let (at_one, at_other) = (at_first[i], at_second[i]);
         let is_first = at_one < at_other;
+        let found = if is_first { at_one } else { at_other };
         out.at[i] = if is_first { one } else { other };
-        out.distance[i] = if is_first { at_one } else { at_other };
+        out.distance[i] = found;
+        // Beyond a place, a convex function lies above the line on which it came there. Of the two places and the two ends of what is
+        // left, the one that was found has these beside it.
+        let (before, at_before) = if is_first { (low[i], at_low[i]) } else { (one, at_one) };
+        let (after, at_after) = if is_first { (other, at_other) } else { (high[i], at_high[i]) };
+        let (to_before, to_after) = (out.at[i] - before, after - out.at[i]);
+        let less_before = (at_after - found) * (to_before / to_after);
+        let less_after = (at_before - found) * (to_after / to_before);
         // A distance changes by no more than the way.
         let way = segments.way.point(i);
-        out.least[i] = out.distance[i] - UNSURE * way.dot(way).sqrt();
+        let length = way.dot(way).sqrt();
+        let less_before = smaller(less_before, length * to_before);
+        let less_after = smaller(less_after, length * to_after);
+        let less = larger(less_before, less_after) + ROUNDED * length;
+        let less = if is_convex { less } else { UNSURE * length };
+        out.least[i] = found - less;
     }
 }

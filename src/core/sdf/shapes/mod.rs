@@ -33,7 +33,10 @@ pub use cuboid::{cuboid_block, cuboid_distance_block};
 pub use height_field::{
     HeightField, HeightFieldCell, HeightFieldError, height_field_block, height_field_distance_block,
 };
-pub use revolved::{cylinder_block, cylinder_distance_block};
+pub use revolved::{
+    cone_block, cone_distance_block, cylinder_block, cylinder_distance_block, torus_block,
+    torus_distance_block,
+};
 pub use round::{
     CapsuleBetween, capsule_between_block, capsule_block, capsule_distance_block, half_space_block,
     half_space_distance_block, nearest_to_capsule, nearest_to_half_space, nearest_to_sphere,

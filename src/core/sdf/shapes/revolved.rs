@@ -25,10 +25,10 @@ fn revolve(point: Vec3, profile: impl FnOnce(f32, f32) -> Profile) -> Kernel {
 fn revolve_block(
     points: &PointBlock,
     out: &mut SampleBlock,
-    profile: impl Fn(f32, f32) -> Profile,
+    profile: impl Fn(f32, f32) -> Profile + Copy,
 ) {
     for lane in 0..LANES {
-        let (distance, normal) = revolve(points.point(lane), &profile);
+        let (distance, normal) = revolve(points.point(lane), profile);
         out.set(lane, distance, normal);
     }
 }
@@ -38,10 +38,10 @@ fn revolve_block(
 fn revolve_distances(
     points: &PointBlock,
     out: &mut [f32; LANES],
-    profile: impl Fn(f32, f32) -> Profile,
+    profile: impl Fn(f32, f32) -> Profile + Copy,
 ) {
     for (lane, distance) in out.iter_mut().enumerate() {
-        *distance = revolve(points.point(lane), &profile).0;
+        *distance = revolve(points.point(lane), profile).0;
     }
 }
 
@@ -63,36 +63,53 @@ fn torus(shape: &Torus, radius: f32, height: f32) -> Profile {
     (length - shape.minor_radius, normal)
 }
 
-#[inline(always)]
-fn cone(shape: &Cone, radius: f32, height: f32) -> Profile {
-    let half_height = 0.5 * shape.height;
-    let below_tip = half_height - height;
-    let slant_squared = shape.radius * shape.radius + shape.height * shape.height;
-    let tip = length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
-    if slant_squared < f32::MIN_POSITIVE {
-        // A point has no sides.
-        return tip;
+/// What is the same of a cone wherever it is asked.
+#[derive(Clone, Copy)]
+struct ConeProfile {
+    radius: f32,
+    half_height: f32,
+    /// Length of a line down the side \[m\].
+    slant: f32,
+    side_normal: [f32; 3],
+    /// Whether it is a point, which has no sides.
+    is_point: bool,
+}
+
+impl ConeProfile {
+    #[inline(always)]
+    fn new(&Cone { radius, height }: &Cone) -> Self {
+        let slant_squared = radius * radius + height * height;
+        let is_point = slant_squared < f32::MIN_POSITIVE;
+        let slant = if is_point { 1.0 } else { slant_squared.sqrt() };
+        let side_normal = [height / slant, radius / slant, 0.0];
+        Self { radius, half_height: 0.5 * height, slant, side_normal, is_point }
     }
-    let slant = slant_squared.sqrt();
-    let side_normal = [shape.height / slant, shape.radius / slant, 0.0];
 
-    let beyond_side = radius * side_normal[0] - below_tip * side_normal[1];
-    let beyond_base = -half_height - height;
-    // How far down the side, from the tip, the foot of the perpendicular lies.
-    let along_side = radius * side_normal[1] + below_tip * side_normal[0];
-    let side = (beyond_side, side_normal);
-    let base = (beyond_base, [0.0, -1.0, 0.0]);
-    let rim = length_and_direction([radius - shape.radius, height + half_height, 0.0], side_normal);
+    #[inline(always)]
+    fn at(self, radius: f32, height: f32) -> Profile {
+        let Self { half_height, slant, side_normal, .. } = self;
+        let below_tip = half_height - height;
+        let tip = length_and_direction([radius, -below_tip, 0.0], [0.0, 1.0, 0.0]);
 
-    // A convex polygon: inside, the nearest side line is the nearest side. Outside, exactly one of side, base, tip and rim has the
-    // point in its normal cone.
-    let is_inside = beyond_side <= 0.0 && beyond_base <= 0.0;
-    let is_off_side = beyond_side > 0.0 && along_side >= 0.0 && along_side <= slant;
-    let is_off_base = beyond_base > 0.0 && radius <= shape.radius;
-    let inside = pick(beyond_base >= beyond_side, base, side);
-    let at_end = pick(along_side < 0.0, tip, rim);
-    let outside = pick(is_off_side, side, pick(is_off_base, base, at_end));
-    pick(is_inside, inside, outside)
+        let beyond_side = radius * side_normal[0] - below_tip * side_normal[1];
+        let beyond_base = -half_height - height;
+        // How far down the side, from the tip, the foot of the perpendicular lies.
+        let along_side = radius * side_normal[1] + below_tip * side_normal[0];
+        let side = (beyond_side, side_normal);
+        let base = (beyond_base, [0.0, -1.0, 0.0]);
+        let rim =
+            length_and_direction([radius - self.radius, height + half_height, 0.0], side_normal);
+
+        // A convex polygon: inside, the nearest side line is the nearest side. Outside, exactly one of side, base, tip and rim has
+        // the point in its normal cone.
+        let is_inside = beyond_side <= 0.0 && beyond_base <= 0.0;
+        let is_off_side = beyond_side > 0.0 && along_side >= 0.0 && along_side <= slant;
+        let is_off_base = beyond_base > 0.0 && radius <= self.radius;
+        let inside = pick(beyond_base >= beyond_side, base, side);
+        let at_end = pick(along_side < 0.0, tip, rim);
+        let outside = pick(is_off_side, side, pick(is_off_base, base, at_end));
+        pick(self.is_point, tip, pick(is_inside, inside, outside))
+    }
 }
 
 /// One profile or the other, number by number: so it is done in lanes.
@@ -124,6 +141,52 @@ pub fn cylinder_distance_block(shape: &Cylinder, points: &PointBlock, out: &mut 
     );
 }
 
+/// [`Torus`] at a block of points.
+#[inline(always)]
+pub fn torus_block(shape: &Torus, points: &PointBlock, out: &mut SampleBlock) {
+    revolve_block(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| torus(shape, radius, height),
+    );
+}
+
+/// Distance alone \[m\] of a [`Torus`].
+#[inline(always)]
+pub fn torus_distance_block(shape: &Torus, points: &PointBlock, out: &mut [f32; LANES]) {
+    revolve_distances(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| torus(shape, radius, height),
+    );
+}
+
+/// [`Cone`] at a block of points.
+#[inline(always)]
+pub fn cone_block(shape: &Cone, points: &PointBlock, out: &mut SampleBlock) {
+    let profile = ConeProfile::new(shape);
+    revolve_block(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| profile.at(radius, height),
+    );
+}
+
+/// Distance alone \[m\] of a [`Cone`].
+#[inline(always)]
+pub fn cone_distance_block(shape: &Cone, points: &PointBlock, out: &mut [f32; LANES]) {
+    let profile = ConeProfile::new(shape);
+    revolve_distances(
+        points,
+        out,
+        #[inline(always)]
+        |radius, height| profile.at(radius, height),
+    );
+}
+
 impl SignedDistance for Cylinder {
     fn sample(&self, point: Vec3) -> SdfSample {
         to_sample(revolve(point, |radius, height| cylinder(self, radius, height)))
@@ -135,6 +198,10 @@ impl SignedDistance for Cylinder {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         cylinder_distance_block(self, points, out);
+    }
+
+    fn is_convex(&self) -> bool {
+        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {
@@ -157,11 +224,15 @@ impl SignedDistance for Torus {
     }
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
-        revolve_block(points, out, |radius, height| torus(self, radius, height));
+        torus_block(self, points, out);
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
-        revolve_distances(points, out, |radius, height| torus(self, radius, height));
+        torus_distance_block(self, points, out);
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Torus(self))
     }
 
     fn core_depth(&self) -> f32 {
@@ -180,15 +251,24 @@ impl SignedDistance for Torus {
 
 impl SignedDistance for Cone {
     fn sample(&self, point: Vec3) -> SdfSample {
-        to_sample(revolve(point, |radius, height| cone(self, radius, height)))
+        let profile = ConeProfile::new(self);
+        to_sample(revolve(point, |radius, height| profile.at(radius, height)))
     }
 
     fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
-        revolve_block(points, out, |radius, height| cone(self, radius, height));
+        cone_block(self, points, out);
     }
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
-        revolve_distances(points, out, |radius, height| cone(self, radius, height));
+        cone_distance_block(self, points, out);
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
+
+    fn known(&self) -> Option<KnownShape<'_>> {
+        Some(KnownShape::Cone(self))
     }
 
     fn bounds(&self) -> Option<Aabb3d> {

@@ -87,6 +87,10 @@ impl SignedDistance for CapsuleBetween {
         self.radius
     }
 
+    fn is_convex(&self) -> bool {
+        true
+    }
+
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::CapsuleBetween(self))
     }
@@ -249,6 +253,10 @@ impl SignedDistance for Sphere {
         nearest_to_sphere(self.radius, segments, out);
     }
 
+    fn is_convex(&self) -> bool {
+        true
+    }
+
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Sphere(self))
     }
@@ -281,6 +289,10 @@ impl SignedDistance for Capsule3d {
 
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
         nearest_to_capsule(&(*self).into(), segments, out);
+    }
+
+    fn is_convex(&self) -> bool {
+        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {
@@ -316,6 +328,10 @@ impl SignedDistance for InfinitePlane3d {
 
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
         nearest_to_half_space(self.normal.as_vec3(), segments, out);
+    }
+
+    fn is_convex(&self) -> bool {
+        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {

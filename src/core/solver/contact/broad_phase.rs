@@ -34,6 +34,8 @@ pub(crate) struct BroadPhase {
     /// The way at which an edge may touch a collider \[m\]: for each place in `awake`, all edges; shorter where the last have
     /// none to hold.
     pub edge_until: Vec<f32>,
+    /// Likewise of faces.
+    pub face_until: Vec<f32>,
     /// How particles lie to a collider, while edges are held out of it.
     pub nearby: Option<Nearby>,
     /// How far any particle has gone since the tick began, at most \[m\].
@@ -74,6 +76,7 @@ impl BroadPhase {
             awake: Vec::with_capacity(FEW),
             until: Vec::with_capacity(FEW * blocks),
             edge_until: Vec::with_capacity(FEW_WITH_EDGES * edges.map_or(0, Edges::count)),
+            face_until: Vec::new(),
             nearby: edges.map(|edges| Nearby::new(layout.len(), edges)),
             gone: 0.0,
             pushed: 0.0,
@@ -99,6 +102,7 @@ impl BroadPhase {
         self.awake.clear();
         self.until.clear();
         self.edge_until.clear();
+        self.face_until.clear();
         (self.gone, self.pushed) = (0.0, 0.0);
         (self.low, self.high) = (low, high);
         self.slack = 1e-6 * low.abs().max(high.abs()).max_element();
@@ -166,10 +170,21 @@ impl BroadPhase {
             }
             // Places shift.
             self.edge_until.clear();
+            self.face_until.clear();
             self.awake.insert(place, Awake { collider: index, first, gone: 0.0, left: 0.0 });
             place += 1;
         }
     }
+}
+
+/// What is known of `each` edge or face of a cloth and the collider at a `place` in [`BroadPhase::awake`]. It goes only as far as a
+/// collider has any.
+pub(super) fn of_place(until: &mut Vec<f32>, place: usize, each: usize) -> &mut [f32] {
+    let [from, to] = [place, place + 1].map(|place| place * each);
+    if until.len() < to {
+        until.resize(to, 0.0);
+    }
+    &mut until[from..to]
 }
 
 /// Distance between two boxes along the axis where they are furthest apart: not more than their

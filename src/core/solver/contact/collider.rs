@@ -3,7 +3,7 @@
 use bevy_math::bounding::Aabb3d;
 use bevy_math::{Mat3, Vec3};
 
-use crate::sdf::{KnownShape, SignedDistance};
+use crate::sdf::{KnownShape, NearestBlock, PointBlock, SampleBlock, SegmentBlock, SignedDistance};
 use crate::solver::contact::mobility::{Deviation, Mobility};
 use crate::solver::contact::pose::Pose;
 
@@ -219,6 +219,8 @@ pub(super) struct Motion<'a> {
     pub friction: f32,
     /// How far the shape may overstate a distance \[m\].
     pub overestimate: f32,
+    /// Whether the shape is convex.
+    pub is_convex: bool,
     /// Displacement beyond epsilon from which on the whole path of a particle is looked at \[m\].
     pub fast: f32,
     /// Least radius of curvature of the surface where it is convex \[m\].
@@ -228,6 +230,26 @@ pub(super) struct Motion<'a> {
     pub yields: bool,
     /// The place that angular impulses are about, when the substep begins and when it ends \[m\].
     pub centre: [Vec3; 2],
+}
+
+impl Motion<'_> {
+    /// Samples the shape at a block of points of its frame; in the instructions around it where it is known.
+    #[inline(always)]
+    pub fn sample_block(&self, points: &PointBlock, out: &mut SampleBlock) {
+        match self.known {
+            Some(known) => known.sample_block(points, out),
+            None => self.shape.sample_block(points, out),
+        }
+    }
+
+    /// The places of segments of the shape's frame that are nearest to it; in the instructions around it where it is known.
+    #[inline(always)]
+    pub fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        match self.known {
+            Some(known) => known.nearest_on_segments(segments, out),
+            None => self.shape.nearest_on_segments(segments, out),
+        }
+    }
 }
 
 impl<'a> Motion<'a> {
@@ -268,6 +290,7 @@ impl<'a> Motion<'a> {
             reach,
             friction: (collider.friction * friction).sqrt(),
             overestimate: collider.shape.overestimate() * after.scale,
+            is_convex: collider.shape.is_convex(),
             // The rest is for what is not met head on: a way may cut off a part of a curved side.
             fast: 0.125 * collider.shape.core_depth() * after.scale,
             least_radius: collider.shape.least_radius() * after.scale,

@@ -81,9 +81,9 @@ pub(super) use crate::solver::contact::hold_onto::{HoldOnto, NoteUnfollowed};
 pub(super) use crate::solver::contact::response::FurthestWay;
 
 use crate::solver::contact::answer::Answer;
-use crate::solver::contact::broad_phase::Awake;
+use crate::solver::contact::broad_phase::{Awake, of_place};
 use crate::solver::contact::collider::Motion;
-use crate::solver::contact::edges::{HoldEdges, Nearby, Rule};
+use crate::solver::contact::edges::{HoldEdges, Nearby, Rule, Until};
 use crate::solver::contact::found::Found;
 use crate::solver::contact::hold::Held;
 use crate::solver::contact::let_go::LetGo;
@@ -285,17 +285,17 @@ impl<'c> ResolveContacts<'c> {
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let mut touching = touching.iter().sum();
         if let (Some((edges, rule)), Some(nearby)) = (rule, &mut broad_phase.nearby) {
-            // Only as far as a collider has edges to hold.
-            let [from, to] = [k, k + 1].map(|place| place * edges.count());
-            if broad_phase.edge_until.len() < to {
-                broad_phase.edge_until.resize(to, 0.0);
-            }
+            let faces = if rule.has_faces && motion.is_convex { edges.face_count() } else { 0 };
+            let until = Until {
+                edges: of_place(&mut broad_phase.edge_until, k, edges.count()),
+                faces: of_place(&mut broad_phase.face_until, k, faces),
+                gone,
+            };
             let held = HoldEdges {
                 edges,
                 nearby,
                 rule,
-                until: &mut broad_phase.edge_until[from..to],
-                gone,
+                until,
                 motion: &motion,
                 mobility: set.impulses.mobility(collider),
                 settings,

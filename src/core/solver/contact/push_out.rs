@@ -156,10 +156,7 @@ impl ParticleContact<'_> {
             (points.x[i], points.y[i], points.z[i]) = (local.x, local.y, local.z);
         }
         let mut samples = SampleBlock::default();
-        match motion.known {
-            Some(shape) => shape.sample_block(&points, &mut samples),
-            None => motion.shape.sample_block(&points, &mut samples),
-        }
+        motion.sample_block(&points, &mut samples);
         let mut normals = Block3::ZERO;
         let (mut depth, mut gap, mut gaps) = (Block::ZERO, Block::ZERO, Block::ZERO);
         for i in 0..LANES {

@@ -24,6 +24,17 @@ pub(crate) struct Block3 {
     pub z: Block,
 }
 
+/// The number of which only bit i is set, for each lane.
+const BITS: [f32; LANES] = {
+    let mut bits = [1.0; LANES];
+    let mut i = 1;
+    while i < LANES {
+        bits[i] = 2.0 * bits[i - 1];
+        i += 1;
+    }
+    bits
+};
+
 impl Block {
     pub const ZERO: Self = Self([0.0; LANES]);
 
@@ -93,6 +104,24 @@ impl Block {
             any |= lane > bound;
         }
         any
+    }
+
+    /// The lanes that are above a number, a bit each.
+    // The bits are added up as numbers, half by half: the compiler would take them one by one.
+    #[inline(always)]
+    pub fn bits_above(&self, bound: f32) -> u32 {
+        let mut lanes = [0.0; LANES];
+        for i in 0..LANES {
+            lanes[i] = if self.0[i] > bound { BITS[i] } else { 0.0 };
+        }
+        let mut width = LANES;
+        while width > 1 {
+            width /= 2;
+            for i in 0..width {
+                lanes[i] += lanes[i + width];
+            }
+        }
+        lanes[0] as u32
     }
 
     /// Whether any lane is another number than zero.
@@ -301,6 +330,20 @@ impl<'a> Blocks3Mut<'a> {
     pub fn add(&mut self, block: usize, value: &Block3) {
         self.set(block, self.at(block).plus(value));
     }
+}
+
+/// The places of the bits that are set, ascending.
+#[inline(always)]
+pub(crate) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let at = bits.trailing_zeros() as usize;
+            let is_any = bits != 0;
+            bits &= bits.wrapping_sub(1);
+            is_any.then_some(at)
+        },
+    )
 }
 
 /// The larger of two numbers; the second where either is NaN. One instruction, where `f32::max` is

@@ -1,17 +1,17 @@
 //! How particles lie to a collider, and which edges and faces between them are to be looked at closely.
 
 use crate::solver::contact::edges::Rule;
-use crate::solver::contact::edges::contact_point::Place;
-use crate::solver::contact::edges::list::{Edges, FAN, FAN_FACES, Joined, Pairs, rests_of_fans};
+use crate::solver::contact::edges::list::{Edges, FACES_BETWEEN, FAN, FAN_FACES, Joined, Pairs};
+use crate::solver::contact::edges::look::Look;
+use crate::solver::contact::edges::place::Place;
 use crate::solver::contact::edges::solve::System;
-use crate::solver::simd::block::{Block, Block3};
+use crate::solver::simd::block::{Block, Block3, larger, ones};
 use crate::solver::simd::gather::store;
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::slots::{ByBlock, CutAt};
 use crate::solver::simd::soa::{Array, PartMut, Soa, ValuesMut};
 use crate::solver::simd::transpose::{Four, Transpose};
-use crate::solver::topology::lattice::Lattice;
 
 /// Edges that are looked at closely in a substep that there is room for from the start.
 const FEW_CLOSE: usize = 4096;
@@ -35,12 +35,59 @@ pub(crate) struct Nearby {
     around: Vec<Four>,
     /// Edges that are looked at closely, by their places in the list.
     pub(super) close: Vec<u32>,
-    /// Slots of the corners of faces that are looked at closely.
-    pub(super) faces: Vec<[u32; 3]>,
+    /// Faces that are looked at closely.
+    pub(super) faces: Vec<CloseFace>,
     /// Places that are to be moved out.
     pub(super) places: Vec<Place>,
+    /// Those, and where something was expected, as they are looked at.
+    pub(super) looks: Vec<Look>,
     /// The pressed edges, as they are solved for.
     pub(super) system: System,
+}
+
+/// A face that is looked at closely.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CloseFace {
+    /// Its place in the list.
+    pub face: u32,
+    /// Slots of its corners.
+    pub corners: [u32; 3],
+}
+
+/// The ways at which edges and faces may touch a collider, and the way that has been gone, as `BroadPhase` counts them \[m\].
+pub(crate) struct Until<'a> {
+    pub edges: &'a mut [f32],
+    /// Empty where it is not known of faces.
+    pub faces: &'a mut [f32],
+    pub gone: f32,
+}
+
+impl Until<'_> {
+    /// Whether an edge may touch by now.
+    #[inline(always)]
+    fn reaches_edge(&self, edge: u32) -> bool {
+        self.edges[edge as usize] <= self.gone
+    }
+
+    /// Whether a face may.
+    #[inline(always)]
+    fn reaches_face(&self, face: u32) -> bool {
+        self.faces.get(face as usize).is_none_or(|&until| until <= self.gone)
+    }
+
+    /// Notes how far an edge is away at least \[m\].
+    #[inline(always)]
+    pub(super) fn set_edge(&mut self, edge: u32, away: f32) {
+        self.edges[edge as usize] = self.gone + larger(away, 0.0);
+    }
+
+    /// Notes how far a face is away at least \[m\].
+    #[inline(always)]
+    pub(super) fn set_face(&mut self, face: u32, away: f32) {
+        if let Some(until) = self.faces.get_mut(face as usize) {
+            *until = self.gone + larger(away, 0.0);
+        }
+    }
 }
 
 impl Nearby {
@@ -60,6 +107,7 @@ impl Nearby {
             close: Vec::with_capacity(FEW_CLOSE),
             faces: Vec::with_capacity(FEW_FACES),
             places: Vec::with_capacity(FEW_PRESSED),
+            looks: Vec::with_capacity(FEW_PRESSED),
             system: System::new(slots, FEW_PRESSED),
         }
     }
@@ -129,8 +177,7 @@ pub(super) struct FindClose<'a> {
     pub edges: &'a Edges,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
-    pub until: &'a [f32],
-    pub gone: f32,
+    pub until: &'a Until<'a>,
 }
 
 impl TransposingKernel for FindClose<'_> {
@@ -148,8 +195,8 @@ impl TransposingKernel for FindClose<'_> {
                 continue;
             }
             match &self.edges.joined {
-                Joined::Neighbours { lattice, hops } => {
-                    self.look_at_fans(lattice, block, *hops);
+                Joined::Neighbours { hops, within, .. } => {
+                    self.look_at_fans(block, *hops, &within[block]);
                 }
                 Joined::Pairs(pairs) => {
                     let [from, to] = [0, 1].map(|next| pairs.first[block + next] as usize);
@@ -188,63 +235,70 @@ impl FindClose<'_> {
             let differs = if cosine < rule.alike { 1.0 } else { 0.0 };
             found.0[i] = if reaches { differs } else { 0.0 };
         }
-        if !found.is_any_above(0.0) {
-            return;
-        }
-        for edge in (at..to).take(LANES).filter(|edge| found.0[edge - at] > 0.0) {
+        // Those that follow are of another block.
+        let within = u32::MAX >> (u32::BITS as usize - (to - at).min(LANES));
+        for edge in ones(found.bits_above(0.0) & within).map(|i| at + i) {
             self.take(edge as u32);
             if !self.rule.has_faces {
                 continue;
             }
-            for face in pairs.faces_of(edge as u32) {
-                let [a, b, c] = face.map(|slot| slot as usize);
+            for (face, corners) in pairs.faces_of(edge as u32) {
+                let [a, b, c] = corners.map(|slot| slot as usize);
                 if self.is_close(b, c) && self.is_close(a, c) {
-                    self.nearby.faces.push(*face);
+                    self.take_face(face, corners);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn look_at_fans(&mut self, lattice: &Lattice, block: usize, hops: [usize; FAN]) {
+    fn look_at_fans(&mut self, block: usize, hops: [usize; FAN], within: &[u32; LANES]) {
         let slot = block * LANES;
         let Nearby { gap, normal, .. } = &*self.nearby;
         let (gap0, normal0) = (Block::load(gap, slot), Block3::load(normal, slot));
-        let rests = rests_of_fans(lattice, slot);
-        let mut found = [Block::ZERO; FAN];
-        for ((found, hop), rest) in found.iter_mut().zip(hops).zip(&rests) {
-            let (gap1, normal1) = (Block::load(gap, slot + hop), Block3::load(normal, slot + hop));
-            for i in 0..LANES {
-                let cosine = normal0.at(i).dot(normal1.at(i));
-                let least = if gap0.0[i] < gap1.0[i] { gap0.0[i] } else { gap1.0[i] };
-                let reaches = gap0.0[i] + gap1.0[i] < self.rule.reach;
-                let reaches = reaches && least > self.rule.inside && rest.0[i] > 0.0;
-                let differs = if cosine < self.rule.alike { 1.0 } else { 0.0 };
-                found.0[i] = if reaches { differs } else { 0.0 };
+        let mut gaps = [Block::ZERO; FAN];
+        let mut normals = [Block3::ZERO; FAN];
+        for (i, hop) in hops.into_iter().enumerate() {
+            gaps[i] = Block::load(gap, slot + hop);
+            normals[i] = Block3::load(normal, slot + hop);
+        }
+        let Rule { reach, inside, alike, .. } = self.rule;
+        // Which edges of a particle's fan are close, a bit each.
+        let mut fans = [0; LANES];
+        for (lane, fan) in fans.iter_mut().enumerate() {
+            let (one, outward) = (gap0.0[lane], normal0.at(lane));
+            for i in 0..FAN {
+                let (other, cosine) = (gaps[i].0[lane], outward.dot(normals[i].at(lane)));
+                let least = if one < other { one } else { other };
+                let is_close = (one + other < reach) & (least > inside) & (cosine < alike);
+                *fan |= if is_close { 1 << i } else { 0 };
             }
         }
-        // Not on the way, where it would be stored and loaded again by each hop.
-        let mut any = Block::ZERO;
-        for i in 0..LANES {
-            any.0[i] = found[0].0[i] + found[1].0[i] + found[2].0[i] + found[3].0[i];
+        let mut any = 0;
+        for lane in 0..LANES {
+            fans[lane] &= within[lane];
+            any |= fans[lane];
         }
-        if !any.is_any_above(0.0) {
+        if any == 0 {
             return;
         }
-        for lane in (0..LANES).filter(|&lane| any.0[lane] > 0.0) {
-            for (i, found) in found.iter().enumerate() {
-                if found.0[lane] > 0.0 {
-                    self.take(((slot + lane) * FAN + i) as u32);
-                }
+        for (lane, fan) in fans.into_iter().enumerate() {
+            if fan == 0 {
+                continue;
+            }
+            let a = slot + lane;
+            for i in ones(fan) {
+                self.take((a * FAN + i) as u32);
             }
             if !self.rule.has_faces {
                 continue;
             }
-            for [i, j] in FAN_FACES {
-                let corners = [slot + lane, slot + lane + hops[i], slot + lane + hops[j]];
-                let [_, b, c] = corners;
-                if found[i].0[lane] > 0.0 && found[j].0[lane] > 0.0 && self.is_close(b, c) {
-                    self.nearby.faces.push([corners[0] as u32, b as u32, c as u32]);
+            for face in ones(FACES_BETWEEN[fan as usize]) {
+                let [i, j] = FAN_FACES[face];
+                let (b, c) = (a + hops[i], a + hops[j]);
+                if self.is_close(b, c) {
+                    let face = (a * FAN_FACES.len() + face) as u32;
+                    self.take_face(face, [a, b, c].map(|slot| slot as u32));
                 }
             }
         }
@@ -253,8 +307,16 @@ impl FindClose<'_> {
     /// Takes an edge, unless it has been found to be further away.
     #[inline(always)]
     fn take(&mut self, edge: u32) {
-        if self.until[edge as usize] <= self.gone {
+        if self.until.reaches_edge(edge) {
             self.nearby.close.push(edge);
+        }
+    }
+
+    /// Takes a face, unless it has been found to be further away.
+    #[inline(always)]
+    fn take_face(&mut self, face: u32, corners: [u32; 3]) {
+        if self.until.reaches_face(face) {
+            self.nearby.faces.push(CloseFace { face, corners });
         }
     }
 }

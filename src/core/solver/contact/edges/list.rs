@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::solver::simd::block::Block;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::topology::Topology;
 use crate::solver::topology::buckets::Buckets;
@@ -13,6 +12,24 @@ pub(super) const FAN: usize = 4;
 /// The faces of a lattice whose first corner is a particle, by the edges of its fan that lead to the others: with both
 /// diagonals of each cell.
 pub(super) const FAN_FACES: [[usize; 2]; 4] = [[0, 2], [0, 3], [2, 3], [1, 2]];
+
+/// The faces of a fan both of whose edges are among some, a bit each, by the bits of these.
+pub(super) const FACES_BETWEEN: [u32; 1 << FAN] = {
+    let mut faces = [0; 1 << FAN];
+    let mut fan = 0;
+    while fan < faces.len() {
+        let mut face = 0;
+        while face < FAN_FACES.len() {
+            let [i, j] = FAN_FACES[face];
+            if fan >> i & fan >> j & 1 == 1 {
+                faces[fan] |= 1 << face;
+            }
+            face += 1;
+        }
+        fan += 1;
+    }
+    faces
+};
 
 /// The edges of a cloth: all springs between neighbours of a lattice, both diagonals too, and the edges of a mesh.
 #[derive(Clone, Debug)]
@@ -25,8 +42,9 @@ pub(crate) struct Edges {
 /// The particles that edges join.
 #[derive(Clone, Debug)]
 pub(super) enum Joined {
-    /// Neighbours of a lattice. Edge `FAN s + i` goes from slot s on by the i-th of `hops`.
-    Neighbours { lattice: Arc<Lattice>, hops: [usize; FAN] },
+    /// Neighbours of a lattice. Edge `FAN s + i` goes from slot s on by the i-th of `hops`. Which of a
+    /// slot's lead to a neighbour, and not beside the sheet, is in `within`, a bit each.
+    Neighbours { lattice: Arc<Lattice>, hops: [usize; FAN], within: Vec<[u32; LANES]> },
     /// Any particles.
     Pairs(Pairs),
 }
@@ -48,17 +66,13 @@ pub(super) struct Pairs {
     at: Buckets<u32>,
 }
 
-/// Lengths at rest of the edges that go from a block of particles of a lattice \[m\]; 0 beside the sheet, where there are none.
-#[inline(always)]
-pub(super) fn rests_of_fans(lattice: &Lattice, slot: usize) -> [Block; FAN] {
+/// Which edges of a fan have a length at rest, a bit each; beside the sheet there are none.
+fn within(lattice: &Lattice, slot: usize) -> u32 {
     let Lattice { weft, warp, diagonal, antidiagonal_rest, .. } = lattice;
-    [
-        Block::load(&weft.rest, slot),
-        // A cell's diagonals stand at its first corner.
-        Block::load(antidiagonal_rest, slot - 1),
-        Block::load(&warp.rest, slot),
-        Block::load(&diagonal.rest, slot),
-    ]
+    // A cell's diagonals stand at its first corner.
+    let antidiagonal = slot.checked_sub(1).map_or(0.0, |corner| antidiagonal_rest[corner]);
+    let rests = [weft.rest[slot], antidiagonal, warp.rest[slot], diagonal.rest[slot]];
+    (0..FAN).map(|i| u32::from(rests[i] > 0.0) << i).sum()
 }
 
 impl Joined {
@@ -87,7 +101,9 @@ impl Edges {
         let across = lattice.diagonal.rest.iter().chain(&*lattice.antidiagonal_rest);
         let longest = across.fold(longest, |longest, &rest| longest.max(rest));
         let hops = [1, stride - 1, stride, stride + 1];
-        Self { longest, joined: Joined::Neighbours { lattice: lattice.clone(), hops } }
+        let within = |block| core::array::from_fn(|lane| within(lattice, block * LANES + lane));
+        let within = (0..lattice.layout.len() / LANES).map(within).collect();
+        Self { longest, joined: Joined::Neighbours { lattice: lattice.clone(), hops, within } }
     }
 
     /// How many there are, with those that lead beside the sheet.
@@ -95,6 +111,14 @@ impl Edges {
         match &self.joined {
             Joined::Neighbours { lattice, .. } => FAN * lattice.layout.len(),
             Joined::Pairs(pairs) => pairs.rest.len(),
+        }
+    }
+
+    /// How many faces there are, with those that lead beside the sheet.
+    pub fn face_count(&self) -> usize {
+        match &self.joined {
+            Joined::Neighbours { lattice, .. } => FAN_FACES.len() * lattice.layout.len(),
+            Joined::Pairs(pairs) => pairs.faces.len(),
         }
     }
 
@@ -162,11 +186,11 @@ impl Edges {
 }
 
 impl Pairs {
-    /// The faces whose first two corners an edge joins.
+    /// The faces whose first two corners an edge joins, by their places in the list, with their corners.
     #[inline(always)]
-    pub fn faces_of(&self, edge: u32) -> &[[u32; 3]] {
-        let [from, to] = [0, 1].map(|next| self.first_face[edge as usize + next] as usize);
-        &self.faces[from..to]
+    pub fn faces_of(&self, edge: u32) -> impl Iterator<Item = (u32, [u32; 3])> {
+        let [from, to] = [0, 1].map(|next| self.first_face[edge as usize + next]);
+        (from..to).map(|face| (face, self.faces[face as usize]))
     }
 
     fn new(topology: &Topology, triangles: &[[u32; 3]]) -> Self {
@@ -218,9 +242,9 @@ mod tests {
         let Joined::Pairs(pairs) = &edges.joined else { panic!("a mesh's edges are pairs") };
         let mut found = Vec::new();
         for edge in 0..edges.count() as u32 {
-            for face in pairs.faces_of(edge) {
+            for (_, face) in pairs.faces_of(edge) {
                 assert_eq!([face[0], face[1]], pairs.ends[edge as usize]);
-                found.push(*face);
+                found.push(face);
             }
         }
         assert_eq!(found.len(), TRIANGLES.len());

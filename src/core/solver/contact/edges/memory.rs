@@ -121,8 +121,8 @@ impl EdgeMemory {
     }
 
     /// Whether a particle passes through a collider.
-    pub fn is_freed(&self, slot: usize, collider: usize) -> bool {
-        let key = (slot as u32, collider as u32);
+    pub fn is_freed(&self, slot: u32, collider: usize) -> bool {
+        let key = (slot, collider as u32);
         self.freed.binary_search_by_key(&key, Freed::key).is_ok()
     }
 

@@ -19,7 +19,9 @@ mod body;
 pub(super) mod candidates;
 mod contact_point;
 mod list;
+mod look;
 pub(super) mod memory;
+mod place;
 mod release;
 mod search;
 mod solve;
@@ -29,7 +31,7 @@ use bevy_math::Vec3;
 pub(crate) use crate::solver::contact::edges::list::Edges;
 pub(crate) use crate::solver::contact::edges::memory::{EdgeMemory, Freed, WarmStart};
 
-pub(super) use crate::solver::contact::edges::candidates::{Nearby, NearbyMut};
+pub(super) use crate::solver::contact::edges::candidates::{Nearby, NearbyMut, Until};
 
 use crate::solver::contact::ContactSettings;
 use crate::solver::contact::active_set::ActiveSet;
@@ -69,7 +71,7 @@ pub(super) struct Rule {
     /// Least cosine between normals of a side that is gently curved.
     alike: f32,
     /// Whether faces are searched too.
-    has_faces: bool,
+    pub has_faces: bool,
 }
 
 impl Rule {
@@ -113,9 +115,7 @@ pub(super) struct HoldEdges<'a> {
     pub edges: &'a Edges,
     pub nearby: &'a mut Nearby,
     pub rule: Rule,
-    /// The ways at which edges may touch, and the way that has been gone, as `BroadPhase` counts it \[m\].
-    pub until: &'a mut [f32],
-    pub gone: f32,
+    pub until: Until<'a>,
     pub motion: &'a Motion<'a>,
     /// What it moves by, where it is a body.
     pub mobility: Option<Mobility>,
@@ -151,8 +151,7 @@ impl HoldEdges<'_> {
             edges: self.edges,
             nearby: self.nearby,
             rule: self.rule,
-            until: self.until,
-            gone: self.gone,
+            until: &self.until,
         });
         // All are searched before any is moved: what is passed over as it is too far changes no bit of the others.
         let Nearby { close, faces, places, .. } = &mut *self.nearby;
@@ -165,13 +164,12 @@ impl HoldEdges<'_> {
             d,
             motion,
             held,
-            until: self.until,
-            gone: self.gone,
+            until: &mut self.until,
             places,
         });
-        isa.run(SearchFaces { faces, x, d, motion, held, places });
+        isa.run(SearchFaces { faces, x, d, motion, held, until: &mut self.until, places });
         let mut system = core::mem::take(&mut self.nearby.system);
-        self.find_pressed(&mut system.presses);
+        self.find_pressed(isa, &mut system.presses);
         let mut held =
             if system.presses.is_empty() { EdgesHeld::default() } else { self.solve(&mut system) };
         held.given += slowed;

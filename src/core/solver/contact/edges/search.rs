@@ -1,19 +1,24 @@
 //! The places of edges that are nearest to a solid, and those of faces: 16 at a time.
 
-use crate::sdf::{NearestBlock, PointBlock, SegmentBlock};
+use bevy_math::Vec3;
+
+use crate::sdf::{NearestBlock, PointBlock, SampleBlock, SegmentBlock};
 use crate::solver::contact::collider::{Frame, Motion};
-use crate::solver::contact::edges::contact_point::Place;
+use crate::solver::contact::edges::candidates::{CloseFace, Until};
 use crate::solver::contact::edges::list::Edges;
-use crate::solver::simd::block::larger;
+use crate::solver::contact::edges::place::Place;
+use crate::solver::simd::block::{larger, smaller};
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
 
 /// Part of each corner in a place that is within a face.
 const WITHIN: f32 = 0.05;
+/// Part of a face's side that stands for what distances to a convex solid are rounded by.
+const ROUNDED: f32 = 1e-3;
 
 /// Searches edges, and notes the places of those that are to be moved out.
-pub(super) struct SearchEdges<'a> {
+pub(super) struct SearchEdges<'a, 'u> {
     pub edges: &'a Edges,
     /// Those that are searched, by their places in the list.
     pub close: &'a [u32],
@@ -22,13 +27,11 @@ pub(super) struct SearchEdges<'a> {
     pub motion: &'a Motion<'a>,
     /// Distance at which edges are held \[m\].
     pub held: f32,
-    /// The ways at which edges may touch, and the way that has been gone \[m\].
-    pub until: &'a mut [f32],
-    pub gone: f32,
+    pub until: &'a mut Until<'u>,
     pub places: &'a mut Vec<Place>,
 }
 
-impl Kernel for SearchEdges<'_> {
+impl Kernel for SearchEdges<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -44,7 +47,7 @@ impl Kernel for SearchEdges<'_> {
             let to = corner(&ends, 1, x, d, &motion.after);
             let segments = SegmentBlock::between(&from, &to);
             let mut found = NearestBlock::default();
-            nearest_on_segments(motion, &segments, &mut found);
+            motion.nearest_on_segments(&segments, &mut found);
             let NearestBlock { at, distance, least } = found;
             for (lane, &edge) in close.iter().enumerate() {
                 let gap = distance[lane] * motion.after.scale - self.held;
@@ -52,7 +55,7 @@ impl Kernel for SearchEdges<'_> {
                     self.places.push(Place::on_edge(edge, ends[lane], at[lane]));
                 } else {
                     let gap = least[lane] * motion.after.scale - motion.overestimate - self.held;
-                    self.until[edge as usize] = self.gone + larger(gap, 0.0);
+                    self.until.set_edge(edge, gap);
                 }
             }
         }
@@ -60,38 +63,52 @@ impl Kernel for SearchEdges<'_> {
 }
 
 /// Searches faces, which are few, and notes the places of those that are to be moved out.
-pub(super) struct SearchFaces<'a> {
-    /// Slots of the corners.
-    pub faces: &'a [[u32; 3]],
+pub(super) struct SearchFaces<'a, 'u> {
+    pub faces: &'a [CloseFace],
     pub x: &'a Soa,
     pub d: &'a Soa,
     pub motion: &'a Motion<'a>,
     /// Distance at which faces are held \[m\].
     pub held: f32,
+    pub until: &'a mut Until<'u>,
     pub places: &'a mut Vec<Place>,
 }
 
-impl Kernel for SearchFaces<'_> {
+impl Kernel for SearchFaces<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
+        let Self { x, d, motion, .. } = self;
         for faces in self.faces.chunks(LANES) {
             let mut corners = [[0; 3]; LANES];
             for (lane, corners) in corners.iter_mut().enumerate() {
-                *corners = faces[lane.min(faces.len() - 1)].map(|slot| slot as usize);
+                *corners = faces[lane.min(faces.len() - 1)].corners.map(|slot| slot as usize);
             }
-            let (parts, distance) = nearest_on_faces(&corners, self.x, self.d, self.motion);
-            for (lane, &corners) in faces.iter().enumerate() {
+            let FaceBlock { parts, distance, least } = nearest_on_faces(&corners, x, d, motion);
+            for (lane, &CloseFace { face, corners }) in faces.iter().enumerate() {
                 let parts = parts[lane];
-                let gap = distance[lane] * self.motion.after.scale - self.held;
-                // What is nearest at a side of it is left to that edge.
-                if gap < 0.0 && parts.iter().all(|&part| part > WITHIN) {
+                let gap = distance[lane] * motion.after.scale - self.held;
+                if gap >= 0.0 {
+                    let gap = least[lane] * motion.after.scale - motion.overestimate - self.held;
+                    self.until.set_face(face, gap);
+                } else if parts.iter().all(|&part| part > WITHIN) {
+                    // What is nearest at a side of it is left to that edge.
                     self.places.push(Place { corners, parts, edge: None });
                 }
             }
         }
     }
+}
+
+/// The places of [`LANES`] faces that are nearest.
+struct FaceBlock {
+    /// Parts of the corners in them.
+    parts: [[f32; 3]; LANES],
+    /// Distances there, in the collider's frame \[m\].
+    distance: [f32; LANES],
+    /// No place of a face is nearer than this, if the solid is convex \[m\].
+    least: [f32; LANES],
 }
 
 /// Where corners are to be, in a collider's frame.
@@ -114,24 +131,15 @@ fn corner<const N: usize>(
     points
 }
 
-/// The places of segments that are nearest to a collider, in its frame; in the instructions around it where the solid is known.
-#[inline(always)]
-fn nearest_on_segments(motion: &Motion<'_>, segments: &SegmentBlock, out: &mut NearestBlock) {
-    match motion.known {
-        Some(known) => known.nearest_on_segments(segments, out),
-        None => motion.shape.nearest_on_segments(segments, out),
-    }
-}
-
-/// The places of faces that are nearest, as parts of their corners, and their distances. The distance to a convex solid is a
-/// convex function: along a line from a corner, along one beside the opposite side, and along the first again.
+/// The places of faces that are nearest. The distance to a convex solid is a convex function: along a line from a corner, along one
+/// beside the opposite side, and along the first again. So it lies above its tangent plane at any place.
 #[inline(always)]
 fn nearest_on_faces(
     corners: &[[usize; 3]; LANES],
     x: &Soa,
     d: &Soa,
     motion: &Motion<'_>,
-) -> ([[f32; 3]; LANES], [f32; LANES]) {
+) -> FaceBlock {
     let a = corner(corners, 0, x, d, &motion.after);
     let b = corner(corners, 1, x, d, &motion.after);
     let c = corner(corners, 2, x, d, &motion.after);
@@ -149,12 +157,26 @@ fn nearest_on_faces(
             SegmentBlock::between(&a, &across.at(&beside.at))
         };
         let mut found = NearestBlock::default();
-        nearest_on_segments(motion, &segments, &mut found);
+        motion.nearest_on_segments(&segments, &mut found);
         *(if is_beside { &mut beside } else { &mut out }) = found;
     }
     let mut parts = [[0.0; 3]; LANES];
     for (parts, (out, beside)) in parts.iter_mut().zip(out.at.iter().zip(beside.at)) {
         *parts = [1.0 - out, out * (1.0 - beside), out * beside];
     }
-    (parts, out.distance)
+    let mut least = [f32::NEG_INFINITY; LANES];
+    if motion.is_convex {
+        let places = SegmentBlock::between(&a, &across.at(&beside.at)).at(&out.at);
+        let mut there = SampleBlock::default();
+        motion.sample_block(&places, &mut there);
+        for (lane, least) in least.iter_mut().enumerate() {
+            let outward = Vec3::new(there.nx[lane], there.ny[lane], there.nz[lane]);
+            let place = places.point(lane);
+            let out_to = |corner: &PointBlock| outward.dot(corner.point(lane) - place);
+            let lowest = smaller(smaller(out_to(&a), out_to(&b)), out_to(&c));
+            let way = to_b.way.point(lane);
+            *least = there.distance[lane] + lowest - ROUNDED * way.dot(way).sqrt();
+        }
+    }
+    FaceBlock { parts, distance: out.distance, least }
 }

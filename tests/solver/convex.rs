@@ -1,0 +1,77 @@
+//! What is known of a solid, that it is convex or what it is, saves work and changes no bit.
+
+use bevy::math::{
+    Quat, Vec2, Vec3,
+    bounding::Aabb3d,
+    primitives::{Cone, Cuboid, Cylinder},
+};
+use bevy_drape::sdf::{SdfSample, SignedDistance, shapes::Rounded};
+use bevy_drape::solver::{ClothSolver, Collider, Material, Pose, Settings, StepInput, Topology};
+
+use crate::support::{sheets::mesh, solver::*};
+
+const SIDE: usize = 20;
+const TICKS: i32 = 90;
+
+/// A solid of which nothing is known but its distance.
+#[derive(Debug)]
+struct Hidden<S>(S);
+
+impl<S: SignedDistance> SignedDistance for Hidden<S> {
+    fn sample(&self, point: Vec3) -> SdfSample {
+        self.0.sample(point)
+    }
+
+    fn bounds(&self) -> Option<Aabb3d> {
+        self.0.bounds()
+    }
+
+    fn core_depth(&self) -> f32 {
+        self.0.core_depth()
+    }
+
+    fn least_radius(&self) -> f32 {
+        self.0.least_radius()
+    }
+}
+
+/// The bits at the end, and how many particles touch, of a metre of cloth that falls on a solid which rocks.
+fn falls_on(solid: &dyn SignedDistance, is_mesh: bool) -> (Vec<[u32; 6]>, u32) {
+    let (topology, by): (Topology, _) = match is_mesh {
+        true => (mesh(SIDE, SIDE, 1.0 / 19.0, 0.3).into(), Vec3::new(-0.5, 0.0, -0.5)),
+        false => (sheet(Vec2::ONE, SIDE, SIDE, Settings::default().lumping).into(), Vec3::ZERO),
+    };
+    let mut cloth: ClothSolver =
+        at_rest(&topology, by + Vec3::Y * 0.01, Material::default(), Settings::default());
+    let pose = |tick: i32| Pose {
+        translation: Vec3::new(0.02, -0.22, 0.01),
+        rotation: Quat::from_rotation_x(0.003 * f32::from((tick % 20 - 10).abs() as u8)),
+        scale: 1.0,
+    };
+    let mut touching = 0;
+    for tick in 0..TICKS {
+        let colliders = [Collider::new(solid, pose(tick)).moving_to(pose(tick + 1))];
+        let input =
+            StepInput { dt: TICK, gravity: GRAVITY, colliders: &colliders, ..StepInput::default() };
+        touching = cloth.tick(&input).unwrap().contact_count;
+    }
+    (bits(&cloth), touching)
+}
+
+fn check_same<S: SignedDistance + Clone>(solid: &S) {
+    assert!(solid.is_convex() && !Hidden(solid.clone()).is_convex());
+    for is_mesh in [false, true] {
+        let (known, touching) = falls_on(solid, is_mesh);
+        let (hidden, _) = falls_on(&Hidden(solid.clone()), is_mesh);
+        assert!(touching > 0, "{solid:?}: nothing touches it");
+        assert!(known == hidden, "{solid:?}, mesh {is_mesh}");
+    }
+}
+
+#[test]
+fn what_is_known_of_a_solid_changes_no_bit() {
+    check_same(&Cone::new(0.3, 0.4));
+    check_same(&Cuboid::new(0.4, 0.4, 0.3));
+    check_same(&Cylinder::new(0.2, 0.4));
+    check_same(&Rounded::new(Cuboid::new(0.3, 0.38, 0.25), 0.01));
+}
