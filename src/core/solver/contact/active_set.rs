@@ -28,6 +28,7 @@ use crate::solver::contact::impulses::Impulses;
 use crate::solver::contact::keys::Keys;
 use crate::solver::contact::touching::Touching;
 use crate::solver::simd::block::{Block, Block3};
+use crate::solver::simd::flags::raised;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::layout::Layout;
 use crate::solver::simd::slots::CutAt;
@@ -106,22 +107,18 @@ impl Normals {
 
     /// Forgets all of them.
     pub fn clear(&mut self) {
-        for (block, touches) in self.blocks.iter_mut().enumerate() {
-            if core::mem::take(touches) {
-                Block3::ZERO.store(&mut self.normal, block * LANES);
-                Block::splat(1.0).store(&mut self.slip, block * LANES);
-                Block::splat(1.0).store(&mut self.loose, block * LANES);
-            }
+        for block in raised(&self.blocks) {
+            Block3::ZERO.store(&mut self.normal, block * LANES);
+            Block::splat(1.0).store(&mut self.slip, block * LANES);
+            Block::splat(1.0).store(&mut self.loose, block * LANES);
         }
+        self.blocks.fill(false);
         self.any = false;
     }
 
     /// Makes all of them give way: a particle that lay on a surface is held by none, and is heavy instead.
     pub fn give_way(&mut self) {
-        for (block, &touches) in self.blocks.iter().enumerate() {
-            if !touches {
-                continue;
-            }
+        for block in raised(&self.blocks) {
             let slot = block * LANES;
             let normal = Block3::load(&self.normal, slot);
             let mut slip = Block::load(&self.slip, slot);

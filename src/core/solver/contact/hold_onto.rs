@@ -4,6 +4,7 @@ use bevy_math::Vec3;
 
 use crate::solver::contact::active_set::{ActiveSet, slipped};
 use crate::solver::simd::block::{Block, Block3, Blocks, Blocks3, Blocks3Mut, BlocksMut};
+use crate::solver::simd::flags::raised;
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
@@ -48,10 +49,7 @@ impl Kernel for HoldOnto<'_> {
             Some((kept, moves)) => Some((Blocks3::new(kept, 0, count), moves)),
             None => None,
         };
-        for (block, &touches) in now.blocks.iter().enumerate() {
-            if !touches {
-                continue;
-            }
+        for block in raised(&now.blocks) {
             let (n, before) = (normals.at(block), normals_before.at(block));
             let (w, velocity) = (masses.at(block), velocities.at(block));
             let (slip, slip_before) = (slips.at(block), slips_before.at(block));
@@ -120,10 +118,7 @@ impl Kernel for NoteUnfollowed<'_> {
         let Self { set, inverse_mass, d, part, pull } = self;
         let measures = set.impulses.are_measured();
         let ActiveSet { now, load: loads, unpulled, mended, .. } = set;
-        for (block, &touches) in now.blocks.iter().enumerate() {
-            if !touches {
-                continue;
-            }
+        for block in raised(&now.blocks) {
             let slot = block * LANES;
             let (n, w) = (Block3::load(&now.normal, slot), Block::load(inverse_mass, slot));
             let (load, slip) = (Block::load(loads, slot), Block::load(&now.slip, slot));

@@ -7,6 +7,7 @@ use crate::solver::contact::impulse::Impulse;
 use crate::solver::contact::impulses::Impulses;
 use crate::solver::contact::let_go::followed;
 use crate::solver::simd::block::{Block, Block3, larger};
+use crate::solver::simd::flags::raised;
 use crate::solver::simd::isa::{Isa, Kernel};
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
@@ -102,10 +103,8 @@ impl<R: Rule> Kernel for Give<'_, R> {
     fn run(self) {
         let Self { set, inverse_mass, x, step, rule } = self;
         let mut sums: [Sums; AT_ONCE] = core::array::from_fn(|_| Sums::of(NONE, Vec3::ZERO));
-        for block in 0..set.now.blocks.len() {
-            if !set.now.blocks[block] {
-                continue;
-            }
+        let blocks = core::mem::take(&mut set.now.blocks);
+        for block in raised(&blocks) {
             let slot = block * LANES;
             let Some(shares) = rule.shares(set, &Block::load(inverse_mass, slot), slot) else {
                 continue;
@@ -131,6 +130,7 @@ impl<R: Rule> Kernel for Give<'_, R> {
                 sums.add::<R>(&own, &Block3::load(x, slot), &shares);
             }
         }
+        set.now.blocks = blocks;
         for sums in &sums {
             sums.give(&mut set.impulses, step);
         }

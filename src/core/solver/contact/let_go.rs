@@ -2,6 +2,7 @@
 
 use crate::solver::contact::active_set::ActiveSet;
 use crate::solver::simd::block::{Block, Block3, Blocks, larger};
+use crate::solver::simd::flags::raised;
 use crate::solver::simd::isa::Kernel;
 use crate::solver::simd::lanes::LANES;
 use crate::solver::simd::soa::Soa;
@@ -32,10 +33,7 @@ impl Kernel for LetGo<'_> {
         let Self { set, inverse_mass, d, mut pull } = self;
         let count = set.now.blocks.len();
         let (losts, loads) = (Blocks::new(&set.lost, 0, count), Blocks::new(&set.load, 0, count));
-        for (block, &touched) in set.now.blocks.iter().enumerate() {
-            if !touched {
-                continue;
-            }
+        for block in raised(&set.now.blocks) {
             let (lost, load) = (losts.at(block), loads.at(block));
             // What goes on touching has been let go by what met it.
             if !lost.is_any() && !load.is_any() {

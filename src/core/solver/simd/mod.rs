@@ -4,11 +4,13 @@
 //! | --- | --- |
 //! | `block`, `lanes` | blocks of 16 particles, which the compiler makes vectors of |
 //! | `soa`, `slots`, `layout` | arrays by coordinate; access by slot; where particles lie in memory |
+//! | `flags` | which blocks are raised, of many that are not |
 //! | `gather`, `transpose` | particles of a mesh, gathered by index |
 //! | `isa` | one body a kernel, compiled for several instruction sets |
 //! | `parallel` | bands of rows that threads share |
 
 pub(crate) mod block;
+pub(crate) mod flags;
 pub(crate) mod gather;
 pub(crate) mod isa;
 pub(crate) mod lanes;

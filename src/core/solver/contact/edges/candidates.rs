@@ -6,6 +6,7 @@ use crate::solver::contact::edges::look::Look;
 use crate::solver::contact::edges::place::Place;
 use crate::solver::contact::edges::solve::System;
 use crate::solver::simd::block::{Block, Block3, larger, ones};
+use crate::solver::simd::flags::raised;
 use crate::solver::simd::gather::store;
 use crate::solver::simd::isa::TransposingKernel;
 use crate::solver::simd::lanes::LANES;
@@ -124,7 +125,7 @@ impl Nearby {
     /// Puts what is known one after the other, to be gathered by index.
     #[inline(always)]
     fn line_up(&mut self, t: impl Transpose) {
-        for (block, _) in self.blocks.iter().enumerate().filter(|&(_, &known)| known) {
+        for block in raised(&self.blocks) {
             let at = block * LANES;
             let (normal, gap) = (Block3::load(&self.normal, at), Block::load(&self.gap, at));
             store(t, &mut self.around, at, normal, gap);
@@ -133,15 +134,14 @@ impl Nearby {
 
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        for (block, known) in self.blocks.iter_mut().enumerate() {
-            if core::mem::take(known) {
-                let at = block * LANES;
-                Block::splat(f32::INFINITY).store(&mut self.gap, at);
-                if let Some(around) = self.around.get_mut(at..at + LANES) {
-                    around.fill(UNKNOWN);
-                }
+        for block in raised(&self.blocks) {
+            let at = block * LANES;
+            Block::splat(f32::INFINITY).store(&mut self.gap, at);
+            if let Some(around) = self.around.get_mut(at..at + LANES) {
+                around.fill(UNKNOWN);
             }
         }
+        self.blocks.fill(false);
     }
 }
 
@@ -190,10 +190,8 @@ impl TransposingKernel for FindClose<'_> {
         if let Joined::Pairs(_) = &self.edges.joined {
             self.nearby.line_up(t);
         }
-        for block in 0..self.nearby.blocks.len() {
-            if !self.nearby.blocks[block] {
-                continue;
-            }
+        let blocks = core::mem::take(&mut self.nearby.blocks);
+        for block in raised(&blocks) {
             match &self.edges.joined {
                 Joined::Neighbours { hops, within, .. } => {
                     self.look_at_fans(block, *hops, &within[block]);
@@ -206,6 +204,7 @@ impl TransposingKernel for FindClose<'_> {
                 }
             }
         }
+        self.nearby.blocks = blocks;
     }
 }
 
