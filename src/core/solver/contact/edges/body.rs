@@ -1,6 +1,6 @@
 //! Particles that pressed edges may move.
 
-use bevy_math::Vec3;
+use bevy_math::Vec3A;
 
 /// A particle that pressed edges may move.
 #[derive(Clone, Copy, Debug)]
@@ -9,19 +9,19 @@ pub(super) struct Body {
     /// \[1/kg\].
     pub inverse_mass: f32,
     /// The particle's position and its displacement, up to now \[m\].
-    pub x: Vec3,
-    pub d: Vec3,
+    pub x: Vec3A,
+    pub d: Vec3A,
     /// The particle's position and its displacement before edges were held \[m\].
-    pub before: [Vec3; 2],
+    pub before: [Vec3A; 2],
 }
 
 impl Body {
     /// Where it is to be \[m\].
-    pub fn at(&self) -> Vec3 {
+    pub fn at(&self) -> Vec3A {
         self.x + self.d
     }
 
-    pub fn was_at(&self) -> Vec3 {
+    pub fn was_at(&self) -> Vec3A {
         self.before[0] + self.before[1]
     }
 }

@@ -1,6 +1,6 @@
 //! An edge or a face that a collider presses on.
 
-use bevy_math::Vec3;
+use bevy_math::{Vec3, Vec3A};
 
 use crate::solver::contact::edges::body::Body;
 use crate::solver::contact::edges::look::{Look, LookAt, Seen};
@@ -30,13 +30,13 @@ pub(super) struct Press {
     /// How far the place is from the collider's centre, as the substep begins \[m\].
     pub arm: Vec3,
     /// Outward, of length one.
-    pub normal: Vec3,
+    pub normal: Vec3A,
     /// How far the collider was planned to move there in the substep \[m\].
-    planned: Vec3,
+    planned: Vec3A,
     /// How far it moves there, with what it has yielded up to now \[m\].
-    surface: Vec3,
+    surface: Vec3A,
     /// Where the place is, before anything is moved \[m\].
-    from: Vec3,
+    from: Vec3A,
     /// How far it is to come out from there \[m\].
     pub depth: f32,
     /// Least way that it may go along the normal, beside the collider: what is left of the gap \[m\].
@@ -46,34 +46,46 @@ pub(super) struct Press {
     /// The push along the normal, up to now \[m\].
     pub push: f32,
     /// The push of friction, up to now \[m\].
-    pub brake: Vec3,
+    pub brake: Vec3A,
     /// The push that it began with \[m\].
-    began: Vec3,
+    began: Vec3A,
     /// Whether it was expected.
     pub was_expected: bool,
 }
 
 impl Press {
-    /// The corners' places among the bodies, their parts, and how far they go for a push of one.
+    /// What [`visit_corners`](Self::visit_corners) visits, one after the other: slower, where it is not spread out.
     #[inline(always)]
     pub fn corners(&self) -> impl Iterator<Item = (usize, f32, f32)> {
         let count = self.place.corners().len();
         (0..3).take(count).map(|i| (self.bodies[i] as usize, self.place.parts[i], self.shares[i]))
     }
 
+    /// Visits the corners: their places among the bodies, their parts, and how far they go for a push of one.
+    #[inline(always)]
+    pub fn visit_corners(&self, mut visit: impl FnMut(usize, f32, f32)) {
+        let [a, b, c] = self.bodies.map(|body| body as usize);
+        visit(a, self.place.parts[0], self.shares[0]);
+        visit(b, self.place.parts[1], self.shares[1]);
+        if !self.place.is_on_edge() {
+            visit(c, self.place.parts[2], self.shares[2]);
+        }
+    }
+
     /// Notes how far the collider has yielded in the substep.
     #[inline(always)]
     pub fn follow(&mut self, yielded: &Twist) {
-        self.surface = self.planned + yielded.at(self.arm);
+        self.surface = self.planned + Vec3A::from(yielded.at(self.arm));
     }
 
     /// How far the place goes in the substep, beside the collider \[m\].
     #[inline(always)]
-    pub fn goes(&self, bodies: &[Body]) -> Vec3 {
+    pub fn goes(&self, bodies: &[Body]) -> Vec3A {
         let mut goes = -self.surface;
-        for (body, part, _) in self.corners() {
-            goes += bodies[body].d * part;
-        }
+        self.visit_corners(
+            #[inline(always)]
+            |body, part, _| goes += bodies[body].d * part,
+        );
         goes
     }
 
@@ -81,21 +93,22 @@ impl Press {
     #[inline(always)]
     pub fn depth(&self, bodies: &[Body]) -> f32 {
         let mut goes = self.planned - self.surface - self.from;
-        for (body, part, _) in self.corners() {
-            goes += bodies[body].at() * part;
-        }
+        self.visit_corners(
+            #[inline(always)]
+            |body, part, _| goes += bodies[body].at() * part,
+        );
         self.depth - goes.dot(self.normal)
     }
 
     /// The impulse that it has given the collider about its centre, times the substep.
     pub fn given(&self) -> Impulse {
         let by = self.began - self.normal * self.push - self.brake;
-        Impulse::at(self.arm, by * self.mass)
+        Impulse::at(self.arm, (by * self.mass).into())
     }
 
     /// Begins with the push that was expected, which the displacements have been given.
     fn begin_with(mut self, warm: &WarmStart) -> Self {
-        let push = warm.impulse / self.mass;
+        let push = Vec3A::from(warm.impulse / self.mass);
         self.push = push.dot(self.normal);
         self.brake = push - self.normal * self.push;
         self.began = push;
@@ -183,30 +196,30 @@ impl HoldEdges<'_> {
         if is_hooked || passes || is_beyond {
             return None;
         }
-        let planned = seen.planned.at(lane);
+        let planned = Vec3A::from(seen.planned.at(lane));
         Some(Press {
             place,
             bodies: [0; 3],
             shares: [0, 1, 2].map(|corner: usize| seen.shares[corner].0[lane]),
             mass: seen.mass.0[lane],
             arm: seen.arm.at(lane),
-            normal: seen.normal.at(lane),
+            normal: seen.normal.at(lane).into(),
             planned,
             surface: planned,
-            from: seen.from.at(lane),
+            from: seen.from.at(lane).into(),
             depth,
             least: seen.least.0[lane],
             most: seen.most.0[lane],
             push: 0.0,
-            brake: Vec3::ZERO,
-            began: Vec3::ZERO,
+            brake: Vec3A::ZERO,
+            began: Vec3A::ZERO,
             was_expected: false,
         })
     }
 
     /// Whether what is fast would push a corner through itself, on a way that nothing looks at any more: by `push`, and out as far as
     /// it is then inside.
-    pub(super) fn goes_through(&self, press: &Press, push: Vec3, bodies: &[Body]) -> bool {
+    pub(super) fn goes_through(&self, press: &Press, push: Vec3A, bodies: &[Body]) -> bool {
         let motion = self.motion;
         // As far as where the collider is looked at, which has not yielded.
         let yielded = (press.surface - press.planned).dot(press.normal);
@@ -214,7 +227,8 @@ impl HoldEdges<'_> {
         let push = push + press.normal * larger(left, 0.0);
         press.corners().any(|(body, _, share)| {
             let (from, way) = (bodies[body].x, bodies[body].d + push * share);
-            let (from, to) = (motion.before.to_local(from), motion.after.to_local(from + way));
+            let (from, to) =
+                (motion.before.to_local(from.into()), motion.after.to_local((from + way).into()));
             let looks = (1..=LOOKS).map(|i| from.lerp(to, i as f32 / LOOKS as f32));
             looks.fold(f32::INFINITY, |least, at| least.min(motion.shape.distance(at))) < 0.0
         })

@@ -4,7 +4,7 @@
 //!
 //! A body yields to each push. One that hardly yields to all of them together stands still until the end.
 
-use bevy_math::Vec3;
+use bevy_math::{Vec3, Vec3A};
 
 use crate::solver::contact::BLOW;
 use crate::solver::contact::edges::body::Body;
@@ -103,9 +103,10 @@ impl System {
             let leaves = larger(press.goes(bodies).dot(press.normal), 0.0);
             let allowed = larger(most_push - leaves, 0.0);
             let by = press.normal * larger(if depth < allowed { depth } else { allowed }, 0.0);
-            for (body, _, share) in press.corners() {
-                bodies[body].x += by * share;
-            }
+            press.visit_corners(
+                #[inline(always)]
+                |body, _, share| bodies[body].x += by * share,
+            );
         }
     }
 
@@ -136,7 +137,10 @@ impl System {
                 let by = part * turning * body.inverse_mass;
                 body.d -= press.normal * by;
                 if body.inverse_mass > 0.0 {
-                    given += Impulse::at(body.x - centre, press.normal * (part * turning));
+                    given += Impulse::at(
+                        Vec3::from(body.x) - centre,
+                        (press.normal * (part * turning)).into(),
+                    );
                 }
             }
         }
@@ -195,7 +199,7 @@ impl HoldEdges<'_> {
     /// The particle of a slot, as it is now.
     fn body(&self, slot: u32) -> Body {
         let at = slot as usize;
-        let (x, d) = (self.x.get(at), self.d.get(at));
+        let (x, d) = (self.x.get(at).into(), self.d.get(at).into());
         Body { slot, inverse_mass: self.inverse_mass[at], x, d, before: [x, d] }
     }
 
@@ -231,7 +235,7 @@ impl HoldEdges<'_> {
                     return;
                 }
                 let other_at = match place[other] {
-                    NONE => self.x.get(other) + self.d.get(other),
+                    NONE => Vec3A::from(self.x.get(other)) + Vec3A::from(self.d.get(other)),
                     place => bodies[place as usize].at(),
                 };
                 if end.at().distance_squared(other_at) <= bound * bound {
@@ -250,7 +254,7 @@ impl HoldEdges<'_> {
 
     /// Gives each in turn what it lacks, of a collider that stands still. Returns the largest change of a push, along any axis \[m\].
     fn push_each(&self, system: &mut System) -> f32 {
-        let mut changed = Vec3::ZERO;
+        let mut changed = Vec3A::ZERO;
         for press in &mut system.presses {
             changed = changed.max(self.push(press, &mut system.bodies).abs());
         }
@@ -259,11 +263,11 @@ impl HoldEdges<'_> {
 
     /// Gives each in turn what it lacks, as [`push_each`](Self::push_each) does, of a body that yields to each at once.
     fn push_yielding(&self, system: &mut System, body: &Mobility, yielded: &mut Twist) -> f32 {
-        let mut changed = Vec3::ZERO;
+        let mut changed = Vec3A::ZERO;
         for press in &mut system.presses {
             press.follow(yielded);
             let by = self.push(press, &mut system.bodies);
-            yielded.add(&body.motion(Impulse::at(press.arm, by * -press.mass)));
+            yielded.add(&body.motion(Impulse::at(press.arm, (by * -press.mass).into())));
             changed = changed.max(by.abs());
         }
         changed.max_element()
@@ -272,7 +276,7 @@ impl HoldEdges<'_> {
     /// Gives an edge or a face what it lacks of the push along the normal and of friction, or takes back what it has too much
     /// of. Returns the push.
     #[inline(always)]
-    fn push(&self, press: &mut Press, bodies: &mut [Body]) -> Vec3 {
+    fn push(&self, press: &mut Press, bodies: &mut [Body]) -> Vec3A {
         let goes = press.goes(bodies);
         let along = goes.dot(press.normal);
         let push = larger(press.push + press.least - along, 0.0);
@@ -286,12 +290,13 @@ impl HoldEdges<'_> {
         if !self.rule.is_slow && self.goes_through(press, by, bodies) {
             // It is left where it is.
             press.depth = f32::NEG_INFINITY;
-            return Vec3::ZERO;
+            return Vec3A::ZERO;
         }
         (press.push, press.brake) = (push, brake);
-        for (body, _, share) in press.corners() {
-            bodies[body].d += by * share;
-        }
+        press.visit_corners(
+            #[inline(always)]
+            |body, _, share| bodies[body].d += by * share,
+        );
         by
     }
 
@@ -307,7 +312,7 @@ impl HoldEdges<'_> {
             collider: self.collider as u32,
             corners: press.place.corners,
             parts: press.place.parts,
-            impulse: push * (press.mass * EXPECTED / (1.0 + struck)),
+            impulse: Vec3::from(push) * (press.mass * EXPECTED / (1.0 + struck)),
         });
     }
 
@@ -334,8 +339,8 @@ impl HoldEdges<'_> {
             system.place[slot] = NONE;
             let [x, d] = body.before;
             let by = body.d - d;
-            self.x.set(slot, body.x);
-            self.displace(slot, by);
+            self.x.set(slot, body.x.into());
+            self.displace(slot, by.into());
             pushed = larger((body.x - x + by).length(), pushed);
         }
         system.limited.clear();
