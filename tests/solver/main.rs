@@ -9,7 +9,7 @@ mod bending_friction;
 mod bodies;
 mod carry;
 mod contact;
-mod convex;
+
 mod determinism;
 mod fast;
 mod fingerprints;
@@ -27,6 +27,7 @@ mod limit;
 mod loads;
 mod momentum;
 mod motion;
+mod passed_over;
 mod push;
 mod refusals;
 mod seams;

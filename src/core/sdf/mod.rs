@@ -156,8 +156,7 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
     /// The default searches it by golden section, and finds it where the distance along a segment has one minimum, as around a convex
     /// solid. A shape that can compute it is both faster and exact.
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
-        let is_convex = self.is_convex();
-        segments::search(segments, out, is_convex, |points, out| self.distance_block(points, out));
+        segments::search(segments, out, |points, out| self.distance_block(points, out));
     }
 
     /// Smallest box around the surface \[m\], or `None` where there is none (a half-space).
@@ -178,12 +177,6 @@ pub trait SignedDistance: Send + Sync + core::fmt::Debug + 'static {
     /// alone. More saves work.
     fn least_radius(&self) -> f32 {
         0.0
-    }
-
-    /// Whether the solid is convex: the distance to it is a convex function then, which bounds it from below by what is known of it
-    /// at a few places. `false`, the default, is right for every shape; `true` saves work.
-    fn is_convex(&self) -> bool {
-        false
     }
 
     /// Which of the known solids this is. Code that is compiled for an instruction set of its own can
@@ -261,52 +254,40 @@ impl KnownShape<'_> {
             Self::Cuboid(s) => segments::search(
                 segments,
                 out,
-                true,
                 #[inline(always)]
                 |points, out| shapes::cuboid_distance_block(s.half_size, points, out),
             ),
             Self::Cylinder(s) => segments::search(
                 segments,
                 out,
-                true,
                 #[inline(always)]
                 |points, out| shapes::cylinder_distance_block(s, points, out),
             ),
             Self::Torus(s) => segments::search(
                 segments,
                 out,
-                false,
                 #[inline(always)]
                 |points, out| shapes::torus_distance_block(s, points, out),
             ),
             Self::Cone(s) => segments::search(
                 segments,
                 out,
-                true,
                 #[inline(always)]
                 |points, out| shapes::cone_distance_block(s, points, out),
             ),
             Self::Field(field) => segments::search(
                 segments,
                 out,
-                false,
                 #[inline(always)]
                 |points, out| field_distance_block(field, points, out),
             ),
             Self::HeightField(field) => segments::search(
                 segments,
                 out,
-                false,
                 #[inline(always)]
                 |points, out| shapes::height_field_distance_block(field, points, out),
             ),
-            Self::Shell(shell) => segments::search(
-                segments,
-                out,
-                false,
-                #[inline(always)]
-                |points, out| shapes::shell_distance_block(shell, points, out),
-            ),
+            Self::Shell(shell) => shapes::nearest_to_shell(shell, segments, out),
         }
     }
 }

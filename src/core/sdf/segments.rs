@@ -7,9 +7,7 @@ use super::{LANES, PointBlock};
 const STEPS: usize = 6;
 /// The smaller part of a golden section.
 const GOLDEN: f32 = 0.381_966_02;
-/// Part of a segment by which a place that was searched may be off.
-const UNSURE: f32 = 0.06;
-/// Part of a segment that stands for what distances to a convex solid are rounded by.
+/// Part of a segment that stands for what distances are rounded by.
 const ROUNDED: f32 = 1e-3;
 
 /// [`LANES`] segments \[m\] as a structure of arrays.
@@ -52,7 +50,7 @@ impl SegmentBlock {
     fn distances(
         &self,
         at: &[f32; LANES],
-        measure: &impl Fn(&PointBlock, &mut [f32; LANES]),
+        measure: &mut impl FnMut(&PointBlock, &mut [f32; LANES]),
     ) -> [f32; LANES] {
         let mut distances = [0.0; LANES];
         measure(&self.at(at), &mut distances);
@@ -78,13 +76,12 @@ pub struct NearestBlock {
 pub(super) fn search(
     segments: &SegmentBlock,
     out: &mut NearestBlock,
-    is_convex: bool,
-    measure: impl Fn(&PointBlock, &mut [f32; LANES]),
+    mut measure: impl FnMut(&PointBlock, &mut [f32; LANES]),
 ) {
     let (mut low, mut high) = ([0.0; LANES], [1.0; LANES]);
     let (mut first, mut second) = ([GOLDEN; LANES], [1.0 - GOLDEN; LANES]);
     let (mut at_first, mut at_second) =
-        (segments.distances(&first, &measure), segments.distances(&second, &measure));
+        (segments.distances(&first, &mut measure), segments.distances(&second, &mut measure));
     // The ends are not measured.
     let (mut at_low, mut at_high) = ([f32::INFINITY; LANES], [f32::INFINITY; LANES]);
     for _ in 0..STEPS {
@@ -104,7 +101,7 @@ pub(super) fn search(
             at_low[i] = if one < other { from } else { one };
             at_high[i] = if one < other { other } else { to };
         }
-        let new = segments.distances(&probe, &measure);
+        let new = segments.distances(&probe, &mut measure);
         for i in 0..LANES {
             let (one, other, probe) = (first[i], second[i], probe[i]);
             let (at_one, at_other, new) = (at_first[i], at_second[i], new[i]);
@@ -135,7 +132,6 @@ pub(super) fn search(
         let less_before = smaller(less_before, length * to_before);
         let less_after = smaller(less_after, length * to_after);
         let less = larger(less_before, less_after) + ROUNDED * length;
-        let less = if is_convex { less } else { UNSURE * length };
         out.least[i] = found - less;
     }
 }

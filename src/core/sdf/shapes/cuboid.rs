@@ -58,10 +58,6 @@ impl SignedDistance for Cuboid {
         cuboid_distance_block(self.half_size, points, out);
     }
 
-    fn is_convex(&self) -> bool {
-        true
-    }
-
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Cuboid(self))
     }

@@ -91,10 +91,9 @@ pub(super) struct NearestFaces {
 }
 
 impl NearestFaces {
-    /// Nothing is known.
-    pub fn unknown() -> Self {
-        let (squared, away) = ([f32::INFINITY; LANES], PointBlock::default());
-        Self { squared, away, face: [0; LANES] }
+    /// None is known yet, but that one is nearer than a squared distance \[m2\]; infinite where that is not known either.
+    pub fn within(squared: &[f32; LANES]) -> Self {
+        Self { squared: *squared, away: PointBlock::default(), face: [0; LANES] }
     }
 
     /// Takes a triangle where it is nearer, or as near and of a lower number.

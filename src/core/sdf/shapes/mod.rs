@@ -43,7 +43,7 @@ pub use round::{
     sphere_block, sphere_distance_block,
 };
 pub use rounded::Rounded;
-pub use shell::{Shell, ShellError, shell_block, shell_distance_block};
+pub use shell::{Shell, ShellError, nearest_to_shell, shell_block, shell_distance_block};
 
 use super::SdfSample;
 use bevy_math::{Vec3, bounding::Aabb3d};

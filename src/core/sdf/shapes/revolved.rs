@@ -200,10 +200,6 @@ impl SignedDistance for Cylinder {
         cylinder_distance_block(self, points, out);
     }
 
-    fn is_convex(&self) -> bool {
-        true
-    }
-
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Cylinder(self))
     }
@@ -261,10 +257,6 @@ impl SignedDistance for Cone {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         cone_distance_block(self, points, out);
-    }
-
-    fn is_convex(&self) -> bool {
-        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {

@@ -87,10 +87,6 @@ impl SignedDistance for CapsuleBetween {
         self.radius
     }
 
-    fn is_convex(&self) -> bool {
-        true
-    }
-
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::CapsuleBetween(self))
     }
@@ -253,10 +249,6 @@ impl SignedDistance for Sphere {
         nearest_to_sphere(self.radius, segments, out);
     }
 
-    fn is_convex(&self) -> bool {
-        true
-    }
-
     fn known(&self) -> Option<KnownShape<'_>> {
         Some(KnownShape::Sphere(self))
     }
@@ -289,10 +281,6 @@ impl SignedDistance for Capsule3d {
 
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
         nearest_to_capsule(&(*self).into(), segments, out);
-    }
-
-    fn is_convex(&self) -> bool {
-        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {
@@ -328,10 +316,6 @@ impl SignedDistance for InfinitePlane3d {
 
     fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
         nearest_to_half_space(self.normal.as_vec3(), segments, out);
-    }
-
-    fn is_convex(&self) -> bool {
-        true
     }
 
     fn known(&self) -> Option<KnownShape<'_>> {

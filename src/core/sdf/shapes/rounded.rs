@@ -80,9 +80,4 @@ impl SignedDistance for Rounded {
     fn overestimate(&self) -> f32 {
         self.solid.overestimate()
     }
-
-    /// As the solid is: a distance less a number is as convex, whatever its sign.
-    fn is_convex(&self) -> bool {
-        self.solid.is_convex()
-    }
 }

@@ -3,12 +3,15 @@
 use super::face::{Face, NearestFaces};
 use super::length_and_direction;
 use super::tree::{Bounds, BoxTree, Walk};
+use crate::sdf::segments::{self, NearestBlock, SegmentBlock};
 use crate::sdf::{KnownShape, LANES, PointBlock, SampleBlock, SdfSample, SignedDistance};
 use bevy_math::{Vec3, bounding::Aabb3d};
 use core::fmt;
 
 /// Most triangles in a leaf of the tree.
 const LEAF: usize = 4;
+/// What makes up for rounding of the distance that a place has at most.
+const ROUNDED_UP: f32 = 1.0 + 1e-4;
 /// Furthest that a corner may be from the origin along an axis \[m\].
 const FURTHEST: f32 = 1e7;
 
@@ -148,7 +151,13 @@ impl Shell {
 
     #[inline(always)]
     fn nearest_block(&self, points: &PointBlock) -> NearestFaces {
-        let mut nearest = NearestFaces::unknown();
+        self.nearest_block_within(points, &[f32::INFINITY; LANES])
+    }
+
+    /// The nearest triangles of points for each of which one is nearer than a squared distance.
+    #[inline(always)]
+    fn nearest_block_within(&self, points: &PointBlock, within: &[f32; LANES]) -> NearestFaces {
+        let mut nearest = NearestFaces::within(within);
         let mut walk = Walk::to_block(points);
         while let Some(places) = walk.next_of_block(&self.tree, points, &nearest.squared) {
             for place in places {
@@ -182,6 +191,10 @@ impl SignedDistance for Shell {
 
     fn distance_block(&self, points: &PointBlock, out: &mut [f32; LANES]) {
         shell_distance_block(self, points, out);
+    }
+
+    fn nearest_on_segments(&self, segments: &SegmentBlock, out: &mut NearestBlock) {
+        nearest_to_shell(self, segments, out);
     }
 
     fn bounds(&self) -> Option<Aabb3d> {
@@ -221,6 +234,33 @@ pub fn shell_distance_block(shell: &Shell, points: &PointBlock, out: &mut [f32; 
     for lane in 0..LANES {
         out[lane] = squared[lane].sqrt() - shell.radius;
     }
+}
+
+/// Places of segments that are nearest to a shell, inlined where it is called. Each place that is looked at tells how near the surface is to the
+/// next one at most.
+#[inline(always)]
+pub fn nearest_to_shell(shell: &Shell, segments: &SegmentBlock, out: &mut NearestBlock) {
+    let mut last = PointBlock::default();
+    let mut away = [f32::INFINITY; LANES];
+    segments::search(
+        segments,
+        out,
+        #[inline(always)]
+        |points, distances| {
+            let mut within = [0.0; LANES];
+            for lane in 0..LANES {
+                let way = points.point(lane) - last.point(lane);
+                let most = (away[lane] + way.dot(way).sqrt()) * ROUNDED_UP;
+                within[lane] = most * most + f32::MIN_POSITIVE;
+            }
+            let NearestFaces { squared, .. } = shell.nearest_block_within(points, &within);
+            for lane in 0..LANES {
+                away[lane] = squared[lane].sqrt();
+                distances[lane] = away[lane] - shell.radius;
+            }
+            last = *points;
+        },
+    );
 }
 
 /// Without the triangles, which are many.

@@ -219,8 +219,6 @@ pub(super) struct Motion<'a> {
     pub friction: f32,
     /// How far the shape may overstate a distance \[m\].
     pub overestimate: f32,
-    /// Whether the shape is convex.
-    pub is_convex: bool,
     /// Displacement beyond epsilon from which on the whole path of a particle is looked at \[m\].
     pub fast: f32,
     /// Least radius of curvature of the surface where it is convex \[m\].
@@ -290,7 +288,6 @@ impl<'a> Motion<'a> {
             reach,
             friction: (collider.friction * friction).sqrt(),
             overestimate: collider.shape.overestimate() * after.scale,
-            is_convex: collider.shape.is_convex(),
             // The rest is for what is not met head on: a way may cut off a part of a curved side.
             fast: 0.125 * collider.shape.core_depth() * after.scale,
             least_radius: collider.shape.least_radius() * after.scale,

@@ -285,7 +285,7 @@ impl<'c> ResolveContacts<'c> {
         let (is_left, deepest) = (left.largest() > 0.0, met.deepest);
         let mut touching = touching.iter().sum();
         if let (Some((edges, rule)), Some(nearby)) = (rule, &mut broad_phase.nearby) {
-            let faces = if rule.has_faces && motion.is_convex { edges.face_count() } else { 0 };
+            let faces = if rule.has_faces { edges.face_count() } else { 0 };
             let until = Until {
                 edges: of_place(&mut broad_phase.edge_until, k, edges.count()),
                 faces: of_place(&mut broad_phase.face_until, k, faces),

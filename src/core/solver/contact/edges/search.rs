@@ -14,7 +14,7 @@ use crate::solver::simd::soa::Soa;
 
 /// Part of each corner in a place that is within a face.
 const WITHIN: f32 = 0.05;
-/// Part of a face's side that stands for what distances to a convex solid are rounded by.
+/// Part of a face's side that stands for what distances are rounded by.
 const ROUNDED: f32 = 1e-3;
 
 /// Searches edges, and notes the places of those that are to be moved out.
@@ -164,19 +164,17 @@ fn nearest_on_faces(
     for (parts, (out, beside)) in parts.iter_mut().zip(out.at.iter().zip(beside.at)) {
         *parts = [1.0 - out, out * (1.0 - beside), out * beside];
     }
-    let mut least = [f32::NEG_INFINITY; LANES];
-    if motion.is_convex {
-        let places = SegmentBlock::between(&a, &across.at(&beside.at)).at(&out.at);
-        let mut there = SampleBlock::default();
-        motion.sample_block(&places, &mut there);
-        for (lane, least) in least.iter_mut().enumerate() {
-            let outward = Vec3::new(there.nx[lane], there.ny[lane], there.nz[lane]);
-            let place = places.point(lane);
-            let out_to = |corner: &PointBlock| outward.dot(corner.point(lane) - place);
-            let lowest = smaller(smaller(out_to(&a), out_to(&b)), out_to(&c));
-            let way = to_b.way.point(lane);
-            *least = there.distance[lane] + lowest - ROUNDED * way.dot(way).sqrt();
-        }
+    let places = SegmentBlock::between(&a, &across.at(&beside.at)).at(&out.at);
+    let mut there = SampleBlock::default();
+    motion.sample_block(&places, &mut there);
+    let mut least = [0.0; LANES];
+    for (lane, least) in least.iter_mut().enumerate() {
+        let outward = Vec3::new(there.nx[lane], there.ny[lane], there.nz[lane]);
+        let place = places.point(lane);
+        let out_to = |corner: &PointBlock| outward.dot(corner.point(lane) - place);
+        let lowest = smaller(smaller(out_to(&a), out_to(&b)), out_to(&c));
+        let way = to_b.way.point(lane);
+        *least = there.distance[lane] + lowest - ROUNDED * way.dot(way).sqrt();
     }
     FaceBlock { parts, distance: out.distance, least }
 }
