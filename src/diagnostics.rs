@@ -236,10 +236,10 @@ fn report_cloths(cloths: Query<(&ClothSimulation, &StageTimes)>, mut out: Diagno
             out.add_measurement(path, || f64::from(count));
         }
     }
-    // Of nothing there is neither.
+    out.add_measurement(&ClothDiagnosticsPlugin::SUBSTEPS, || f64::from(substeps));
+    out.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || f64::from(contacts));
+    // Nothing has no strain.
     if awake > 0 {
-        out.add_measurement(&ClothDiagnosticsPlugin::SUBSTEPS, || f64::from(substeps));
-        out.add_measurement(&ClothDiagnosticsPlugin::CONTACTS, || f64::from(contacts));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MAX, || f64::from(most_strain));
         out.add_measurement(&ClothDiagnosticsPlugin::STRAIN_MEAN, || strains / springs as f64);
     }

@@ -5,7 +5,7 @@ use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume};
 use bevy::prelude::*;
 
 use crate::cloth::layers::ClothLayers;
-use crate::collider::SdfCollider;
+use crate::collider::shape::SdfShape;
 use crate::collider::snapshot::SdfColliderSnapshot;
 use crate::collider::tick_colliders::{Gathered, TickColliders};
 use crate::sdf::DistanceField;
@@ -25,9 +25,10 @@ pub(crate) struct Disturbances {
     everywhere: bool,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Seen {
     entity: Entity,
+    shape: SdfShape,
     motion: ColliderMotion,
     friction: f32,
     layers: ClothLayers,
@@ -67,7 +68,6 @@ impl Disturbances {
 /// Compares the tick's colliders with the last one's.
 pub(crate) fn note_disturbances(
     snapshot: Res<TickColliders>,
-    changed: Query<Entity, Changed<SdfCollider>>,
     restored: Query<(), With<SdfColliderSnapshot>>,
     fields: Option<Res<Assets<DistanceField>>>,
     events: Option<Res<Messages<AssetEvent<DistanceField>>>>,
@@ -85,10 +85,11 @@ pub(crate) fn note_disturbances(
     core::mem::swap(&mut noted.seen, &mut noted.before);
     noted.seen.clear();
     noted.seen.extend(snapshot.colliders.iter().filter_map(|collider| {
-        let &Gathered { entity, motion, friction, layers, .. } = collider;
+        let &Gathered { entity, ref shape, motion, friction, layers, .. } = collider;
         let motion = motion?;
-        let bounds = collider.shape.get(fields.as_deref())?.bounds();
-        Some(Seen { entity, motion, friction, layers, bounds })
+        let bounds = shape.get(fields.as_deref())?.bounds();
+        let shape = shape.clone();
+        Some(Seen { entity, shape, motion, friction, layers, bounds })
     }));
     let (seen, before) = (core::mem::take(&mut noted.seen), core::mem::take(&mut noted.before));
     let mut gone = before.iter().peekable();
@@ -101,9 +102,8 @@ pub(crate) fn note_disturbances(
         let restored = restored.contains(now.entity);
         let stays = now.motion.start() == now.motion.end()
             && (restored || was.is_some_and(|was| was.is_like(now)));
-        // A field may be another without other bounds; those are few, and seldom.
-        let changed = changed.contains(now.entity) && !restored;
-        if !stays || changed || fields_changed {
+        // A field may be another without another handle; those are few, and seldom.
+        if !stays || fields_changed {
             noted.note(now);
             if let Some(was) = was {
                 noted.note(was);
@@ -120,6 +120,7 @@ impl Seen {
             && self.friction == other.friction
             && self.layers == other.layers
             && self.bounds == other.bounds
+            && self.shape.is_same(&other.shape)
     }
 }
 

@@ -83,6 +83,23 @@ pub enum SdfShape {
 pub struct CustomSdf(pub Arc<dyn SignedDistance>);
 
 impl SdfShape {
+    /// Whether it is the same solid: by its numbers, or by what it points to.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Sphere(a), Self::Sphere(b)) => a == b,
+            (Self::Cuboid(a), Self::Cuboid(b)) => a == b,
+            (Self::Capsule3d(a), Self::Capsule3d(b)) => a == b,
+            (Self::CapsuleBetween(a), Self::CapsuleBetween(b)) => a == b,
+            (Self::InfinitePlane3d(a), Self::InfinitePlane3d(b)) => a == b,
+            (Self::Cylinder(a), Self::Cylinder(b)) => a == b,
+            (Self::Torus(a), Self::Torus(b)) => a == b,
+            (Self::Cone(a), Self::Cone(b)) => a == b,
+            (Self::Field(a), Self::Field(b)) => a == b,
+            (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(&a.0, &b.0),
+            _ => false,
+        }
+    }
+
     /// The solid itself, to ask for distances; `None` while its field is not there.
     pub fn get<'a>(
         &'a self,

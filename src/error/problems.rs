@@ -212,7 +212,9 @@ pub enum PinProblem {
     #[error("its mesh is no grid of rows and columns; choose vertices, a box or a colour")]
     NotAGrid,
     /// The anchor does not exist, or has no `Transform`.
-    #[error("its anchor {0} is not there or has no Transform; its particles are released")]
+    #[error(
+        "its anchor {0} is not there, or it or one of its parents has no `Transform`; its particles are released until it is"
+    )]
     NoAnchor(Entity),
     /// The anchor is where nothing can be, or is not scaled alike along its axes.
     #[error("of its anchor {anchor}: {problem}; or anchor to another entity")]

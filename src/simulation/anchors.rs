@@ -89,7 +89,7 @@ pub(crate) fn gather_pins(
                 failures.report(entity, ClothErrorKind::Scale(scale));
             }
             Some((anchor, error))
-                if anchor == entity && holds_nothing(&cloth.held.attachments, anchor) =>
+                if anchor == entity && cloth.held.attachments.holds_nothing_at(anchor) =>
             {
                 failures.report(entity, error.into());
             }
@@ -176,11 +176,7 @@ fn reset(entity: Entity, cloth: &mut ClothSimulation, reference: usize, failures
 }
 
 fn is_only_leader(attachments: &Attachments, anchor: Entity) -> bool {
-    attachments.leader == Some(anchor) && holds_nothing(attachments, anchor)
-}
-
-fn holds_nothing(attachments: &Attachments, anchor: Entity) -> bool {
-    !attachments.anchors.iter().any(|a| a.entity == anchor && a.holds + a.pulls > 0)
+    attachments.leader == Some(anchor) && attachments.holds_nothing_at(anchor)
 }
 
 /// Moves every anchor on by a tick. One that has no usable pose stays; it is told, a missing one
@@ -212,9 +208,10 @@ fn pin_held_by(pins: &ClothPins, entity: Entity, anchor: Entity) -> usize {
     pins.pins.iter().position(|pin| pin.anchor.unwrap_or(entity) == anchor).unwrap_or(0)
 }
 
-/// Lets go of everything that this anchor holds.
+/// Lets go of everything that this anchor holds, until it is there again.
 fn release(cloth: &mut ClothSimulation, anchor: Entity) {
     let mut attachments = core::mem::take(&mut cloth.held.attachments);
     attachments.release(anchor);
+    attachments.awaited = Some(anchor);
     hold(cloth, attachments);
 }

@@ -112,6 +112,11 @@ impl Attachments {
         Some(known).filter(|a| self.anchors[a.anchor as usize].entity == anchor)
     }
 
+    /// Whether nothing is held by an anchor.
+    pub fn holds_nothing_at(&self, anchor: Entity) -> bool {
+        !self.anchors.iter().any(|a| a.entity == anchor && a.holds + a.pulls > 0)
+    }
+
     /// The anchor that leads the cloth: the joint that a worn one follows; else its own entity if that holds any of it or nothing else
     /// does, else the first that holds it, hard before soft.
     pub fn reference(&self) -> Option<usize> {

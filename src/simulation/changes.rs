@@ -62,7 +62,8 @@ pub(crate) fn apply_changes(
         failures.tell(entity, Blame::Component(ClothComponent::ClothSettings), outcome);
         let outcome = apply_weights(cloth, weights.as_deref(), &mut cache, &mut changed);
         failures.tell(entity, Blame::Weights, outcome);
-        if changed {
+        // More or fewer substeps move nothing that is at rest.
+        if changed && (material_changed || settings_changed || weights_changed) {
             cloth.wake();
         }
         if changed && cloth.progress.quarantined {

@@ -79,7 +79,6 @@ impl ClothSimulation {
     fn come_back(&mut self) {
         self.culling = Culling { in_force: self.culling.in_force, returns: true, ..default() };
         self.frame.teleport_asked = true;
-        self.sleep.disturb();
     }
 
     /// In the first tick after it was culled, a worn cloth has gone along with each place of its skin.

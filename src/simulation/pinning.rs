@@ -27,8 +27,7 @@ pub(crate) fn apply_pins<const IN_TICK: bool>(
             anew || pins.as_ref().map_or(cloth.in_force.pins != none, DetectChanges::is_changed);
         let pins = pins.as_deref().unwrap_or(&none);
         let fresh = cloth.progress.tick_count == 0 && takes_hold_anew(&cloth, &transforms, IN_TICK);
-        let awaited = cloth.held.attachments.awaited;
-        let found = awaited.is_some_and(|anchor| pose_now(&transforms, anchor).is_ok());
+        let found = is_anchor_found(&cloth, entity, &transforms);
         if !(fresh || found || changed) {
             continue;
         }
@@ -62,6 +61,17 @@ pub(crate) fn apply_pins<const IN_TICK: bool>(
             }
         }
     }
+}
+
+/// Whether an anchor that was awaited, and holds nothing, can be used by now; there may be several of them.
+fn is_anchor_found(cloth: &ClothSimulation, entity: Entity, transforms: &TransformHelper) -> bool {
+    let attachments = &cloth.held.attachments;
+    if attachments.awaited.is_none() {
+        return false;
+    }
+    let anchors = cloth.in_force.pins.pins.iter().map(|pin| pin.anchor.unwrap_or(entity));
+    let mut awaited = anchors.filter(|&anchor| attachments.holds_nothing_at(anchor));
+    awaited.any(|anchor| pose_now(transforms, anchor).is_ok())
 }
 
 /// Whether the pins of a cloth before its first tick are to take hold as if there had been none.
@@ -108,7 +118,9 @@ fn attach(
         shares[*pin] += 1;
     }
     let awaited = match problem {
-        Some((_, PinProblem::AnchorScale { anchor, .. })) => Some(anchor),
+        Some((_, PinProblem::AnchorScale { anchor, .. } | PinProblem::NoAnchor(anchor))) => {
+            Some(anchor)
+        }
         _ => None,
     };
     let mut out = Attachments { own_entity: Some(entity), leader, awaited, ..default() };

@@ -9,7 +9,7 @@ use bevy::{
     camera::{CameraPlugin, primitives::Aabb, visibility::VisibilityClass},
     prelude::*,
 };
-use bevy_drape::{ClothCulling, ClothPaused, prelude::*};
+use bevy_drape::{ClothCulling, ClothPaused, ClothSleepThreshold, prelude::*};
 use std::{any::TypeId, f32::consts::PI, time::Duration};
 
 /// An app with a camera 5 m before the origin, that looks at it.
@@ -371,4 +371,27 @@ fn a_coat_that_is_saved_or_pinned_out_of_sight_goes_on_where_its_skin_is() {
         app.update();
     }
     assert_eq!(bits(&app, of.coat), seen.1);
+}
+
+#[test]
+fn one_that_sleeps_turns_up_asleep_where_nothing_has_moved() {
+    let (mut app, camera) = app_with_view();
+    let [hand, cloth] = held(&mut app);
+    app.world_mut().entity_mut(cloth).insert(ClothSleepThreshold { distance: 1.0, time: 0.5 });
+    updates(&mut app, 64);
+    let is_asleep = |app: &App| simulation(app, cloth).is_asleep();
+    assert!(is_asleep(&app));
+    let count = ticks(&app, cloth);
+    for place in [AWAY, Vec3::ZERO, AWAY] {
+        look(&mut app, camera, place);
+        updates(&mut app, 128);
+        assert_eq!(simulation(&app, cloth).is_culled(), place == AWAY);
+        assert!(is_asleep(&app));
+    }
+    assert_eq!(ticks(&app, cloth), count);
+    // It goes along with its hand, and wakes for that.
+    transform(&mut app, hand).translation.x = 0.3;
+    look(&mut app, camera, Vec3::ZERO);
+    updates(&mut app, 10);
+    assert!(ticks(&app, cloth) > count && !is_asleep(&app));
 }

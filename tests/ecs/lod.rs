@@ -6,7 +6,7 @@ use crate::support::app::*;
 use bevy::{camera::CameraPlugin, prelude::*, time::TimeUpdateStrategy};
 use bevy_drape::{
     ClothBudget, ClothComponent, ClothErrorKind, ClothLevel, ClothLod, ClothProxy, ClothSettings,
-    PinSelection, prelude::*, solver::Substeps,
+    ClothSleepThreshold, PinSelection, prelude::*, solver::Substeps,
 };
 use std::time::Duration;
 
@@ -286,4 +286,22 @@ fn bad_levels_are_told_and_the_last_good_ones_stay() {
     app.world_mut().entity_mut(cloth).remove::<ClothLod>();
     updates(&mut app, 2);
     assert_eq!(failure(&app, cloth), None);
+}
+
+#[test]
+fn a_level_of_other_substeps_wakes_nothing() {
+    let (mut app, camera, cloth) = seen_from(2.0);
+    let at_once = ClothSleepThreshold { distance: 1.0, time: 0.5 };
+    app.world_mut().entity_mut(cloth).insert(at_once);
+    updates(&mut app, 64);
+    let is_asleep = |app: &App| simulation(app, cloth).is_asleep();
+    assert!(is_asleep(&app));
+    let count = simulation(&app, cloth).tick_count();
+    for distance in [5.0, 2.0, 5.0] {
+        transform(&mut app, camera).translation = Vec3::new(0.0, 0.0, distance);
+        updates(&mut app, 3);
+        assert!(is_asleep(&app), "{distance} m");
+    }
+    assert_eq!((level(&app, cloth), substeps(&app, cloth)), (1, 10));
+    assert_eq!(simulation(&app, cloth).tick_count(), count);
 }

@@ -303,3 +303,66 @@ fn an_anchor_with_an_uneven_scale_holds_still_until_it_is_even() {
     updates(&mut app, 2);
     assert_eq!(failure(&app, entity), None);
 }
+
+/// Whatever takes an anchor away, and however late it comes: its pins take hold where their particles are by then.
+#[test]
+fn an_anchor_that_comes_back_holds_again() {
+    type Change = fn(&mut EntityWorldMut);
+    let ways: [(&str, Change, Change); 3] = [
+        (
+            "without a `Transform`",
+            |anchor| _ = anchor.remove::<Transform>(),
+            |anchor| _ = anchor.insert(Transform::from_xyz(0.0, 0.5, 0.0)),
+        ),
+        (
+            "disabled",
+            |anchor| _ = anchor.insert(bevy::ecs::entity_disabling::Disabled),
+            |anchor| _ = anchor.remove::<bevy::ecs::entity_disabling::Disabled>(),
+        ),
+        (
+            "below a parent without one",
+            |anchor| {
+                let parent = anchor.world_scope(|world| world.spawn_empty().id());
+                anchor.insert(ChildOf(parent));
+            },
+            |anchor| {
+                let parent = anchor.get::<ChildOf>().unwrap().parent();
+                anchor.world_scope(|world| {
+                    world.entity_mut(parent).insert(Transform::default()).id()
+                });
+            },
+        ),
+    ];
+    for (what, leave, come) in ways {
+        for is_late in [false, true] {
+            let mut app = app();
+            let [anchor, other] =
+                [0.4, -0.4].map(|x| spawn(&mut app, Transform::from_xyz(x, 0.5, 0.0)));
+            let mut change =
+                |app: &mut App, it: Change| it(&mut app.world_mut().entity_mut(anchor));
+            if is_late {
+                change(&mut app, leave);
+            }
+            let pins = ClothPins::vertices([0]).anchored_to(anchor);
+            let pins = pins.and(ClothPins::vertices([7]).anchored_to(other));
+            let cloth = spawn(&mut app, (sheet(), pins, Transform::from_xyz(0.0, 0.5, 0.0)));
+            updates(&mut app, 10);
+            if !is_late {
+                assert_eq!(failure(&app, cloth), None, "{what}");
+                change(&mut app, leave);
+                updates(&mut app, 10);
+            }
+            let error = failure(&app, cloth).unwrap();
+            let lost = PinProblem::NoAnchor(anchor);
+            assert_eq!(error.kind, ClothErrorKind::Pin { pin: 0, problem: lost }, "{what}");
+            // The other one goes on.
+            assert!(position(&app, cloth, 7).distance(Vec3::new(0.5, 0.5, -0.5)) < 1e-5, "{what}");
+            change(&mut app, come);
+            updates(&mut app, 3);
+            assert_eq!(failure(&app, cloth), None, "{what}, late {is_late}");
+            let held = position(&app, cloth, 0);
+            updates(&mut app, 20);
+            assert!(held.distance(position(&app, cloth, 0)) < 1e-5, "{what}, late {is_late}");
+        }
+    }
+}
