@@ -28,6 +28,7 @@ mod loads;
 mod momentum;
 mod motion;
 mod passed_over;
+mod pulled;
 mod push;
 mod refusals;
 mod seams;

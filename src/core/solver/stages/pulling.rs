@@ -102,9 +102,15 @@ impl ClothSolver {
 
     /// Notes what threads have pulled, which lasts as all of their pulls do.
     pub(crate) fn note_pulling(&mut self) {
+        if self.pulling.is_empty() {
+            return;
+        }
+        // What corrects a mesh has its displacements elsewhere until then.
+        self.end_corrections();
         for pulling in &mut self.pulling {
             pulling.threads = self.state.d.get(pulling.slot) - pulling.before;
         }
+        self.begin_corrections();
     }
 
     /// Gives bodies what was pulled at them. The pins go with them.
