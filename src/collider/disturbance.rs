@@ -91,7 +91,7 @@ pub(crate) fn note_disturbances(
         let shape = shape.clone();
         Some(Seen { entity, shape, motion, friction, layers, bounds })
     }));
-    let (seen, before) = (core::mem::take(&mut noted.seen), core::mem::take(&mut noted.before));
+    let (seen, mut before) = (core::mem::take(&mut noted.seen), core::mem::take(&mut noted.before));
     let mut gone = before.iter().peekable();
     for now in &seen {
         while let Some(lost) = gone.next_if(|lost| lost.entity < now.entity) {
@@ -111,6 +111,8 @@ pub(crate) fn note_disturbances(
         }
     }
     gone.for_each(|lost| noted.note(lost));
+    // It would keep solids that nobody has any more.
+    before.clear();
     (noted.seen, noted.before) = (seen, before);
 }
 
