@@ -338,8 +338,7 @@ fn an_anchor_that_comes_back_holds_again() {
             let mut app = app();
             let [anchor, other] =
                 [0.4, -0.4].map(|x| spawn(&mut app, Transform::from_xyz(x, 0.5, 0.0)));
-            let mut change =
-                |app: &mut App, it: Change| it(&mut app.world_mut().entity_mut(anchor));
+            let change = |app: &mut App, it: Change| it(&mut app.world_mut().entity_mut(anchor));
             if is_late {
                 change(&mut app, leave);
             }

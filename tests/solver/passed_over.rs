@@ -49,7 +49,7 @@ fn falls_on(solid: &dyn SignedDistance, is_mesh: bool) -> (Vec<[u32; 6]>, u32) {
         at_rest(&topology, by + Vec3::Y * 0.01, Material::default(), Settings::default());
     let pose = |tick: i32| Pose {
         translation: Vec3::new(0.02, -0.22, 0.01),
-        rotation: Quat::from_rotation_x(0.003 * f32::from((tick % 20 - 10).abs() as u8)),
+        rotation: Quat::from_rotation_x(0.003 * ((tick % 20 - 10) as f32).abs()),
         scale: 1.0,
     };
     let mut touching = 0;
